@@ -1,0 +1,35 @@
+#include "turgor/core/exec.hpp"
+
+#include <thread>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+namespace turgor {
+
+// global_control lets an arena have more threads than the machine has cores (tests of determinism do that).
+struct Exec::Arena {
+  explicit Arena(int threads)
+      : limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)), arena(threads) {}
+  tbb::global_control limit;
+  tbb::task_arena arena;
+};
+
+Exec::Exec(int threads)
+    : threads_(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
+  if (threads_ > 1) arena_ = std::make_shared<Arena>(threads_);
+}
+
+void Exec::run_ranges(std::size_t count, std::size_t grain,
+                      const std::function<void(std::size_t, std::size_t)>& body) const {
+  if (count == 0) return;
+  if (threads_ == 1 || count <= grain) return body(0, count);
+  arena_->arena.execute([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
+                      [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
+  });
+}
+
+}  // namespace turgor

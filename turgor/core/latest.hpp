@@ -1,0 +1,37 @@
+// latest<T>: one thread writes whole values, one other thread reads the newest whole value. Neither ever waits.
+// Three slots change hands: the writer's, the reader's, and the one in the middle that holds the newest value.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+namespace turgor {
+
+template <class T>
+class latest {  // NOLINT(readability-identifier-naming): reads as a word in declarations, like std::atomic
+ public:
+  latest() = default;
+  explicit latest(const T& first) : slots_{first, first, first} {}
+
+  /// Writer's thread only.
+  void write(const T& value) {
+    slots_[writing_] = value;
+    writing_ = middle_.exchange(static_cast<std::uint8_t>(writing_ | kFresh), std::memory_order_acq_rel) & kSlot;
+  }
+
+  /// Reader's thread only: the newest value. The reference stays valid until the next read.
+  const T& read() {
+    if (middle_.load(std::memory_order_relaxed) & kFresh)
+      reading_ = middle_.exchange(reading_, std::memory_order_acq_rel) & kSlot;
+    return slots_[reading_];
+  }
+
+ private:
+  static constexpr std::uint8_t kSlot = 3, kFresh = 4;
+  T slots_[3]{};
+  std::uint8_t writing_ = 0;
+  std::atomic<std::uint8_t> middle_{1};
+  std::uint8_t reading_ = 2;
+};
+
+}  // namespace turgor

@@ -1,0 +1,29 @@
+// A triangle mesh to draw, to write or to touch. Normals and colours are optional: empty, or one a vertex.
+#pragma once
+
+#include <vector>
+
+#include "turgor/core/vec.hpp"
+
+namespace turgor {
+
+struct TriMesh {
+  std::vector<Vec3> vertices;   // [m]
+  std::vector<Int3> triangles;  // counter-clockwise seen from outside
+  std::vector<Vec3> normals;    // unit, outward
+  std::vector<float> scalars;   // a quantity to show as colour
+};
+
+/// Area-weighted vertex normals.
+inline std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
+  std::vector<Vec3> normals(mesh.vertices.size());
+  for (const auto [a, b, c] : mesh.triangles) {
+    const auto& x = mesh.vertices;
+    const Vec3 n = cross(x[std::size_t(b)] - x[std::size_t(a)], x[std::size_t(c)] - x[std::size_t(a)]);
+    for (const int corner : {a, b, c}) normals[std::size_t(corner)] += n;
+  }
+  for (Vec3& n : normals) n = normalized(n);
+  return normals;
+}
+
+}  // namespace turgor

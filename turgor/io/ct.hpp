@@ -1,0 +1,45 @@
+// CT volumes and segmentations in and out: DICOM folders (GDCM), NIfTI, NRRD and MetaImage (ITK). Files are in mm, NIfTI in RAS;
+// everything is metres and LPS once read. Errors name the file, the place, what was expected and what was found.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "turgor/core/progress.hpp"
+#include "turgor/core/exec.hpp"
+#include "turgor/core/result.hpp"
+#include "turgor/geometry/volume.hpp"
+
+namespace turgor {
+
+struct ReadOptions {
+  std::string series;  // DICOM: which series, by SeriesInstanceUID or by its number in the error's list; empty = the only one
+  Progress progress;   // may be empty
+};
+
+/// What a file says about its volume besides the voxels.
+struct CtFile {
+  CtVolume ct;
+  std::string format;    // "DICOM", "NIfTI", "NRRD", "MetaImage"
+  std::string patient, study, series, modality;  // DICOM only; may be empty
+  int files = 1;
+};
+
+/// A CT: a DICOM folder (or one of its files), .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd. Values become Hounsfield units.
+Result<CtFile> read_ct(const Exec& exec, const std::filesystem::path& path, const ReadOptions& options = {});
+/// A segmentation: .nii, .nii.gz, .nrrd, .mha, .mhd with whole numbers in 0…65535.
+Result<LabelVolume> read_labels(const std::filesystem::path& path);
+/// Directions: a three-component image (.nrrd, .nii.gz, .mha) in the patient frame LPS.
+Result<VectorVolume> read_vectors(const std::filesystem::path& path);
+
+/// By extension: .nii, .nii.gz, .nrrd, .mha. Compressed where the format can.
+Status write_ct(const std::filesystem::path& path, const CtVolume& ct);
+Status write_labels(const std::filesystem::path& path, const LabelVolume& labels);
+Status write_scalars(const std::filesystem::path& path, const ScalarVolume& volume);
+/// Components in mm, LPS.
+Status write_displacement(const std::filesystem::path& path, const VectorVolume& displacement);
+/// One file a slice, into a new folder.
+Status write_dicom(const Exec& exec, const std::filesystem::path& folder, const CtVolume& ct,
+                   const std::string& patient, const Progress& progress = {});
+
+}  // namespace turgor

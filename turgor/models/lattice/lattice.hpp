@@ -1,0 +1,163 @@
+// The lattice model: a CT volume as a body of springs, volumes and tense skin, that can be cut. [STC] Jeon, Seo, Kye 2025,
+// with the corrections listed in docs/models/lattice.md. Two solvers run on the same constraints: position-based
+// dynamics as in the paper, and vertex block descent (Chen et al. 2024), whose answer does not depend on its effort.
+//
+// Displacements, velocities and forces are along the lattice's own axes (Model::grid.axes turns them into the patient frame).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "turgor/core/aligned.hpp"
+#include "turgor/core/exec.hpp"
+#include "turgor/core/result.hpp"
+#include "turgor/geometry/lattice.hpp"
+#include "turgor/geometry/volume.hpp"
+
+namespace turgor::lattice {
+
+enum class Method : std::uint8_t { kPbd, kDescent };
+enum class SkinLaw : std::uint8_t { kArea, kFibre };
+/// What a node is made of. Outside = air around the body; gas = air inside it (lungs, bowel).
+enum class Tissue : std::uint8_t { kOutside, kGas, kFat, kMuscle, kBone };
+
+struct SkinParams {
+  bool enabled = true;
+  SkinLaw law = SkinLaw::kFibre;
+  double tension_along = 45;   // pull along Langer's lines; the area law uses the mean of both [N/m]
+  double tension_across = 45;  // pull across them [N/m]
+  double stiffness = 300;      // of the membrane, in both directions [N/m]
+  double shear = 100;          // fibre law only [N/m]
+  double amplification = 2;    // how fast skin stiffens when stretched, β of the paper [1]
+  Vec3d direction{1, 0, 0};    // Langer's lines, patient frame; need not lie in the skin
+};
+
+struct TissueParams {
+  double gas = 1e3, fat = 5e3, muscle = 2e4, bone = 1e7;  // Young's modulus [Pa]
+  double air_max = -449;                                  // below: air [HU]
+  double fat_max = -30;                                   // below: fat [HU]
+  double bone_min = 200;                                  // above: bone [HU]
+  double poisson = 0.25;                                  // springs alone give about 0.25; more adds a volume energy [1]
+  std::map<int, double> young_of_label;                   // Young's modulus by label of a segmentation [Pa]
+};
+
+struct SolverParams {
+  Method method = Method::kDescent;
+  int sweeps = 5;
+  double damping = 1.2;         // velocities lose exp(-damping·t) [1/s]
+  double pbd_stiffness = 1;     // pbd only: scales the density-based stiffness in [0, 1] [1]
+  bool pbd_volume = false;      // pbd only: project the tetrahedra's volumes too
+};
+
+struct Params {
+  Int3 block{4, 4, 4};  // voxels per lattice step
+  bool fix_bone = true;
+  bool fix_ends = false;  // the first and last layer along k, where a scan ends
+  TissueParams tissue;
+  SkinParams skin;
+  SolverParams solver;
+};
+
+/// Three scalars a slot, each in an array of its own.
+struct VecField {
+  aligned_vector<Real> x, y, z;
+
+  Vec3 operator[](std::size_t slot) const { return {x[slot], y[slot], z[slot]}; }
+  void set(std::size_t slot, Vec3 value) { x[slot] = value.x, y[slot] = value.y, z[slot] = value.z; }
+  void resize(std::size_t count) { x.resize(count), y.resize(count), z.resize(count); }
+};
+
+/// A triangle of skin. F d = Σ along[q] x[vertex[q]] is the image of the unit vector d along Langer's lines, and
+/// likewise across.
+struct SkinTriangle {
+  Int3 vertex;       // slots, counter-clockwise seen from outside
+  Real area;         // as in the CT [m²]
+  Real along[3];     // [1/m]
+  Real across[3];    // [1/m]
+  Real stiffness;    // pbd only, from the nodes' density, in [0, 1]
+};
+
+/// All skin, sorted by cell layer; triangles of layer k are [layer_begin[k], layer_begin[k + 1]).
+struct Skin {
+  std::vector<SkinTriangle> triangles;
+  std::vector<int> layer_begin;
+  // Which triangles meet at which node: nodes in slot order; row_begin has one entry per half row of the storage.
+  struct Corner {
+    int triangle, corner;
+  };
+  std::vector<int> nodes;         // slots
+  std::vector<int> corner_begin;  // nodes.size() + 1
+  std::vector<Corner> corners;
+  std::vector<int> row_begin;     // 2 · rows + 1, indices into nodes
+};
+
+/// What does not change while the body moves.
+struct Model {
+  Params params;
+  Grid grid;        // of the nodes, in the patient
+  Lattice lattice;  // of the nodes, in memory
+  aligned_vector<Real> inverse_mass;        // by slot; 0 = fixed, or no node [1/kg]
+  aligned_vector<Real> root_stiffness;      // by slot; an edge has the product of its two ends [√Pa, pbd: 1]
+  aligned_vector<Tissue> tissue;            // by slot
+  aligned_vector<std::int16_t> hu;          // by slot, mean of the block [HU]
+  std::array<Real, kFamilyCount> rest_length{};  // [m]
+  std::array<Real, kFamilyCount> spring_scale{};    // spring stiffness = scale · root · root [m]
+  Real volume_stiffness = 0;                // times root⁴ᐟ²: κ V of a tetrahedron per unit of root², see kernels.hpp [m³]
+  Skin skin;
+  int body_nodes = 0, free_nodes = 0;
+};
+
+/// An edge that a blade went through.
+struct CutEdge {
+  int slot = 0;            // lower end
+  std::uint8_t family = 0;
+  std::uint8_t incision = 0;  // which incision of the scene
+  Real fraction = 0;       // where, from the lower end, in [0, 1]
+};
+
+/// What changes.
+struct State {
+  double time = 0;                        // [s]
+  VecField u, u_before, v;                // displacement now and a step ago [m], velocity [m/s]
+  aligned_vector<std::uint8_t> cut;       // by slot: bit f = the edge of family f that starts here is cut
+  std::vector<std::uint8_t> row_cut;      // by row: does any edge at this row or one beside it have a cut?
+  std::vector<std::uint8_t> skin_cut;     // by skin triangle: 1 = holds no tension
+  std::vector<CutEdge> cut_edges;
+};
+
+struct Inputs {
+  Vec3d gravity;  // patient frame [m/s²]
+};
+
+struct StepReport {
+  bool finite = true;           // false: the step was undone
+  Real largest_speed = 0;       // [m/s]
+};
+
+/// How far a state is from solving its step: forces left over [N].
+struct Residual {
+  double largest = 0, rms = 0;
+};
+
+/// Body from a CT, and labels on the same patient when tissues come from a segmentation.
+Result<Model> build(const Exec& exec, const CtVolume& ct, const LabelVolume* labels, const Params& params);
+State make_state(const Model& model);
+StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+
+/// What the last step of length dt should have brought to zero: the gradient of its energy at the free nodes.
+Residual residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt);
+/// Elastic energy of springs, volumes and skin [J]; with dt > 0 plus the inertial term that implicit Euler minimises.
+double energy(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt);
+/// Equal for equal displacements, velocities and cuts, whatever the number of threads.
+std::uint64_t state_hash(const Model& model, const State& state);
+
+/// Place of a node now, along the lattice axes from its first node [m].
+inline Vec3 position(const Model& model, const State& state, Int3 node) {
+  return rest_position(model.lattice, node) + state.u[std::size_t(node_slot(model.lattice, node))];
+}
+inline bool is_body(Tissue t) { return t != Tissue::kOutside; }
+
+}  // namespace turgor::lattice
