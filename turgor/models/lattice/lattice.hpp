@@ -40,7 +40,7 @@ struct TissueParams {
   double air_max = -449;                                  // below: air [HU]
   double fat_max = -30;                                   // below: fat [HU]
   double bone_min = 200;                                  // above: bone [HU]
-  double poisson = 0.25;                                  // springs alone give about 0.25; more adds a volume energy [1]
+  double volume = 0;  // descent: bulk stiffness added by a volume energy, in multiples of Young's modulus [1]
   std::map<int, double> young_of_label;                   // Young's modulus by label of a segmentation [Pa]
 };
 
@@ -83,7 +83,7 @@ struct SkinTriangle {
 /// All skin, sorted by cell layer; triangles of layer k are [layer_begin[k], layer_begin[k + 1]).
 struct Skin {
   std::vector<SkinTriangle> triangles;
-  std::vector<int> layer_begin;
+  std::vector<int> layer_begin;  // empty without skin
   // Which triangles meet at which node: nodes in slot order; row_begin has one entry per half row of the storage.
   struct Corner {
     int triangle, corner;
@@ -104,8 +104,9 @@ struct Model {
   aligned_vector<Tissue> tissue;            // by slot
   aligned_vector<std::int16_t> hu;          // by slot, mean of the block [HU]
   std::array<Real, kFamilyCount> rest_length{};  // [m]
-  std::array<Real, kFamilyCount> spring_scale{};    // spring stiffness = scale · root · root [m]
-  Real volume_stiffness = 0;                // times root⁴ᐟ²: κ V of a tetrahedron per unit of root², see kernels.hpp [m³]
+  std::array<Real, kFamilyCount> spring_scale{};  // spring stiffness = scale · root · root [m]
+  Real rest_volume = 0;                          // of a tetrahedron [m³]
+  Real volume_scale = 0;                         // volume stiffness = scale · mean root² [1]
   Skin skin;
   int body_nodes = 0, free_nodes = 0;
 };
@@ -123,34 +124,43 @@ struct State {
   double time = 0;                        // [s]
   VecField u, u_before, v;                // displacement now and a step ago [m], velocity [m/s]
   aligned_vector<std::uint8_t> cut;       // by slot: bit f = the edge of family f that starts here is cut
-  std::vector<std::uint8_t> row_cut;      // by row: does any edge at this row or one beside it have a cut?
+  aligned_vector<std::uint8_t> removed;   // by slot: 1 = left the body (the paper's static incision)
+  std::vector<std::uint8_t> row_cut;      // by row: is an edge cut that touches this row or one beside it?
   std::vector<std::uint8_t> skin_cut;     // by skin triangle: 1 = holds no tension
   std::vector<CutEdge> cut_edges;
 };
 
 struct Inputs {
-  Vec3d gravity;  // patient frame [m/s²]
+  Vec3d gravity;                  // patient frame [m/s²]
+  bool measure_residual = false;  // costs about one sweep
 };
 
-struct StepReport {
-  bool finite = true;           // false: the step was undone
-  Real largest_speed = 0;       // [m/s]
-};
-
-/// How far a state is from solving its step: forces left over [N].
+/// How far a step is from the minimum of its energy: forces left over at the free nodes [N].
 struct Residual {
   double largest = 0, rms = 0;
 };
 
-/// Body from a CT, and labels on the same patient when tissues come from a segmentation.
-Result<Model> build(const Exec& exec, const CtVolume& ct, const LabelVolume* labels, const Params& params);
+struct StepReport {
+  bool finite = true;      // false: the step was undone
+  Real largest_speed = 0;  // [m/s]
+  Residual residual;       // when asked for
+};
+
+/// What may come beside a CT, on the same patient; null = absent.
+struct BodyFields {
+  const LabelVolume* labels = nullptr;  // a segmentation, for TissueParams::young_of_label
+  const VectorVolume* lines = nullptr;  // Langer's lines, instead of SkinParams::direction
+};
+
+/// Body from a CT. Errors: nothing but air, a body without skin where skin is asked for, fields off the CT.
+Result<Model> build(const Exec& exec, const CtVolume& ct, const BodyFields& fields, const Params& params);
 State make_state(const Model& model);
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
 
-/// What the last step of length dt should have brought to zero: the gradient of its energy at the free nodes.
-Residual residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt);
-/// Elastic energy of springs, volumes and skin [J]; with dt > 0 plus the inertial term that implicit Euler minimises.
-double energy(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt);
+/// Elastic energy of springs, volumes and skin [J].
+double energy(const Exec& exec, const Model& model, const State& state);
+/// Memory of a model and its state while it runs.
+std::size_t memory_bytes(const Model& model, const State& state);
 /// Equal for equal displacements, velocities and cuts, whatever the number of threads.
 std::uint64_t state_hash(const Model& model, const State& state);
 

@@ -1,0 +1,167 @@
+#include "turgor/models/lattice/skin.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Corners of a face of a tetrahedron, counter-clockwise seen from the corner opposite to it.
+constexpr std::array<std::array<int, 3>, 4> kFaceTowards = {{{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
+
+/// The skin of one layer of cells: every tetrahedron with exactly one corner outside gives the triangle of the others.
+void detect_layer(const Model& model, int k, std::vector<Int3>& found) {
+  const Lattice& l = model.lattice;
+  for (int j = 0; j + 1 < l.size.y; j++)
+    for (int i = 0; i + 1 < l.size.x; i++) {
+      int outside_count = 0;
+      bool outside[8];
+      for (int c = 0; c < 8; c++) {
+        const int slot = node_slot(l, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
+        outside[c] = !is_body(model.tissue[std::size_t(slot)]);
+        outside_count += outside[c];
+      }
+      if (outside_count == 0 || outside_count > 5) continue;
+      for (const auto& tet : kKuhnTets) {
+        int air = -1, count = 0;
+        for (int c = 0; c < 4; c++) {
+          const Int3 o = tet[std::size_t(c)];
+          if (outside[o.x | o.y << 1 | o.z << 2]) air = c, count++;
+        }
+        if (count != 1) continue;
+        Int3 triangle;
+        for (int c = 0; c < 3; c++) {
+          const Int3 o = tet[std::size_t(kFaceTowards[std::size_t(air)][std::size_t(c)])];
+          triangle[c] = node_slot(l, i + o.x, j + o.y, k + o.z);
+        }
+        found.push_back(triangle);
+      }
+    }
+}
+
+/// A triangle that two tetrahedra found from both sides of a sheet is kept once.
+void drop_doubles(std::vector<std::vector<Int3>>& layers) {
+  struct Key {
+    int a, b, c, layer, index;
+    bool operator<(const Key& o) const { return std::tie(a, b, c, layer, index) < std::tie(o.a, o.b, o.c, o.layer, o.index); }
+  };
+  std::vector<Key> keys;
+  for (std::size_t k = 0; k < layers.size(); k++)
+    for (std::size_t t = 0; t < layers[k].size(); t++) {
+      std::array<int, 3> v{layers[k][t].x, layers[k][t].y, layers[k][t].z};
+      std::sort(v.begin(), v.end());
+      keys.push_back({v[0], v[1], v[2], int(k), int(t)});
+    }
+  std::sort(keys.begin(), keys.end());
+  for (std::size_t n = 1; n < keys.size(); n++) {
+    const Key &a = keys[n - 1], &b = keys[n];
+    if (a.a == b.a && a.b == b.b && a.c == b.c) layers[std::size_t(b.layer)][std::size_t(b.index)].x = -1;
+  }
+  for (auto& layer : layers) std::erase_if(layer, [](Int3 t) { return t.x < 0; });
+}
+
+Vec3d lines_at(const VectorVolume& lines, Vec3d point) {
+  const Vec3d index = index_at(lines.grid, point);
+  Int3 p;
+  for (int axis = 0; axis < 3; axis++)
+    p[axis] = std::clamp(int(std::lround(index[axis])), 0, lines.grid.size[axis] - 1);
+  return Vec3d(lines.at(p.x, p.y, p.z));
+}
+
+/// Area and the coefficients of F d for d along and across the lines, from the rest positions.
+void measure_triangle(const Vec3d (&x)[3], Vec3d line, SkinTriangle& triangle) {
+  const Vec3d e1 = x[1] - x[0], e2 = x[2] - x[0], n = cross(e1, e2), normal = normalized(n);
+  Vec3d along = line - normal * dot(normal, line);
+  if (norm(along) < 1e-6 * norm(line) || norm(line) == 0) along = e1;  // lines straight into the skin: any direction
+  along = normalized(along);
+  const Vec3d across = cross(normal, along);
+  const double a = dot(e1, along), b = dot(e2, along), c = dot(e1, across), d = dot(e2, across), det = a * d - b * c;
+  triangle.area = Real(0.5 * norm(n));
+  const double inverse[2][2] = {{d / det, -b / det}, {-c / det, a / det}};  // of (e1 e2) in the frame (along, across)
+  for (int q = 0; q < 2; q++) {
+    triangle.along[q + 1] = Real(inverse[q][0]);
+    triangle.across[q + 1] = Real(inverse[q][1]);
+  }
+  triangle.along[0] = -triangle.along[1] - triangle.along[2];
+  triangle.across[0] = -triangle.across[1] - triangle.across[2];
+}
+
+struct MeasureTriangle {
+  const Model& model;
+  const VectorVolume* lines;
+  SkinTriangle* triangles;
+
+  void operator()(std::size_t t) const {
+    SkinTriangle& triangle = triangles[t];
+    const TissueParams& tissue = model.params.tissue;
+    Vec3d x[3], centre;
+    double hu = 0;
+    for (int c = 0; c < 3; c++) {
+      x[c] = Vec3d(rest_position(model.lattice, slot_node(model.lattice, triangle.vertex[c])));
+      centre += x[c] / 3;
+      hu += model.hu[std::size_t(triangle.vertex[c])] / 3.0;
+    }
+    const Vec3d patient = model.grid.origin + model.grid.axes * centre;
+    const Vec3d line = lines != nullptr ? lines_at(*lines, patient) : model.params.skin.direction;
+    measure_triangle(x, inverse(model.grid.axes) * line, triangle);
+    triangle.stiffness = Real(std::clamp((hu - tissue.air_max) / (tissue.bone_min - tissue.air_max), 0.05, 1.0));
+  }
+};
+
+void collect_corners(const Lattice& lattice, Skin& skin) {
+  struct Entry {
+    int slot, triangle, corner;
+  };
+  std::vector<Entry> entries;
+  for (int t = 0; t < int(skin.triangles.size()); t++)
+    for (int c = 0; c < 3; c++) entries.push_back({skin.triangles[std::size_t(t)].vertex[c], t, c});
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return std::tie(a.slot, a.triangle) < std::tie(b.slot, b.triangle);
+  });
+  skin.row_begin.assign(std::size_t(slot_count(lattice) / lattice.half + 1), 0);
+  for (const Entry& e : entries) {
+    if (skin.nodes.empty() || skin.nodes.back() != e.slot) {
+      skin.nodes.push_back(e.slot);
+      skin.corner_begin.push_back(int(skin.corners.size()));
+      skin.row_begin[std::size_t(e.slot / lattice.half + 1)]++;
+    }
+    skin.corners.push_back({e.triangle, e.corner});
+  }
+  skin.corner_begin.push_back(int(skin.corners.size()));
+  for (std::size_t r = 1; r < skin.row_begin.size(); r++) skin.row_begin[r] += skin.row_begin[r - 1];
+}
+
+}  // namespace
+
+void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
+  Skin& skin = model.skin;
+  std::vector<std::vector<Int3>> layers(std::size_t(model.lattice.size.z - 1));
+  parallel_for(exec, layers.size(), [&](std::size_t k) { detect_layer(model, int(k), layers[k]); });
+  drop_doubles(layers);
+  for (const auto& layer : layers) {
+    skin.layer_begin.push_back(int(skin.triangles.size()));
+    for (const Int3 vertex : layer) skin.triangles.push_back({.vertex = vertex});
+  }
+  skin.layer_begin.push_back(int(skin.triangles.size()));
+  parallel_for(exec, skin.triangles.size(), MeasureTriangle{model, lines, skin.triangles.data()}, 1024);
+  collect_corners(model.lattice, skin);
+}
+
+Edge edge_between(const Lattice& lattice, int a, int b) {
+  const Int3 from = slot_node(lattice, a), to = slot_node(lattice, b), offset = to - from;
+  if (const int family = family_of(offset); family >= 0) return {a, family};
+  return {b, family_of(-offset)};
+}
+
+void cut_skin(const Model& model, State& state) {
+  for (std::size_t t = 0; t < model.skin.triangles.size(); t++) {
+    const Int3 v = model.skin.triangles[t].vertex;
+    for (int c = 0; c < 3; c++) {
+      const Edge edge = edge_between(model.lattice, v[c], v[(c + 1) % 3]);
+      if (state.cut[std::size_t(edge.slot)] >> edge.family & 1) state.skin_cut[t] = 1;
+    }
+  }
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,22 @@
+// Finding the skin of a body: the triangles between tissue and the outside. [STC 4.1, Algorithm 2]
+#pragma once
+
+#include "turgor/models/lattice/lattice.hpp"
+
+namespace turgor::lattice {
+
+/// Fills model.skin from model.lattice, tissue and hu. `lines` = Langer's lines in the patient frame, or null for
+/// model.params.skin.direction.
+void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model);
+
+/// Family and lower end of the edge between two slots that are neighbours.
+struct Edge {
+  int slot = 0;
+  int family = -1;  // -1: not neighbours
+};
+Edge edge_between(const Lattice& lattice, int a, int b);
+
+/// Marks the triangles that lost an edge to a cut.
+void cut_skin(const Model& model, State& state);
+
+}  // namespace turgor::lattice
