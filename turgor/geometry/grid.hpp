@@ -38,4 +38,18 @@ constexpr Vec3d index_at(const Grid& grid, Vec3d point) {
 /// Volume that one sample stands for [m³].
 constexpr double sample_volume(const Grid& grid) { return grid.spacing.x * grid.spacing.y * grid.spacing.z; }
 
+/// Whether two grids place their samples alike: same size, and every corner within a hundredth of the finest spacing
+/// (files round their origins and directions).
+constexpr bool same_grid(const Grid& a, const Grid& b) {
+  if (!(a.size == b.size)) return false;
+  const auto finest = [](Vec3d s) { return s.x < s.y ? (s.x < s.z ? s.x : s.z) : (s.y < s.z ? s.y : s.z); };
+  const double tolerance = 0.01 * finest(a.spacing);
+  for (int corner = 0; corner < 8; corner++) {
+    const Vec3d index{corner & 1 ? a.size.x - 1.0 : 0.0, corner & 2 ? a.size.y - 1.0 : 0.0, corner & 4 ? a.size.z - 1.0 : 0.0};
+    const Vec3d apart = point_at(a, index) - point_at(b, index);
+    if (!(dot(apart, apart) <= tolerance * tolerance)) return false;
+  }
+  return true;
+}
+
 }  // namespace turgor

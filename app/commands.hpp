@@ -1,0 +1,29 @@
+// The commands of the program `turgor`. Each add_<name>_command declares one subcommand with its options; its callback
+// does the work when the command line names it, and throws Failure with a sentence when it cannot.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace turgor {
+
+/// Options that every command shares.
+struct Global {
+  int threads = 0;  // 0 = one per core
+};
+
+/// Thrown by a command's callback; main prints the message after "turgor: " and exits with the code.
+struct Failure {
+  int exit_code = 2;
+  std::string message;
+};
+
+// `global` outlives the program's parsing; callbacks read it.
+void add_info_command(CLI::App& program, Global& global);
+void add_import_command(CLI::App& program, Global& global);
+void add_phantom_command(CLI::App& program, Global& global);
+void add_run_command(CLI::App& program, Global& global);
+void add_bench_command(CLI::App& program, Global& global);
+
+}  // namespace turgor
