@@ -1,10 +1,17 @@
-// The one number type of the simulation and the macro that marks functions a GPU backend may call as well.
+// The one number type of the simulation, the macro that marks functions a GPU backend may call as well, and the one that promises
+// the compiler that the iterations of the loop behind it touch different numbers.
 #pragma once
 
 #ifdef __CUDACC__
 #define TURGOR_HD __host__ __device__
 #else
 #define TURGOR_HD
+#endif
+
+#ifdef __clang__
+#define TURGOR_LANES _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define TURGOR_LANES _Pragma("GCC ivdep")
 #endif
 
 namespace turgor {

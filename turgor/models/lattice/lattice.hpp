@@ -74,6 +74,7 @@ struct VecField {
 /// likewise across.
 struct SkinTriangle {
   Int3 vertex;       // slots, counter-clockwise seen from outside
+  Vec3 edge1, edge2;  // rest, from the first corner to the others [m]
   Real area;         // as in the CT [m²]
   Real along[3];     // [1/m]
   Real across[3];    // [1/m]

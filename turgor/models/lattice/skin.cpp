@@ -77,6 +77,8 @@ void measure_triangle(const Vec3d (&x)[3], Vec3d line, SkinTriangle& triangle) {
   along = normalized(along);
   const Vec3d across = cross(normal, along);
   const double a = dot(e1, along), b = dot(e2, along), c = dot(e1, across), d = dot(e2, across), det = a * d - b * c;
+  triangle.edge1 = Vec3(e1);
+  triangle.edge2 = Vec3(e2);
   triangle.area = Real(0.5 * norm(n));
   const double inverse[2][2] = {{d / det, -b / det}, {-c / det, a / det}};  // of (e1 e2) in the frame (along, across)
   for (int q = 0; q < 2; q++) {

@@ -1,0 +1,281 @@
+// Vertex block descent on the lattice (Chen et al. 2024): each node in turn moves to the minimum of the quadratic that its
+// springs, volumes and skin, and its own inertia, make of the step's energy. Nodes of a half row have no edge in common,
+// so a half row is done at once: forces and stiffnesses into a buffer as SIMD, skin node by node, one Newton step as SIMD.
+#include <algorithm>
+#include <vector>
+
+#include "turgor/models/lattice/kernels.hpp"
+#include "turgor/models/lattice/rows.hpp"
+#include "turgor/models/lattice/sweeps.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+constexpr int kLanes = 256;  // nodes done at once; longer half rows are done in pieces
+
+/// NodeSystem of many nodes, an array per number.
+struct SystemBuffer {
+  alignas(64) Real fx[kLanes], fy[kLanes], fz[kLanes];
+  alignas(64) Real xx[kLanes], yy[kLanes], zz[kLanes], xy[kLanes], xz[kLanes], yz[kLanes];
+
+  NodeSystem get(int i) const { return {{fx[i], fy[i], fz[i]}, xx[i], yy[i], zz[i], xy[i], xz[i], yz[i]}; }
+  void set(int i, const NodeSystem& s) {
+    fx[i] = s.f.x, fy[i] = s.f.y, fz[i] = s.f.z;
+    xx[i] = s.xx, yy[i] = s.yy, zz[i] = s.zz, xy[i] = s.xy, xz[i] = s.xz, yz[i] = s.yz;
+  }
+};
+
+/// The fourteen neighbours of a node whose i has one parity: seven families, both ways.
+struct Neighbours {
+  int offset[14];
+  Vec3 edge[14];  // rest vector to the neighbour [m]
+  Real rest[14], scale[14];
+};
+
+/// The twenty-four tetrahedra around a node: offsets and rest vectors of the other three corners, positively oriented.
+struct TetsAround {
+  struct Corner {
+    int offset[3];
+    Vec3 edge[3];
+  };
+  Corner tet[24];
+  // the six edges of each: where the lower end is, relative to the node, and the family
+  int cut_offset[24][6], cut_family[24][6];
+};
+
+struct Tables {
+  Neighbours neighbours[2];
+  TetsAround tets[2];
+};
+
+Neighbours neighbours_of(const Model& model, int parity) {
+  Neighbours n{};
+  for (int e = 0; e < 14; e++) {
+    const auto f = std::size_t(e / 2);
+    const Int3 offset = e % 2 == 0 ? kFamilies[f] : -kFamilies[f];
+    n.offset[e] = slot_offset(model.lattice, offset, parity);
+    n.edge[e] = hadamard(model.lattice.step, Vec3(offset));
+    n.rest[e] = model.rest_length[f];
+    n.scale[e] = model.spring_scale[f];
+  }
+  return n;
+}
+
+/// Offsets between nodes that are at most one apart, seen from a node at the origin with i of the given parity. Corners of a
+/// tetrahedron are, so edges between two other corners start at such a node too.
+TetsAround tets_of(const Lattice& l, int parity) {
+  TetsAround around{};
+  int t = 0;
+  for (const auto& tet : kKuhnTets)
+    for (std::size_t at = 0; at < 4; at++, t++) {
+      // even permutations that bring corner `at` to the front
+      constexpr int kOrder[4][4] = {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 0, 1, 3}, {3, 0, 2, 1}};
+      for (std::size_t c = 0; c < 3; c++) {
+        const Int3 offset = tet[std::size_t(kOrder[at][c + 1])] - tet[at];
+        around.tet[t].offset[c] = slot_offset(l, offset, parity);
+        around.tet[t].edge[c] = hadamard(l.step, Vec3(offset));
+      }
+      int e = 0;
+      for (std::size_t p = 0; p < 4; p++)
+        for (std::size_t q = p + 1; q < 4; q++, e++) {
+          const bool forward = family_of(tet[q] - tet[p]) >= 0;
+          const Int3 lower = tet[forward ? p : q], upper = tet[forward ? q : p];
+          around.cut_offset[t][e] = lower == tet[at] ? 0 : slot_offset(l, lower - tet[at], parity);
+          around.cut_family[t][e] = family_of(upper - lower);
+        }
+    }
+  return around;
+}
+
+template <bool kWithCuts>
+void gather_springs(const NodeArrays& n, const Neighbours& around, int slot, int count, SystemBuffer& __restrict out) {
+TURGOR_LANES
+  for (int i = 0; i < count; i++) {
+    const int a = slot + i;
+    NodeSystem s;
+#pragma GCC unroll 14
+    for (int e = 0; e < 14; e++) {
+      const int b = a + around.offset[e];
+      Real k = around.scale[e] * n.root[a] * n.root[b];
+      if constexpr (kWithCuts) k = n.cut[e % 2 == 0 ? a : b] >> e / 2 & 1 ? 0 : k;
+      add_spring(s, around.edge[e] + (n.u(b) - n.u(a)), around.rest[e], k);
+    }
+    out.set(i, s);
+  }
+}
+
+template <bool kWithCuts>
+void gather_volumes(const NodeArrays& n, const TetsAround& around, Real rest_volume, Real scale, int slot, int count,
+                    SystemBuffer& __restrict out) {
+  for (int t = 0; t < 24; t++) {
+    const TetsAround::Corner& tet = around.tet[t];
+TURGOR_LANES
+    for (int i = 0; i < count; i++) {
+      const int a = slot + i, b = a + tet.offset[0], c = a + tet.offset[1], d = a + tet.offset[2];
+      Real k = scale * square_root(n.root[a] * n.root[b] * (n.root[c] * n.root[d])) / rest_volume;
+      if constexpr (kWithCuts) {
+        int cut = 0;
+        for (int e = 0; e < 6; e++) cut |= n.cut[a + around.cut_offset[t][e]] >> around.cut_family[t][e] & 1;
+        k = cut ? 0 : k;
+      }
+      const Vec3 x = n.u(a);
+      const Vec3 e1 = tet.edge[0] + (n.u(b) - x), e2 = tet.edge[1] + (n.u(c) - x), e3 = tet.edge[2] + (n.u(d) - x);
+      const VolumeGradients g = volume_gradients(e1, e2, e3);
+      const Real sixth = Real(1) / 6;
+      NodeSystem s = out.get(i);
+      add_volume(s, (g.g1 + g.g2 + g.g3) * -sixth, k, dot(e1, g.g1) * sixth - rest_volume);
+      out.set(i, s);
+    }
+  }
+}
+
+/// Adds what the skin around the nodes of [slot, slot + count) asks of them.
+void gather_skin(const Model& model, const State& state, const NodeArrays& n, int slot, int count, SystemBuffer& out) {
+  const Skin& skin = model.skin;
+  const SkinParams& params = model.params.skin;
+  const FibreLaw law = fibre_law(params);
+  const Real ratio = rest_area_ratio(params);
+  const auto row = std::size_t(slot / model.lattice.half);
+  for (auto at = std::size_t(skin.row_begin[row]); at < std::size_t(skin.row_begin[row + 1]); at++) {
+    const int a = skin.nodes[at];
+    if (a < slot || a >= slot + count || n.w[a] == 0) continue;
+    NodeSystem s = out.get(a - slot);
+    for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
+      const Skin::Corner corner = skin.corners[std::size_t(c)];
+      if (state.skin_cut[std::size_t(corner.triangle)]) continue;
+      const SkinTriangle& t = skin.triangles[std::size_t(corner.triangle)];
+      const Vec3 origin = n.u(t.vertex.x);
+      const Vec3 x[3] = {{0, 0, 0}, t.edge1 + (n.u(t.vertex.y) - origin), t.edge2 + (n.u(t.vertex.z) - origin)};
+      if (params.law == SkinLaw::kFibre) {
+        add_skin_fibre(s, x, corner.corner, t, law);
+      } else {
+        const Real rest = ratio * t.area;
+        add_skin_area(s, x[corner.corner], x[(corner.corner + 1) % 3], x[(corner.corner + 2) % 3], rest,
+                      Real(params.stiffness) / rest, Real(params.amplification));
+      }
+    }
+    out.set(a - slot, s);
+  }
+}
+
+/// Everything a half row is asked for, without inertia.
+struct GatherRow {
+  const Model& model;
+  const State& state;
+  NodeArrays nodes;
+  Tables tables;
+
+  GatherRow(const Model& m, State& s) : model(m), state(s), nodes(node_arrays(m, s)) {
+    for (int parity = 0; parity < 2; parity++) {
+      tables.neighbours[parity] = neighbours_of(m, parity);
+      tables.tets[parity] = tets_of(m.lattice, parity);
+    }
+  }
+
+  template <bool kWithCuts>
+  void gather(int parity, int slot, int count, SystemBuffer& out) const {
+    gather_springs<kWithCuts>(nodes, tables.neighbours[parity], slot, count, out);
+    if (model.volume_scale > 0)
+      gather_volumes<kWithCuts>(nodes, tables.tets[parity], model.rest_volume, model.volume_scale, slot, count, out);
+    if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, slot, count, out);
+  }
+
+  void operator()(int parity, int slot, int count, SystemBuffer& out) const {
+    state.row_cut[std::size_t(slot / row_stride(model.lattice))] ? gather<true>(parity, slot, count, out)
+                                                                 : gather<false>(parity, slot, count, out);
+  }
+};
+
+/// Where inertia and gravity lead: y = u_before + h v + h² g.
+struct Inertia {
+  const Real *bx, *by, *bz, *vx, *vy, *vz, *w;
+  const std::uint8_t* removed;
+  Vec3 fall;  // h² g [m]
+  Real dt;
+
+  Inertia(const Model& model, const State& s, const Inputs& inputs, double step)
+      : bx(s.u_before.x.data()), by(s.u_before.y.data()), bz(s.u_before.z.data()),
+        vx(s.v.x.data()), vy(s.v.y.data()), vz(s.v.z.data()), w(model.inverse_mass.data()), removed(s.removed.data()),
+        fall(lattice_gravity(model, inputs) * Real(step * step)), dt(Real(step)) {}
+
+  Vec3 operator()(int s) const {
+    const Real moves = (w[s] > 0) & (removed[s] == 0) ? Real(1) : Real(0);
+    return {bx[s] + moves * (dt * vx[s] + fall.x), by[s] + moves * (dt * vy[s] + fall.y),
+            bz[s] + moves * (dt * vz[s] + fall.z)};
+  }
+};
+
+/// Calls body(parity, slot, count) on pieces of all half rows of a layer, in order.
+template <class Body>
+void for_each_piece(const Lattice& l, int k, const Body& body) {
+  for (int j = 0; j < l.size.y; j++)
+    for (int parity = 0; parity < 2; parity++) {
+      const int slot = row_slot(l, j, k) + parity * l.half, count = half_count(l, parity);
+      for (int begin = 0; begin < count; begin += kLanes) body(parity, slot + begin, std::min(kLanes, count - begin));
+    }
+}
+
+struct DescendLayer {
+  const GatherRow& gather;
+  const Inertia& inertia;
+
+  void operator()(int k) const {
+    SystemBuffer buffer;
+    for_each_piece(gather.model.lattice, k, [&](int parity, int slot, int count) {
+      gather(parity, slot, count, buffer);
+      solve(slot, count, buffer);
+    });
+  }
+
+  void solve(int slot, int count, const SystemBuffer& buffer) const {
+    const NodeArrays& n = gather.nodes;
+    Real *__restrict ux = n.ux + slot, *__restrict uy = n.uy + slot, *__restrict uz = n.uz + slot;
+    const Inertia y = inertia;  // a copy that the stores below cannot reach
+TURGOR_LANES
+    for (int i = 0; i < count; i++) {
+      const Vec3 to_inertial = y(slot + i) - Vec3{ux[i], uy[i], uz[i]};
+      const Vec3 change = newton_step(buffer.get(i), to_inertial, y.dt * y.dt * y.w[slot + i]);
+      ux[i] += change.x, uy[i] += change.y, uz[i] += change.z;
+    }
+  }
+};
+
+struct LayerResidual {
+  double largest2 = 0, sum2 = 0;
+};
+
+}  // namespace
+
+void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  const GatherRow gather(model, state);
+  const Inertia inertia(model, state, inputs, dt);
+  sweep_slabs(exec, model.lattice.size.z, DescendLayer{gather, inertia});
+}
+
+Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt) {
+  const GatherRow gather(model, const_cast<State&>(state));  // node_arrays has one type for readers and writers
+  const Inertia inertia(model, state, inputs, dt);
+  std::vector<LayerResidual> layers(std::size_t(model.lattice.size.z));
+  parallel_for(exec, layers.size(), [&](std::size_t k) {
+    SystemBuffer buffer;
+    LayerResidual& layer = layers[k];
+    for_each_piece(model.lattice, int(k), [&](int parity, int slot, int count) {
+      gather(parity, slot, count, buffer);
+TURGOR_LANES
+      for (int i = 0; i < count; i++) {
+        const Real w = gather.nodes.w[slot + i];
+        if (w == 0 || state.removed[std::size_t(slot + i)]) continue;
+        const Vec3d lack(inertia(slot + i) - gather.nodes.u(slot + i));
+        const Vec3d force = Vec3d(buffer.get(i).f) + lack / (double(w) * dt * dt);
+        layer.largest2 = std::max(layer.largest2, dot(force, force));
+        layer.sum2 += dot(force, force);
+      }
+    });
+  });
+  LayerResidual all;
+  for (const LayerResidual& layer : layers) all.largest2 = std::max(all.largest2, layer.largest2), all.sum2 += layer.sum2;
+  return {.largest = std::sqrt(all.largest2), .rms = std::sqrt(all.sum2 / std::max(1, model.free_nodes))};
+}
+
+}  // namespace turgor::lattice

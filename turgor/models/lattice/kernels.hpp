@@ -1,0 +1,152 @@
+// The mathematics of one element: a spring, a tetrahedron's volume, a triangle of skin. Everything is a pure function of a few
+// numbers, for CPU lanes and GPU threads alike. Derivations, and what differs from the paper: docs/models/lattice.md.
+#pragma once
+
+#include <cmath>
+
+#include "turgor/models/lattice/lattice.hpp"
+
+namespace turgor::lattice {
+
+TURGOR_HD inline Real positive(Real a) { return a > 0 ? a : 0; }
+/// A divisor that may be zero only where the quotient does not matter. Branches would keep loops from being SIMD.
+TURGOR_HD inline Real nonzero(Real a) { return a > Real(1e-30) ? a : Real(1e-30); }
+TURGOR_HD inline Real square_root(Real a) { return __builtin_sqrtf(a); }
+
+// ---------------------------------------------------------------- pbd: projections -------------------------------
+
+/// How far the ends of a spring move along d = b − a: a by +wa·s·d, b by −wb·s·d. [Müller 2007, eq. 10]
+TURGOR_HD inline Real project_spring(Vec3 d, Real rest, Real stiffness, Real wa, Real wb) {
+  const Real length = square_root(dot(d, d));
+  return stiffness * (length - rest) / nonzero((wa + wb) * length);
+}
+
+/// Gradients of the volume of (0, e1, e2, e3) by its last three corners, in sixths; the first has minus their sum.
+struct VolumeGradients {
+  Vec3 g1, g2, g3;
+};
+TURGOR_HD inline VolumeGradients volume_gradients(Vec3 e1, Vec3 e2, Vec3 e3) {
+  return {cross(e2, e3), cross(e3, e1), cross(e1, e2)};
+}
+
+/// Corner i moves by w_i · s · gradient_i (gradients in sixths). [Müller 2007, eq. 8]
+TURGOR_HD inline Real project_volume(Vec3 e1, const VolumeGradients& g, Real rest_volume, Real stiffness, Real w0, Real w1,
+                                     Real w2, Real w3) {
+  const Vec3 g0 = g.g1 + g.g2 + g.g3;
+  const Real sum = w0 * dot(g0, g0) + w1 * dot(g.g1, g.g1) + w2 * dot(g.g2, g.g2) + w3 * dot(g.g3, g.g3);
+  const Real change = dot(e1, g.g1) - 6 * rest_volume;
+  return -stiffness * change / nonzero(sum);
+}
+
+/// The skin tension constraint C = A − A_rest, k·F_amp at most 1. Moves the three corners. [STC Algorithm 1, corrected]
+TURGOR_HD inline void project_skin(Vec3 (&x)[3], const Real (&w)[3], Real rest_area, Real stiffness, Real amplification) {
+  const Vec3 n = cross(x[1] - x[0], x[2] - x[0]);
+  const Real twice_area = square_root(dot(n, n)), change = Real(0.5) * twice_area - rest_area;
+  if (!(twice_area > Real(1e-6) * rest_area)) return;
+  const Real amplified = stiffness * (1 + amplification * positive(change / rest_area));
+  const Vec3 u = n * (Real(0.5) / twice_area);
+  const Vec3 g[3] = {cross(x[1] - x[2], u), cross(x[2] - x[0], u), cross(x[0] - x[1], u)};
+  const Real sum = w[0] * dot(g[0], g[0]) + w[1] * dot(g[1], g[1]) + w[2] * dot(g[2], g[2]);
+  if (!(sum > 0)) return;
+  const Real s = -(amplified < 1 ? amplified : 1) * change / sum;
+  for (int c = 0; c < 3; c++) x[c] += g[c] * (s * w[c]);
+}
+
+// ---------------------------------------------------------------- descent: force and stiffness at one node --------
+
+/// Minus the gradient of the energy by one node's place [N], and its second derivative kept positive definite [N/m].
+struct NodeSystem {
+  Vec3 f;
+  Real xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
+};
+
+TURGOR_HD inline void add_outer(NodeSystem& s, Vec3 g, Real k) {
+  const Vec3 kg = g * k;
+  s.xx += kg.x * g.x, s.yy += kg.y * g.y, s.zz += kg.z * g.z;
+  s.xy += kg.x * g.y, s.xz += kg.x * g.z, s.yz += kg.y * g.z;
+}
+TURGOR_HD inline void add_isotropic(NodeSystem& s, Real k) { s.xx += k, s.yy += k, s.zz += k; }
+
+/// ½ k (|d| − rest)² with d from this node to the other.
+TURGOR_HD inline void add_spring(NodeSystem& s, Vec3 d, Real rest, Real k) {
+  const Real inverse_length = 1 / square_root(dot(d, d)), stretch = 1 - rest * inverse_length;
+  const Real lateral = k * positive(stretch);
+  s.f += d * (k * stretch);
+  add_outer(s, d, (k - lateral) * inverse_length * inverse_length);
+  add_isotropic(s, lateral);
+}
+
+/// ½ κ V₀ (V/V₀ − 1)², g = gradient of V at this node; `stiffness` = κ/V₀, `change` = V − V₀.
+TURGOR_HD inline void add_volume(NodeSystem& s, Vec3 g, Real stiffness, Real change) {
+  s.f -= g * (stiffness * change);
+  add_outer(s, g, stiffness);
+}
+
+/// A membrane that resists area, ½ K (A − A_rest)²/A_rest, seen from corner a. `stiffness` = K/A_rest. [STC eq. 3]
+TURGOR_HD inline void add_skin_area(NodeSystem& s, Vec3 a, Vec3 b, Vec3 c, Real rest_area, Real stiffness,
+                                    Real amplification) {
+  const Vec3 n = cross(b - a, c - a);
+  const Real twice_area = square_root(dot(n, n)), change = Real(0.5) * twice_area - rest_area;
+  if (!(twice_area > Real(1e-6) * rest_area)) return;
+  const Vec3 u = n * (1 / twice_area), opposite = b - c, g = cross(opposite, u) * Real(0.5);
+  const Real k = stiffness * (1 + amplification * positive(change / rest_area));
+  s.f -= g * (k * change);
+  add_outer(s, g, k);
+  // A taut membrane resists sideways: without this term the sweeps diverge.
+  add_outer(s, u, k * positive(change) * dot(opposite, opposite) / (2 * twice_area));
+}
+
+/// What the fibre law needs besides the triangle; r = 1 − T/K is the stretch at which the skin would rest.
+struct FibreLaw {
+  Real rest_along, rest_across, stiffness, shear, amplification;  // [1] [1] [N/m] [N/m] [1]
+};
+
+/// ½ K A₀ (|g| − rest)² with g = F d, seen from a corner whose coefficient in g is c.
+TURGOR_HD inline void add_fibre(NodeSystem& s, Vec3 g, Real c, Real rest, Real stiffness, Real amplification) {
+  const Real length = square_root(dot(g, g)), strain = length - rest;
+  if (!(length > 0)) return;
+  const Real k = stiffness * c * c * (1 + amplification * positive(strain / rest)), inverse_length = 1 / length;
+  const Real lateral = k * positive(strain) * inverse_length;
+  s.f -= g * (c != 0 ? k / c * strain * inverse_length : 0);
+  add_outer(s, g, (k - lateral) * inverse_length * inverse_length);
+  add_isotropic(s, lateral);
+}
+
+/// Skin with fibres along Langer's lines, seen from corner `at`. [theory: docs/models/lattice.md, fibre law]
+TURGOR_HD inline void add_skin_fibre(NodeSystem& s, const Vec3 (&x)[3], int at, const SkinTriangle& t, const FibreLaw& law) {
+  const Vec3 along = x[0] * t.along[0] + x[1] * t.along[1] + x[2] * t.along[2];
+  const Vec3 across = x[0] * t.across[0] + x[1] * t.across[1] + x[2] * t.across[2];
+  add_fibre(s, along, t.along[at], law.rest_along, law.stiffness * t.area, law.amplification);
+  add_fibre(s, across, t.across[at], law.rest_across, law.stiffness * t.area, law.amplification);
+  const Vec3 g = along * t.across[at] + across * t.along[at];
+  s.f -= g * (law.shear * t.area * dot(along, across));
+  add_outer(s, g, law.shear * t.area);
+}
+
+/// Newton's step of one node: (1 + c H) x = y-part + c f with c = h²·w, so that a fixed node (c = 0) stays.
+TURGOR_HD inline Vec3 newton_step(const NodeSystem& s, Vec3 to_inertial, Real c) {
+  const Real a = 1 + c * s.xx, d = 1 + c * s.yy, f = 1 + c * s.zz, b = c * s.xy, e = c * s.xz, g = c * s.yz;
+  const Vec3 r = to_inertial + s.f * c;
+  const Real m00 = d * f - g * g, m01 = e * g - b * f, m02 = b * g - e * d;
+  const Real m11 = a * f - e * e, m12 = e * b - a * g, m22 = a * d - b * b;
+  const Real inverse_determinant = 1 / (a * m00 + b * m01 + e * m02);
+  return Vec3{m00 * r.x + m01 * r.y + m02 * r.z, m01 * r.x + m11 * r.y + m12 * r.z,
+              m02 * r.x + m12 * r.y + m22 * r.z} *
+         inverse_determinant;
+}
+
+// ---------------------------------------------------------------- what skin weighs in both solvers -------------
+
+/// Rest area under pretension, relative to the area in the CT: 1 − T/K.
+inline Real rest_area_ratio(const SkinParams& skin) {
+  return Real(1 - 0.5 * (skin.tension_along + skin.tension_across) / skin.stiffness);
+}
+inline FibreLaw fibre_law(const SkinParams& skin) {
+  return {.rest_along = Real(1 - skin.tension_along / skin.stiffness),
+          .rest_across = Real(1 - skin.tension_across / skin.stiffness),
+          .stiffness = Real(skin.stiffness),
+          .shear = Real(skin.shear),
+          .amplification = Real(skin.amplification)};
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,149 @@
+// Position-based dynamics on the lattice, as in the paper: springs, then volumes if asked for, then skin. A layer of cells is done
+// row by row; both ends of an edge family are contiguous runs of nodes without a node in common, so lanes never meet.
+#include "turgor/models/lattice/kernels.hpp"
+#include "turgor/models/lattice/rows.hpp"
+#include "turgor/models/lattice/sweeps.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// One family between two runs of nodes; a and b are the first slots of the runs.
+template <bool kWithCuts>
+void project_edges(const NodeArrays& n, int a, int b, int count, Vec3 edge, Real rest, int family) {
+  Real *__restrict ax = n.ux + a, *__restrict ay = n.uy + a, *__restrict az = n.uz + a;
+  Real *__restrict bx = n.ux + b, *__restrict by = n.uy + b, *__restrict bz = n.uz + b;
+  const Real *__restrict wa = n.w + a, *__restrict wb = n.w + b, *__restrict ra = n.root + a, *__restrict rb = n.root + b;
+  const std::uint8_t* __restrict cut = n.cut + a;
+  const auto [ex, ey, ez] = edge;
+TURGOR_LANES
+  for (int i = 0; i < count; i++) {
+    const Vec3 d{ex + (bx[i] - ax[i]), ey + (by[i] - ay[i]), ez + (bz[i] - az[i])};
+    Real stiffness = ra[i] * rb[i];
+    if constexpr (kWithCuts) stiffness = cut[i] >> family & 1 ? 0 : stiffness;
+    const Real s = project_spring(d, rest, stiffness, wa[i], wb[i]);
+    const Real sa = s * wa[i], sb = s * wb[i];
+    ax[i] += sa * d.x, ay[i] += sa * d.y, az[i] += sa * d.z;
+    bx[i] -= sb * d.x, by[i] -= sb * d.y, bz[i] -= sb * d.z;
+  }
+}
+
+/// Four runs of corner nodes, for tetrahedra of one kind whose cells have i of one parity: they share no node.
+struct TetRuns {
+  int slot[4];
+  Vec3 e1, e2, e3;  // rest edges from the first corner [m]
+  struct {
+    int corner, family;
+  } edge[6];  // lower end and family
+};
+
+template <bool kWithCuts>
+void project_volumes(const NodeArrays& n, const TetRuns& runs, int count, Real rest_volume) {
+  const auto [a, b, c, d] = runs.slot;
+  Real *__restrict ax = n.ux + a, *__restrict ay = n.uy + a, *__restrict az = n.uz + a;
+  Real *__restrict bx = n.ux + b, *__restrict by = n.uy + b, *__restrict bz = n.uz + b;
+  Real *__restrict cx = n.ux + c, *__restrict cy = n.uy + c, *__restrict cz = n.uz + c;
+  Real *__restrict dx = n.ux + d, *__restrict dy = n.uy + d, *__restrict dz = n.uz + d;
+  const Real *__restrict wa = n.w + a, *__restrict wb = n.w + b, *__restrict wc = n.w + c, *__restrict wd = n.w + d;
+  const Real *__restrict ra = n.root + a, *__restrict rb = n.root + b, *__restrict rc = n.root + c,
+             *__restrict rd = n.root + d;
+  const auto [e1x, e1y, e1z] = runs.e1;
+  const auto [e2x, e2y, e2z] = runs.e2;
+  const auto [e3x, e3y, e3z] = runs.e3;
+TURGOR_LANES
+  for (int i = 0; i < count; i++) {
+    const Vec3 e1{e1x + (bx[i] - ax[i]), e1y + (by[i] - ay[i]), e1z + (bz[i] - az[i])};
+    const Vec3 e2{e2x + (cx[i] - ax[i]), e2y + (cy[i] - ay[i]), e2z + (cz[i] - az[i])};
+    const Vec3 e3{e3x + (dx[i] - ax[i]), e3y + (dy[i] - ay[i]), e3z + (dz[i] - az[i])};
+    Real stiffness = square_root(ra[i] * rb[i] * (rc[i] * rd[i]));
+    if constexpr (kWithCuts) {
+      int cut = 0;
+      for (const auto& edge : runs.edge) cut |= n.cut[runs.slot[edge.corner] + i] >> edge.family & 1;
+      stiffness = cut ? 0 : stiffness;
+    }
+    const VolumeGradients g = volume_gradients(e1, e2, e3);
+    const Real s = project_volume(e1, g, rest_volume, stiffness, wa[i], wb[i], wc[i], wd[i]);
+    const Real sa = -s * wa[i], sb = s * wb[i], sc = s * wc[i], sd = s * wd[i];
+    const Vec3 g0 = g.g1 + g.g2 + g.g3;
+    ax[i] += sa * g0.x, ay[i] += sa * g0.y, az[i] += sa * g0.z;
+    bx[i] += sb * g.g1.x, by[i] += sb * g.g1.y, bz[i] += sb * g.g1.z;
+    cx[i] += sc * g.g2.x, cy[i] += sc * g.g2.y, cz[i] += sc * g.g2.z;
+    dx[i] += sd * g.g3.x, dy[i] += sd * g.g3.y, dz[i] += sd * g.g3.z;
+  }
+}
+
+TetRuns tet_runs(const Lattice& l, int row, int parity, const std::array<Int3, 4>& tet) {
+  TetRuns runs{};
+  for (int c = 0; c < 4; c++) runs.slot[c] = row + parity * l.half + slot_offset(l, tet[std::size_t(c)], parity);
+  const auto rest = [&](int c) { return hadamard(l.step, Vec3(tet[std::size_t(c)] - tet[0])); };
+  runs.e1 = rest(1), runs.e2 = rest(2), runs.e3 = rest(3);
+  int e = 0;
+  for (int p = 0; p < 4; p++)
+    for (int q = p + 1; q < 4; q++, e++) {
+      const Int3 offset = tet[std::size_t(q)] - tet[std::size_t(p)];
+      const bool forward = family_of(offset) >= 0;
+      runs.edge[e] = {forward ? p : q, family_of(forward ? offset : -offset)};
+    }
+  return runs;
+}
+
+/// All edges whose lower end is in row (j, k), then the tetrahedra of the row of cells there.
+struct SweepRow {
+  const Model& model;
+  NodeArrays nodes;
+  const std::uint8_t* row_cut;
+  std::array<Vec3, kFamilyCount> edges;
+
+  template <bool kWithCuts>
+  void sweep(int j, int k) const {
+    const Lattice& l = model.lattice;
+    const int row = row_slot(l, j, k);
+    for (int f = 0; f < kFamilyCount; f++) {
+      const Int3 offset = kFamilies[std::size_t(f)];
+      if (j + offset.y >= l.size.y || k + offset.z >= l.size.z) continue;
+      for (int parity = 0; parity < 2; parity++) {
+        const int a = row + parity * l.half;
+        project_edges<kWithCuts>(nodes, a, a + slot_offset(l, offset, parity), half_count(l, parity),
+                                 edges[std::size_t(f)], model.rest_length[std::size_t(f)], f);
+      }
+    }
+    if (model.volume_scale <= 0 || j + 1 >= l.size.y || k + 1 >= l.size.z) return;
+    for (const auto& tet : kKuhnTets)
+      for (int parity = 0; parity < 2; parity++)
+        project_volumes<kWithCuts>(nodes, tet_runs(l, row, parity, tet), half_count(l, parity), model.rest_volume);
+  }
+
+  void operator()(int j, int k) const {
+    const int row = row_slot(model.lattice, j, k) / row_stride(model.lattice);
+    row_cut[row] ? sweep<true>(j, k) : sweep<false>(j, k);
+  }
+};
+
+void project_skin_layer(const Model& model, const State& state, const NodeArrays& n, int k) {
+  const Real ratio = rest_area_ratio(model.params.skin), amplification = Real(model.params.skin.amplification);
+  for (int t = model.skin.layer_begin[std::size_t(k)]; t < model.skin.layer_begin[std::size_t(k) + 1]; t++) {
+    if (state.skin_cut[std::size_t(t)]) continue;
+    const SkinTriangle& triangle = model.skin.triangles[std::size_t(t)];
+    const Int3 v = triangle.vertex;
+    const Vec3 before[3] = {n.u(v.x), n.u(v.y), n.u(v.z)};
+    Vec3 x[3] = {before[0], before[1] + triangle.edge1, before[2] + triangle.edge2};
+    const Real w[3] = {n.w[v.x], n.w[v.y], n.w[v.z]};
+    project_skin(x, w, ratio * triangle.area, triangle.stiffness, amplification);
+    const Vec3 after[3] = {x[0], x[1] - triangle.edge1, x[2] - triangle.edge2};
+    for (int c = 0; c < 3; c++) n.ux[v[c]] = after[c].x, n.uy[v[c]] = after[c].y, n.uz[v[c]] = after[c].z;
+  }
+}
+
+}  // namespace
+
+void sweep_pbd(const Exec& exec, const Model& model, State& state) {
+  const NodeArrays nodes = node_arrays(model, state);
+  const SweepRow sweep_row{model, nodes, state.row_cut.data(), rest_edges(model.lattice)};
+  const bool with_skin = !model.skin.triangles.empty();
+  sweep_slabs(exec, model.lattice.size.z, [&](int k) {
+    for (int j = 0; j < model.lattice.size.y; j++) sweep_row(j, k);
+    if (with_skin && k + 1 < model.lattice.size.z) project_skin_layer(model, state, nodes, k);
+  });
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,46 @@
+// The rows of a lattice as the sweeps see them: plain pointers, and constant offsets between the ends of edges.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "turgor/models/lattice/lattice.hpp"
+
+namespace turgor::lattice {
+
+/// Displacements and what goes with them, one value a slot.
+struct NodeArrays {
+  Real *ux, *uy, *uz;
+  const Real *w, *root;
+  const std::uint8_t* cut;
+
+  Vec3 u(int slot) const { return {ux[slot], uy[slot], uz[slot]}; }
+};
+
+inline NodeArrays node_arrays(const Model& model, State& state) {
+  return {state.u.x.data(),           state.u.y.data(),            state.u.z.data(),
+          model.inverse_mass.data(), model.root_stiffness.data(), state.cut.data()};
+}
+
+/// Rest vectors of the seven families [m].
+inline std::array<Vec3, kFamilyCount> rest_edges(const Lattice& lattice) {
+  std::array<Vec3, kFamilyCount> edges;
+  for (std::size_t f = 0; f < kFamilyCount; f++) edges[f] = hadamard(lattice.step, Vec3(kFamilies[f]));
+  return edges;
+}
+
+/// Sweeps run over slabs of layers: first all even slabs at once, then all odd ones. Within a slab, in order. Two slabs of one
+/// phase never touch the same node, whatever the number of threads. `layers` counts node layers or cell layers.
+constexpr int kSlabLayers = 2;
+constexpr int slab_count(int layers) { return (layers + kSlabLayers - 1) / kSlabLayers; }
+
+template <class SweepLayer>
+void sweep_slabs(const Exec& exec, int layers, const SweepLayer& sweep_layer) {
+  for (int phase = 0; phase < 2; phase++)
+    parallel_for(exec, std::size_t((slab_count(layers) + 1 - phase) / 2), [&](std::size_t n) {
+      const int begin = (2 * int(n) + phase) * kSlabLayers;
+      for (int k = begin; k < begin + kSlabLayers && k < layers; k++) sweep_layer(k);
+    });
+}
+
+}  // namespace turgor::lattice

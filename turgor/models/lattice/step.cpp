@@ -1,0 +1,126 @@
+#include <atomic>
+#include <bit>
+#include <cmath>
+
+#include "turgor/core/hash.hpp"
+#include "turgor/models/lattice/sweeps.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+struct PredictLayer {
+  const Model& model;
+  State& state;
+  Vec3 gravity;
+  Real dt;
+
+  void operator()(std::size_t layer) const {
+    const auto stride = std::size_t(layer_stride(model.lattice)), begin = layer * stride;
+    const auto advance = [&](Real* __restrict u, Real* __restrict before, const Real* __restrict v, Real g) {
+      const Real* w = model.inverse_mass.data();
+      const std::uint8_t* removed = state.removed.data();
+      for (std::size_t s = begin; s < begin + stride; s++) {
+        before[s] = u[s];
+        u[s] += w[s] > 0 && !removed[s] ? dt * v[s] + g : 0;
+      }
+    };
+    advance(state.u.x.data(), state.u_before.x.data(), state.v.x.data(), dt * dt * gravity.x);
+    advance(state.u.y.data(), state.u_before.y.data(), state.v.y.data(), dt * dt * gravity.y);
+    advance(state.u.z.data(), state.u_before.z.data(), state.v.z.data(), dt * dt * gravity.z);
+  }
+};
+
+/// v = (u − u_before)/h, damped, and the largest |v|²: the largest of bit patterns, since those of positive numbers are in order and
+/// those of not-a-number come last.
+struct FinishLayer {
+  const Model& model;
+  State& state;
+  Real scale;
+  std::atomic<std::uint32_t>& largest;
+
+  void operator()(std::size_t layer) const {
+    const auto stride = std::size_t(layer_stride(model.lattice)), begin = layer * stride;
+    const auto velocity = [&](Real* __restrict v, const Real* __restrict u, const Real* __restrict before) {
+      for (std::size_t s = begin; s < begin + stride; s++) v[s] = (u[s] - before[s]) * scale;
+    };
+    velocity(state.v.x.data(), state.u.x.data(), state.u_before.x.data());
+    velocity(state.v.y.data(), state.u.y.data(), state.u_before.y.data());
+    velocity(state.v.z.data(), state.u.z.data(), state.u_before.z.data());
+    std::uint32_t found = 0;
+    const Real *vx = state.v.x.data(), *vy = state.v.y.data(), *vz = state.v.z.data();
+    for (std::size_t s = begin; s < begin + stride; s++) {
+      const Real speed2 = vx[s] * vx[s] + vy[s] * vy[s] + vz[s] * vz[s];
+      const std::uint32_t bits = std::bit_cast<std::uint32_t>(speed2) & 0x7fffffffu;
+      found = bits > found ? bits : found;
+    }
+    std::uint32_t seen = largest.load();
+    while (seen < found && !largest.compare_exchange_weak(seen, found)) {
+    }
+  }
+};
+
+}  // namespace
+
+Vec3 lattice_gravity(const Model& model, const Inputs& inputs) {
+  return Vec3(inverse(model.grid.axes) * inputs.gravity);
+}
+
+void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  parallel_for(exec, std::size_t(model.lattice.size.z + 2),
+               PredictLayer{model, state, lattice_gravity(model, inputs), Real(dt)});
+}
+
+StepReport finish(const Exec& exec, const Model& model, State& state, double dt) {
+  std::atomic<std::uint32_t> largest{0};
+  const Real scale = Real(std::exp(-model.params.solver.damping * dt) / dt);
+  parallel_for(exec, std::size_t(model.lattice.size.z + 2), FinishLayer{model, state, scale, largest});
+  const Real speed2 = std::bit_cast<Real>(largest.load());
+  if (std::isfinite(speed2)) {
+    state.time += dt;
+    return {.finite = true, .largest_speed = std::sqrt(speed2)};
+  }
+  std::swap(state.u, state.u_before);  // the last good state, at rest
+  for (auto* v : {&state.v.x, &state.v.y, &state.v.z}) std::fill(v->begin(), v->end(), Real(0));
+  return {.finite = false};
+}
+
+StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  predict(exec, model, state, inputs, dt);
+  for (int sweep = 0; sweep < model.params.solver.sweeps; sweep++)
+    if (model.params.solver.method == Method::kPbd)
+      sweep_pbd(exec, model, state);
+    else
+      sweep_descent(exec, model, state, inputs, dt);
+  Residual residual;
+  if (inputs.measure_residual) residual = measure_residual(exec, model, state, inputs, dt);
+  StepReport report = finish(exec, model, state, dt);
+  report.residual = residual;
+  return report;
+}
+
+std::size_t memory_bytes(const Model& model, const State& state) {
+  const std::size_t slots = model.inverse_mass.size();
+  const std::size_t per_slot = 2 * sizeof(Real) + sizeof(Tissue) + sizeof(std::int16_t) + 9 * sizeof(Real) + 2;
+  const Skin& skin = model.skin;
+  return slots * per_slot + state.row_cut.size() + state.cut_edges.size() * sizeof(CutEdge) +
+         skin.triangles.size() * (sizeof(SkinTriangle) + 1) + skin.corners.size() * sizeof(Skin::Corner) +
+         (skin.nodes.size() + skin.corner_begin.size() + skin.row_begin.size() + skin.layer_begin.size()) * sizeof(int);
+}
+
+std::uint64_t state_hash(const Model& model, const State& state) {
+  std::uint64_t hash = kHashSeed;
+  const Lattice& l = model.lattice;
+  for (int k = 0; k < l.size.z; k++)
+    for (int j = 0; j < l.size.y; j++)
+      for (int parity = 0; parity < 2; parity++) {
+        const auto begin = std::size_t(row_slot(l, j, k) + parity * l.half), count = std::size_t(half_count(l, parity));
+        for (const VecField* field : {&state.u, &state.v})
+          for (const auto* values : {&field->x, &field->y, &field->z})
+            hash = hash_values(std::span<const Real>(values->data() + begin, count), hash);
+        hash = hash_values(std::span<const std::uint8_t>(state.cut.data() + begin, count), hash);
+      }
+  return hash;
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,26 @@
+// The parts of a step: predict, sweeps of one solver or the other, finish. step() strings them together; tests and benches look at
+// them one by one.
+#pragma once
+
+#include "turgor/models/lattice/lattice.hpp"
+
+namespace turgor::lattice {
+
+/// Remembers u and moves it to where inertia and gravity lead: y = u + h v + h² g.
+void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+/// One sweep of projections over springs, volumes and skin. [Müller 2007; STC]
+void sweep_pbd(const Exec& exec, const Model& model, State& state);
+/// One sweep of vertex block descent: every node takes one Newton step. [Chen et al. 2024]
+void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+/// Velocities from the way gone, damped; or everything back if a number is not finite.
+StepReport finish(const Exec& exec, const Model& model, State& state, double dt);
+
+/// The gradient of what implicit Euler minimises, between predict and finish.
+Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt);
+/// That energy itself: ½ Σ m/h² |u − y|² + elastic [J], between predict and finish.
+double step_energy(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt);
+
+/// Gravity along the lattice's axes.
+Vec3 lattice_gravity(const Model& model, const Inputs& inputs);
+
+}  // namespace turgor::lattice
