@@ -1,0 +1,124 @@
+#include "turgor/view/annotate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "turgor/view/text.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr Rgb kInk{236, 239, 242}, kPanel{16, 20, 26};
+constexpr int kHalo = 2;  // [pixels]
+
+void blend(Image& image, int x, int y, Rgb color, float fraction) {
+  if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
+  image.at(x, y) = mix(image.at(x, y), color, fraction);
+}
+
+void fill(Image& image, const PixelBox& box, Rgb color, float opacity) {
+  for (int y = box.top; y < box.bottom; y++)
+    for (int x = box.left; x < box.right; x++) blend(image, x, y, color, opacity);
+}
+
+int coverage_near(const TextMask& mask, int x, int y, int reach) {
+  int most = 0;
+  for (int v = std::max(0, y - reach); v <= std::min(mask.height - 1, y + reach); v++)
+    for (int u = std::max(0, x - reach); u <= std::min(mask.width - 1, x + reach); u++)
+      if ((u - x) * (u - x) + (v - y) * (v - y) <= reach * reach)
+        most = std::max(most, int(mask.coverage[std::size_t(v * mask.width + u)]));
+  return most;
+}
+
+std::string tick_text(double value, double step) {
+  const int decimals = std::clamp(int(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
+  return step >= 1e6 || step < 1e-6 ? fmt::format("{:.3g}", value) : fmt::format("{:.{}f}", value, decimals);
+}
+
+struct Tick {
+  float fraction;
+  std::string text;
+};
+
+std::vector<Tick> legend_ticks(const ColorScale& scale, int count) {
+  const double a = double(scale.low) * scale.factor, b = double(scale.high) * scale.factor;
+  const std::vector<double> values = round_ticks(std::min(a, b), std::max(a, b), count);
+  std::vector<Tick> ticks;
+  for (const double value : values) {
+    const double step = values.size() > 1 ? values[1] - values[0] : std::max(std::abs(value), 1.0);
+    ticks.push_back({float((value - a) / (b - a)), tick_text(value, step)});
+  }
+  return ticks;
+}
+
+// The largest size up to `size` at which the text is no wider than the room; never illegibly small.
+int fitting_size(std::string_view text, int size, int room) {
+  while (size > 9 && text_width(text, size) > room) size--;
+  return size;
+}
+
+}  // namespace
+
+PixelBox draw_text(Image& image, std::string_view text, int x, int y, const TextStyle& style) {
+  const TextMask mask = rasterize_text(text, style.size);
+  const int rim = style.halo ? kHalo : 0;
+  const int shift = style.align == Align::kLeft ? 0 : style.align == Align::kCenter ? mask.width / 2 : mask.width;
+  const int left = x - shift, top = y - mask.height / 2;
+  for (int v = -rim; v < mask.height + rim; v++) {
+    for (int u = -rim; u < mask.width + rim; u++) {
+      if (rim) blend(image, left + u, top + v, {}, 0.7f * float(coverage_near(mask, u, v, rim)) / 255);
+      blend(image, left + u, top + v, style.color, float(coverage_near(mask, u, v, 0)) / 255);
+    }
+  }
+  return {left - rim, top - rim, left + mask.width + rim, top + mask.height + rim};
+}
+
+int text_width(std::string_view text, int size) { return rasterize_text(text, size).width; }
+
+PixelBox draw_legend(Image& image, const ColorScale& scale, int slot) {
+  const int size = std::clamp(image.height / 40, 11, 40), bar_width = size, bar_height = image.height / 2;
+  const std::vector<Tick> ticks = legend_ticks(scale, 6);
+  int numbers = 0;
+  for (const Tick& tick : ticks) numbers = std::max(numbers, text_width(tick.text, size));
+  const int content = std::max(bar_width + size / 2 + numbers, text_width(scale.label, size));
+  const int right = image.width - size - slot * (content + 3 * size), left = right - content;
+  const PixelBox bar{left, (image.height - bar_height) / 2, left + bar_width, (image.height + bar_height) / 2};
+
+  fill(image, {left - size, bar.top - 3 * size, right + size, bar.bottom + size}, kPanel, 0.55f);
+  draw_text(image, scale.label, left, bar.top - 3 * size / 2, {.size = size, .color = kInk});
+  for (int y = bar.top; y < bar.bottom; y++)
+    fill(image, {bar.left, y, bar.right, y + 1}, map_color(float(bar.bottom - 1 - y) / float(bar_height - 1)), 1);
+  for (const Tick& tick : ticks) {
+    const int y = bar.bottom - 1 - int(std::lround(tick.fraction * float(bar_height - 1)));
+    fill(image, {bar.right, y, bar.right + size / 4, y + 1}, kInk, 1);
+    draw_text(image, tick.text, bar.right + size / 2, y, {.size = size, .color = kInk});
+  }
+  return bar;
+}
+
+Image side_by_side(const std::vector<Image>& images, const std::vector<std::string>& captions) {
+  constexpr int kGap = 4;
+  int width = 0, height = 0;
+  for (const Image& image : images) {
+    width += image.width + (width > 0 ? kGap : 0);
+    height = std::max(height, image.height);
+  }
+  const int size = std::clamp(height / 28, 12, 48), band = captions.empty() ? 0 : 2 * size;
+  Image row = make_image(width, height + band, kPanel);
+  int left = 0;
+  for (std::size_t i = 0; i < images.size(); i++) {
+    const Image& image = images[i];
+    for (int y = 0; y < image.height; y++)
+      std::copy_n(&image.pixels[std::size_t(y) * std::size_t(image.width)], image.width, &row.at(left, band + y));
+    if (i < captions.size())
+      draw_text(row, captions[i], left + image.width / 2, band / 2,
+                {.size = fitting_size(captions[i], size, image.width), .color = kInk, .align = Align::kCenter});
+    left += image.width + kGap;
+  }
+  return row;
+}
+
+}  // namespace turgor

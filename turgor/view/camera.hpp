@@ -1,0 +1,33 @@
+// Where a picture is taken from. Patient frame LPS, metres; a perspective camera that looks from its eye at its target.
+#pragma once
+
+#include "turgor/geometry/grid.hpp"
+#include "turgor/geometry/tri_mesh.hpp"
+
+namespace turgor {
+
+struct Camera {
+  Vec3d eye, target, up{0, 0, 1};  // [m], [m], any length
+  double field_of_view = 30;       // vertical [degrees]
+};
+
+/// The camera's own axes: a point seen at depth d along -back lies within d · tan_half of the middle, up and down.
+struct CameraFrame {
+  Vec3d right, up, back;  // unit, right-handed
+  double tan_half;
+};
+/// An `up` along the line of sight is replaced by another one.
+CameraFrame camera_frame(const Camera& camera);
+
+struct Box {
+  Vec3d low, high;  // [m]
+};
+/// The zero box for a mesh without vertices.
+Box bounding_box(const TriMesh& mesh);
+/// Whole samples: half a spacing beyond the outermost sample places.
+Box bounding_box(const Grid& grid);
+
+/// A camera that sees the whole box from `direction` (from the box towards the eye), in pictures of this width / height.
+Camera frame_box(const Box& box, Vec3d direction, Vec3d up, double aspect);
+
+}  // namespace turgor

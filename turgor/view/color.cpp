@@ -1,0 +1,110 @@
+#include "turgor/view/color.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace turgor {
+
+namespace {
+
+constexpr int kMapSize = 256;
+
+struct Oklab {
+  double lightness, a, b;
+};
+
+// Our curve: lightness on a line, the colour plane's a and b on a cubic Bézier curve that stays inside what screens show.
+Oklab map_curve(double t) {
+  constexpr double kA[] = {0.055, 0.0, -0.19, -0.035}, kB[] = {-0.115, -0.13, -0.01, 0.17};
+  const double u = 1 - t, weights[] = {u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t};
+  Oklab color{0.30 + 0.62 * t, 0, 0};
+  for (int i = 0; i < 4; i++) color.a += weights[i] * kA[i], color.b += weights[i] * kB[i];
+  return color;
+}
+
+Vec3 linear_of(const Oklab& c) {
+  const auto cubed = [](double x) { return x * x * x; };
+  const double l = cubed(c.lightness + 0.3963377774 * c.a + 0.2158037573 * c.b);
+  const double m = cubed(c.lightness - 0.1055613458 * c.a - 0.0638541728 * c.b);
+  const double s = cubed(c.lightness - 0.0894841775 * c.a - 1.2914855480 * c.b);
+  return {float(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
+          float(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
+          float(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
+}
+
+std::uint8_t encode(float linear) {
+  const float x = std::clamp(linear, 0.0f, 1.0f);
+  const float s = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+  return static_cast<std::uint8_t>(std::lround(255 * s));
+}
+
+// The curve at equal distances along it, so that equal steps of the scalar look equally large.
+std::array<Rgb, kMapSize> build_map() {
+  constexpr int kFine = 4096;
+  std::vector<double> length(kFine + 1, 0.0);
+  for (int i = 1; i <= kFine; i++) {
+    const Oklab p = map_curve((i - 1.0) / kFine), q = map_curve(double(i) / kFine);
+    length[std::size_t(i)] =
+        length[std::size_t(i) - 1] + std::hypot(q.lightness - p.lightness, q.a - p.a, q.b - p.b);
+  }
+  std::array<Rgb, kMapSize> map;
+  std::size_t at = 0;
+  for (int i = 0; i < kMapSize; i++) {
+    while (at < kFine && length[at] < length[kFine] * i / (kMapSize - 1)) at++;
+    const Vec3 color = linear_of(map_curve(double(at) / kFine));
+    map[std::size_t(i)] = {encode(color.x), encode(color.y), encode(color.z)};
+  }
+  return map;
+}
+
+float decode(std::uint8_t byte) {
+  const float s = float(byte) / 255;
+  return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
+}
+
+float roll_off(float x) {
+  return x <= kShoulder ? x : kShoulder + (1 - kShoulder) * std::tanh((x - kShoulder) / (1 - kShoulder));
+}
+
+}  // namespace
+
+Rgb map_color(float fraction) {
+  static const std::array<Rgb, kMapSize> map = build_map();
+  return map[std::size_t(std::lround((kMapSize - 1) * std::clamp(fraction, 0.0f, 1.0f)))];
+}
+
+float scale_fraction(const ColorScale& scale, float scalar) {
+  return scale.high == scale.low ? 0.5f : (scalar - scale.low) / (scale.high - scale.low);
+}
+
+std::vector<double> round_ticks(double low, double high, int count) {
+  std::vector<double> ticks;
+  if (!(high > low) || !std::isfinite(high - low)) return ticks;
+  const double rough = (high - low) / std::max(count - 1, 1), decade = std::pow(10.0, std::floor(std::log10(rough)));
+  const double step = decade * (rough < 1.5 * decade ? 1 : rough < 3.5 * decade ? 2 : rough < 7.5 * decade ? 5 : 10);
+  const double slack = 1e-9 * (high - low);
+  for (double i = std::ceil((low - slack) / step); i * step <= high + slack; i++) ticks.push_back(i * step + 0.0);
+  return ticks;
+}
+
+Vec3 linear_color(Rgb color) { return {decode(color.r), decode(color.g), decode(color.b)}; }
+
+Rgb screen_color(Vec3 linear) {
+  return {encode(roll_off(linear.x)), encode(roll_off(linear.y)), encode(roll_off(linear.z))};
+}
+
+Vec3 backdrop(float x, float y) {
+  const float dx = x - 0.5f, dy = y - 0.42f;
+  const float distance = std::min(1.0f, 1.9f * (dx * dx + dy * dy));
+  return kBackdropCentre + (kBackdropEdge - kBackdropCentre) * distance;
+}
+
+Rgb mix(Rgb a, Rgb b, float fraction) {
+  const auto byte = [fraction](std::uint8_t from, std::uint8_t to) {
+    return static_cast<std::uint8_t>(std::lround(float(from) + (float(to) - float(from)) * fraction));
+  };
+  return {byte(a.r, b.r), byte(a.g, b.g), byte(a.b, b.b)};
+}
+
+}  // namespace turgor
