@@ -1,0 +1,251 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "block_body.hpp"
+#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/rows.hpp"
+#include "turgor/models/lattice/springs.hpp"
+#include "turgor/models/lattice/sweeps.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+const Exec kOne(1);
+constexpr double kDt = 1.0 / 60;
+
+bool is_border(Int3 p, Int3 size) {
+  return p.x == 0 || p.y == 0 || p.z == 0 || p.x == size.x - 1 || p.y == size.y - 1;
+}
+
+/// A small tense block with fixed sides, pushed out of shape by hand.
+struct Pushed {
+  Model model;
+  State state;
+};
+Pushed pushed_block(Params params, double push = 1e-3) {
+  const Int3 size{13, 11, 9};
+  Block block{.size = size};
+  block.is_fixed = [size](Int3 p) { return is_border(p, size); };
+  Pushed p{block_model(block, params), {}};
+  p.state = make_state(p.model);
+  const auto wave = [&](int a, int b) { return Real(push * std::sin(1.3 * a + 0.7 * b)); };
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++)
+        if (!is_border({i, j, k}, size))
+          p.state.u.set(std::size_t(node_slot(p.model.lattice, i, j, k)), {wave(i, j), wave(j, k), wave(k, i)});
+  return p;
+}
+
+TEST(lattice_step, without_skin_the_rest_state_is_a_fixed_point_of_both_solvers) {
+  for (const Method method : {Method::kPbd, Method::kDescent}) {
+    Params params;
+    params.skin.enabled = false;
+    params.solver.method = method;
+    params.solver.pbd_volume = true;
+    params.tissue.volume = 2;
+    const Model model = block_model({.size = {9, 8, 7}, .skin_on_top = false}, params);
+    State state = make_state(model);
+    const StepReport report = step(kOne, model, state, {}, kDt);
+    EXPECT_LT(report.largest_speed, 1e-6) << "m/s, method " << int(method);
+  }
+}
+
+TEST(lattice_step, descent_never_raises_the_energy_of_its_step) {
+  for (const SkinLaw law : {SkinLaw::kArea, SkinLaw::kFibre})
+    for (const double volume : {0.0, 5.0}) {
+      Params params;
+      params.skin.law = law;
+      params.tissue.volume = volume;
+      auto [model, state] = pushed_block(params, 2e-3);
+      const Inputs inputs{.gravity = {0, 0, -9.81}};
+      predict(kOne, model, state, inputs, kDt);
+      double before = step_energy(kOne, model, state, inputs, kDt);
+      for (int sweep = 0; sweep < 20; sweep++) {
+        sweep_descent(kOne, model, state, inputs, kDt);
+        const double after = step_energy(kOne, model, state, inputs, kDt);
+        EXPECT_LE(after, before * (1 + 1e-6)) << "law " << int(law) << ", volume " << volume << ", sweep " << sweep;
+        before = after;
+      }
+    }
+}
+
+TEST(lattice_step, descent_converges_to_where_the_gradient_of_the_energy_vanishes) {
+  Params params;
+  params.tissue.volume = 2;
+  auto [model, state] = pushed_block(params);
+  const Inputs inputs{.gravity = {0, 0, -9.81}};
+  predict(kOne, model, state, inputs, kDt);
+  const double first = measure_residual(kOne, model, state, inputs, kDt).largest;
+  for (int sweep = 0; sweep < 300; sweep++) sweep_descent(kOne, model, state, inputs, kDt);
+  EXPECT_LT(measure_residual(kOne, model, state, inputs, kDt).largest, 1e-3 * first);
+}
+
+TEST(lattice_step, the_residual_is_the_gradient_of_the_step_energy) {
+  Params params;
+  params.tissue.volume = 3;
+  auto [model, state] = pushed_block(params, 0);
+  const Inputs inputs{.gravity = {1, -2, -9.81}};
+  predict(kOne, model, state, inputs, kDt);
+  for (int sweep = 0; sweep < 500; sweep++) sweep_descent(kOne, model, state, inputs, kDt);
+  // One skin node is pushed; its force follows from energies alone.
+  const auto slot = std::size_t(node_slot(model.lattice, 6, 5, 8));
+  const Vec3 pushed = state.u[slot] + Vec3{4e-4f, -3e-4f, 5e-4f};
+  Vec3d gradient;
+  for (int axis = 0; axis < 3; axis++) {
+    double energies[2];
+    for (const int side : {0, 1}) {
+      Vec3 place = pushed;
+      place[axis] += (side ? 1 : -1) * 2e-5f;
+      state.u.set(slot, place);
+      energies[side] = step_energy(kOne, model, state, inputs, kDt);
+    }
+    gradient[axis] = (energies[1] - energies[0]) / 4e-5;
+  }
+  state.u.set(slot, pushed);
+  const Residual residual = measure_residual(kOne, model, state, inputs, kDt);
+  EXPECT_NEAR(residual.largest, norm(gradient), 0.01 * norm(gradient)) << "N";
+}
+
+TEST(lattice_step, equal_bits_on_1_2_and_8_threads_and_again) {
+  for (const Method method : {Method::kPbd, Method::kDescent}) {
+    Params params;
+    params.solver.method = method;
+    params.solver.pbd_volume = true;
+    params.skin.law = method == Method::kPbd ? SkinLaw::kArea : SkinLaw::kFibre;
+    std::set<std::uint64_t> hashes;
+    for (const int threads : {1, 2, 8, 8}) {
+      auto [model, state] = pushed_block(params);
+      const BladePath path =
+          lay_blade(model, state, {.from = {0.015, 0.022, 0.032}, .to = {0.032, 0.022, 0.032}}).value();
+      EXPECT_GT(cut_edges(model, state, path, 0, 1, 0), 10);
+      for (int n = 0; n < 5; n++) step(Exec(threads), model, state, {.gravity = {0, 0, -9.81}}, kDt);
+      hashes.insert(state_hash(model, state));
+    }
+    EXPECT_EQ(hashes.size(), 1u) << "method " << int(method);
+  }
+}
+
+TEST(lattice_step, numbers_that_are_not_finite_undo_the_step) {
+  auto [model, state] = pushed_block({});
+  const State good = state;
+  const StepReport report = step(kOne, model, state, {.gravity = {0, 0, std::nan("")}}, kDt);
+  EXPECT_FALSE(report.finite);
+  EXPECT_EQ(state.u.x, good.u.x);
+  EXPECT_EQ(state.time, good.time);
+  EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite) << "and the simulation goes on";
+}
+
+TEST(lattice_step, a_free_body_keeps_its_momentum_under_projections) {
+  Params params;
+  params.solver = {.method = Method::kPbd, .damping = 0, .pbd_volume = true};
+  params.skin.enabled = false;
+  const Model model = block_model({.size = {9, 8, 7}, .skin_on_top = false}, params);
+  State state = make_state(model);
+  for (int i = 0; i < 9; i++) state.v.set(std::size_t(node_slot(model.lattice, i, 3, 3)), {0.1f, -0.2f, 0.3f});
+  const auto momentum = [&] {
+    Vec3d sum;
+    for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
+      if (model.inverse_mass[s] > 0) sum += Vec3d(state.v[s]) / double(model.inverse_mass[s]);
+    return sum;
+  };
+  const Vec3d before = momentum();
+  for (int n = 0; n < 10; n++) step(kOne, model, state, {}, kDt);
+  for (int axis = 0; axis < 3; axis++) EXPECT_NEAR(momentum()[axis], before[axis], 1e-4 * norm(before));
+}
+
+// ------------------------------------------------------------ stiffness in pascals
+
+/// Stores a displacement of the fixed right face, settles the rest and returns the energy. [J]
+double settled_energy(Model& model, Vec3 face_shift) {
+  model.params.solver = {.sweeps = 20, .damping = 8};
+  State state = make_state(model);
+  const Int3 size = model.lattice.size;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const Real share = Real(i) / Real(size.x - 1);
+        state.u.set(std::size_t(node_slot(model.lattice, i, j, k)), face_shift * share);
+      }
+  for (int n = 0; n < 150; n++) step(Exec(2), model, state, {}, kDt);
+  return energy(kOne, model, state);
+}
+
+Model bar(Int3 size, double volume) {
+  Params params;
+  params.skin.enabled = false;
+  params.tissue.volume = volume;
+  Block block{.size = size, .young = 1e4, .skin_on_top = false};
+  block.is_fixed = [size](Int3 p) { return p.x == 0 || p.x == size.x - 1; };
+  return block_model(block, params);
+}
+
+TEST(lattice_step, a_stretched_bar_answers_with_its_young_modulus) {
+  for (const double volume : {0.0, 3.0}) {
+    const Int3 size{97, 13, 13};  // long: the held ends keep the rest from narrowing
+    Model model = bar(size, volume);
+    const double length = (size.x - 1) * 0.004, area = size.y * size.z * 0.004 * 0.004, stretch = 0.01 * length;
+    const double young = 2 * settled_energy(model, {Real(stretch), 0, 0}) * length / (stretch * stretch * area);
+    EXPECT_NEAR(young, 1e4, 1e3) << "Pa, volume energy " << volume;
+  }
+}
+
+TEST(lattice_step, a_sheared_plate_answers_with_its_shear_modulus) {
+  const Int3 size{7, 61, 61};  // wide: the open sides carry less
+  Model model = bar(size, 0);
+  const double height = (size.x - 1) * 0.004, area = size.y * size.z * 0.004 * 0.004, shift = 0.01 * height;
+  const double shear = 2 * settled_energy(model, {0, Real(shift), 0}) * height / (shift * shift * area);
+  EXPECT_NEAR(shear, 0.4e4, 0.4e3) << "Pa: E / 2(1 + 1/4)";
+}
+
+TEST(lattice_step, calibrated_springs_have_the_asked_moduli_on_any_step) {
+  for (const Vec3 h : {Vec3{1, 1, 1}, {0.78f, 0.78f, 1.25f}, {1, 1, 3}, {1, 1, 0.5f}, {1, 1.3f, 2}})
+    for (const double volume : {0.0, 2.0}) {
+      const auto scale = calibrate_springs(h, volume);
+      for (const Real s : scale) EXPECT_GT(s, 0);
+      const auto c = homogenized_stiffness(h, scale, volume);
+      for (std::size_t axis = 3; axis < 6; axis++) EXPECT_NEAR(c[axis][axis], 0.4, 1e-4);
+    }
+}
+
+// ------------------------------------------------------------ the schedule
+
+TEST(lattice_step, no_two_slabs_of_a_phase_touch_the_same_node) {
+  for (const int layers : {2, 3, 7, 12}) {
+    for (int phase = 0; phase < 2; phase++) {
+      std::set<int> touched;
+      for (int slab = phase; slab < slab_count(layers); slab += 2) {
+        std::set<int> nodes;  // layers that the slab writes: its own and, for edges and cells, the next
+        for (int k = slab * kSlabLayers; k < (slab + 1) * kSlabLayers && k < layers; k++) nodes.insert({k, k + 1});
+        for (const int k : nodes) EXPECT_TRUE(touched.insert(k).second) << "layer " << k << " of " << layers;
+      }
+    }
+  }
+}
+
+TEST(lattice_step, no_two_lanes_of_a_row_pass_touch_the_same_node) {
+  for (const int nx : {2, 3, 8, 9, 33}) {
+    const Lattice l = make_lattice({nx, 4, 4}, {1, 1, 1});
+    for (const auto& family : kFamilies)
+      for (int parity = 0; parity < 2; parity++) {
+        std::set<int> slots;
+        const int a = row_slot(l, 1, 1) + parity * l.half, b = a + slot_offset(l, family, parity);
+        for (int i = 0; i < half_count(l, parity); i++) {
+          EXPECT_TRUE(slots.insert(a + i).second);
+          EXPECT_TRUE(slots.insert(b + i).second) << "family " << family.x << family.y << family.z;
+        }
+      }
+    for (const auto& tet : kKuhnTets)
+      for (int parity = 0; parity < 2; parity++) {
+        std::set<int> slots;
+        for (const Int3 corner : tet)
+          for (int i = 0; i < half_count(l, parity); i++)
+            EXPECT_TRUE(slots.insert(row_slot(l, 1, 1) + parity * l.half + slot_offset(l, corner, parity) + i).second);
+      }
+  }
+}
+
+}  // namespace
+}  // namespace turgor::lattice
