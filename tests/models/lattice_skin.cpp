@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "block_body.hpp"
+#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/skin.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+const Exec kExec(2);
+
+/// A body from a shape: hu where inside(point) else air; nodes a millimetre apart, the grid centred on the origin.
+BodyNodes shape_nodes(Int3 size, const std::function<bool(Vec3d)>& inside) {
+  BodyNodes nodes;
+  nodes.grid = {.size = size, .spacing = {1e-3, 1e-3, 1e-3}};
+  nodes.grid.origin = hadamard(Vec3d(size) - Vec3d{1, 1, 1}, nodes.grid.spacing) * -0.5;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const bool body = inside(point_at(nodes.grid, Vec3d(Int3{i, j, k})));
+        nodes.hu.push_back(body ? 40 : kAirHu);
+        nodes.tissue.push_back(body ? Tissue::kMuscle : Tissue::kOutside);
+        nodes.young.push_back(body ? 5e3f : 0);
+        nodes.fixed.push_back(0);
+      }
+  return nodes;
+}
+
+TEST(lattice_skin, the_skin_of_a_ball_is_closed_and_faces_outward) {
+  const BodyNodes nodes = shape_nodes({31, 31, 31}, [](Vec3d p) { return norm(p) < 0.0102; });
+  const Model model = assemble(kExec, nodes, nullptr, {}).value();
+  std::map<std::pair<int, int>, int> edges;  // directed
+  double six_volumes = 0;
+  for (const SkinTriangle& t : model.skin.triangles) {
+    Vec3d x[3];
+    for (int c = 0; c < 3; c++) {
+      edges[{t.vertex[c], t.vertex[(c + 1) % 3]}]++;
+      x[c] = point_at(model.grid, Vec3d(slot_node(model.lattice, t.vertex[c])));
+    }
+    six_volumes += dot(x[0], cross(x[1], x[2]));
+    EXPECT_GT(t.area, 0.49e-6f);
+  }
+  for (const auto& [edge, count] : edges) EXPECT_EQ(count, (edges[{edge.second, edge.first}])) << "every edge is shared";
+  const double ball = 4.0 / 3 * M_PI * std::pow(0.0102, 3);
+  EXPECT_GT(six_volumes / 6, 0.7 * ball) << "positive: outward; smaller than the ball by up to a step";
+  EXPECT_LT(six_volumes / 6, ball);
+}
+
+TEST(lattice_skin, a_sheet_one_node_thick_is_covered_once) {
+  const BodyNodes nodes = shape_nodes({9, 9, 5}, [](Vec3d p) { return std::abs(p.z) < 1e-4; });
+  const Model model = assemble(kExec, nodes, nullptr, {}).value();
+  std::set<std::set<int>> seen;
+  for (const SkinTriangle& t : model.skin.triangles)
+    EXPECT_TRUE(seen.insert({t.vertex.x, t.vertex.y, t.vertex.z}).second);
+  EXPECT_EQ(model.skin.triangles.size(), 2u * 8 * 8);
+}
+
+TEST(lattice_skin, images_of_unit_vectors_are_unit_vectors_at_rest) {
+  Params params;
+  params.skin.direction = {0.6, 0.8, 0.3};
+  const BodyNodes nodes = shape_nodes({31, 31, 31}, [](Vec3d p) { return norm(p) < 0.0102; });
+  const Model model = assemble(kExec, nodes, nullptr, params).value();
+  for (const SkinTriangle& t : model.skin.triangles) {
+    Vec3d along, across;
+    for (int c = 0; c < 3; c++) {
+      const Vec3d x(rest_position(model.lattice, slot_node(model.lattice, t.vertex[c])));
+      along += x * double(t.along[c]);
+      across += x * double(t.across[c]);
+    }
+    EXPECT_NEAR(norm(along), 1, 1e-3);
+    EXPECT_NEAR(norm(across), 1, 1e-3);
+    EXPECT_NEAR(dot(along, across), 0, 1e-3);
+    EXPECT_GE(dot(along, params.skin.direction), -1e-3) << "along is the direction, laid into the triangle";
+  }
+}
+
+TEST(lattice_skin, a_field_of_lines_turns_the_fibres) {
+  const BodyNodes nodes = shape_nodes({9, 9, 5}, [](Vec3d p) { return p.z < 1e-4; });
+  VectorVolume lines{{.size = {2, 1, 1}, .spacing = {4e-3, 1, 1}, .origin = {-2e-3, 0, 0}}, {{1, 0, 0}, {0, 1, 0}}};
+  const Model model = assemble(kExec, nodes, &lines, {}).value();
+  for (const SkinTriangle& t : model.skin.triangles) {
+    Vec3d along, centre;
+    for (int c = 0; c < 3; c++) {
+      const Vec3d x(rest_position(model.lattice, slot_node(model.lattice, t.vertex[c])));
+      along += x * double(t.along[c]);
+      centre += point_at(model.grid, Vec3d(slot_node(model.lattice, t.vertex[c]))) / 3;
+    }
+    EXPECT_NEAR(std::abs(centre.x < 0 ? along.x : along.y), 1, 1e-3) << "at x = " << centre.x;
+  }
+}
+
+// A sheet under tension T with a slit of length 2a opens to an ellipse 4 T a / E wide in the middle, E the membrane's modulus. For an
+// orthotropic one without transverse contraction, E is K / √((1 + K/2G) / 2). [Westergaard 1939; Sih, Paris, Irwin 1965]
+TEST(lattice_skin, a_slit_in_a_tense_sheet_opens_as_a_crack_in_an_elastic_plane) {
+  constexpr int kN = 91;
+  constexpr double kStep = 0.001, kTension = 6, kStiffness = 300, kShear = 100;
+  Block block{.size = {kN, kN, 1}, .step = kStep, .young = 0.5};
+  block.is_fixed = [](Int3 p) { return p.x == 0 || p.y == 0 || p.x == kN - 1 || p.y == kN - 1; };
+  Params params;
+  params.skin = {.tension_along = kTension, .tension_across = kTension, .stiffness = kStiffness, .shear = kShear,
+                 .amplification = 0};
+  params.solver = {.sweeps = 40, .damping = 0};
+  const Model model = block_model(block, params);
+  for (const int half_length : {6, 9, 12}) {
+    State state = make_state(model);
+    const double a = half_length * kStep, middle = (kN - 1) / 2 * kStep, y = middle + 0.5 * kStep;
+    const BladePath path =
+        lay_blade(model, state, {.from = {middle - a, y, 0}, .to = {middle + a, y, 0}, .depth = 0.002}).value();
+    ASSERT_GT(cut_edges(model, state, path, 0, 1, 0), half_length);
+    for (int n = 0; n < 30; n++) step(kExec, model, state, {}, 0.1);  // long steps: inertia does not matter
+    const Wound wound = measure_wound(model, state, path, 0);
+    const double expected = 4 * kTension * a / kStiffness * std::sqrt((1 + kStiffness / (2 * kShear)) / 2);
+    EXPECT_NEAR(wound.gape_max, expected, 0.12 * expected) << "half length " << a << " m";
+    for (const GapePoint& point : wound.profile) {
+      const double x = (point.along - a) / a;
+      if (std::abs(x) > 0.85) continue;  // at the ends of the slit the lattice is too coarse
+      EXPECT_NEAR(point.gape, wound.gape_max * std::sqrt(1 - x * x), 0.12 * wound.gape_max) << "at " << x;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace turgor::lattice
