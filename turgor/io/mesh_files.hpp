@@ -1,0 +1,43 @@
+// Triangle meshes out: Wavefront OBJ for modelling programs, VTK's .vtu (XML, raw binary) and .pvd time
+// series for ParaView. Coordinates are metres in the patient frame LPS; the files say so in a comment.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "turgor/core/result.hpp"
+#include "turgor/geometry/tri_mesh.hpp"
+
+namespace turgor {
+
+/// Vertices, normals when the mesh has them, and triangles.
+Status write_obj(const std::filesystem::path& path, const TriMesh& mesh);
+
+/// A quantity at every vertex: `components` numbers each, 1 or 3.
+struct VertexField {
+  std::string name;  // with its unit, as ParaView shows it
+  int components = 1;
+  std::span<const float> values;
+};
+inline VertexField vertex_field(std::string name, const std::vector<Vec3>& values) {
+  return {std::move(name), 3, {values.empty() ? nullptr : &values.front().x, values.size() * 3}};
+}
+inline VertexField vertex_field(std::string name, const std::vector<float>& values) {
+  return {std::move(name), 1, values};
+}
+
+/// The mesh with its normals, when it has them, and the fields.
+Status write_vtu(const std::filesystem::path& path, const TriMesh& mesh,
+                 const std::vector<VertexField>& fields);
+
+/// One moment of a time series.
+struct PvdEntry {
+  double time = 0;   // [s]
+  std::string file;  // relative to the .pvd
+  std::string part;  // which body
+};
+Status write_pvd(const std::filesystem::path& path, const std::vector<PvdEntry>& entries);
+
+}  // namespace turgor
