@@ -1,0 +1,50 @@
+#include "turgor/core/latest.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <thread>
+
+namespace turgor {
+namespace {
+
+struct Sample {
+  long number = 0;
+  std::array<long, 16> copies{};
+};
+
+Sample sample(long number) {
+  Sample s{number, {}};
+  s.copies.fill(number);
+  return s;
+}
+
+TEST(latest, the_reader_sees_the_newest_value_written) {
+  latest<int> value(7);
+  EXPECT_EQ(value.read(), 7);
+  value.write(8);
+  value.write(9);
+  EXPECT_EQ(value.read(), 9);
+  EXPECT_EQ(value.read(), 9);
+}
+
+TEST(latest, values_arrive_whole_and_in_order_between_two_threads) {
+  latest<Sample> value;
+  constexpr long kLast = 200000;
+  std::thread writer([&] {
+    for (long n = 1; n <= kLast; n++) value.write(sample(n));
+  });
+  long before = 0, torn = 0, backwards = 0;
+  while (before < kLast) {
+    const Sample& seen = value.read();
+    for (const long copy : seen.copies) torn += copy != seen.number;
+    backwards += seen.number < before;
+    before = seen.number;
+  }
+  writer.join();
+  EXPECT_EQ(torn, 0);
+  EXPECT_EQ(backwards, 0);
+}
+
+}  // namespace
+}  // namespace turgor
