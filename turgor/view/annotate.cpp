@@ -65,7 +65,9 @@ int fitting_size(std::string_view text, int size, int room) {
 PixelBox draw_text(Image& image, std::string_view text, int x, int y, const TextStyle& style) {
   const TextMask mask = rasterize_text(text, style.size);
   const int rim = style.halo ? kHalo : 0;
-  const int shift = style.align == Align::kLeft ? 0 : style.align == Align::kCenter ? mask.width / 2 : mask.width;
+  const int shift = style.align == Align::kLeft     ? 0
+                    : style.align == Align::kCenter ? mask.width / 2
+                                                    : mask.width;
   const int left = x - shift, top = y - mask.height / 2;
   for (int v = -rim; v < mask.height + rim; v++) {
     for (int u = -rim; u < mask.width + rim; u++) {
@@ -85,12 +87,14 @@ PixelBox draw_legend(Image& image, const ColorScale& scale, int slot) {
   for (const Tick& tick : ticks) numbers = std::max(numbers, text_width(tick.text, size));
   const int content = std::max(bar_width + size / 2 + numbers, text_width(scale.label, size));
   const int right = image.width - size - slot * (content + 3 * size), left = right - content;
-  const PixelBox bar{left, (image.height - bar_height) / 2, left + bar_width, (image.height + bar_height) / 2};
+  const PixelBox bar{left, (image.height - bar_height) / 2, left + bar_width,
+                     (image.height + bar_height) / 2};
 
   fill(image, {left - size, bar.top - 3 * size, right + size, bar.bottom + size}, kPanel, 0.55f);
   draw_text(image, scale.label, left, bar.top - 3 * size / 2, {.size = size, .color = kInk});
   for (int y = bar.top; y < bar.bottom; y++)
-    fill(image, {bar.left, y, bar.right, y + 1}, map_color(float(bar.bottom - 1 - y) / float(bar_height - 1)), 1);
+    fill(image, {bar.left, y, bar.right, y + 1}, map_color(float(bar.bottom - 1 - y) / float(bar_height - 1)),
+         1);
   for (const Tick& tick : ticks) {
     const int y = bar.bottom - 1 - int(std::lround(tick.fraction * float(bar_height - 1)));
     fill(image, {bar.right, y, bar.right + size / 4, y + 1}, kInk, 1);
@@ -112,10 +116,12 @@ Image side_by_side(const std::vector<Image>& images, const std::vector<std::stri
   for (std::size_t i = 0; i < images.size(); i++) {
     const Image& image = images[i];
     for (int y = 0; y < image.height; y++)
-      std::copy_n(&image.pixels[std::size_t(y) * std::size_t(image.width)], image.width, &row.at(left, band + y));
+      std::copy_n(&image.pixels[std::size_t(y) * std::size_t(image.width)], image.width,
+                  &row.at(left, band + y));
     if (i < captions.size())
-      draw_text(row, captions[i], left + image.width / 2, band / 2,
-                {.size = fitting_size(captions[i], size, image.width), .color = kInk, .align = Align::kCenter});
+      draw_text(
+          row, captions[i], left + image.width / 2, band / 2,
+          {.size = fitting_size(captions[i], size, image.width), .color = kInk, .align = Align::kCenter});
     left += image.width + kGap;
   }
   return row;

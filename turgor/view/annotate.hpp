@@ -18,20 +18,20 @@ struct PixelBox {
 enum class Align : std::uint8_t { kLeft, kCenter, kRight };
 
 struct TextStyle {
-  int size = 15;             // distance of two lines [pixels]
+  int size = 15;  // distance of two lines [pixels]
   Rgb color{236, 239, 242};
   Align align = Align::kLeft;
-  bool halo = false;         // a dark rim, for text over pictures
+  bool halo = false;  // a dark rim, for text over pictures
 };
 
-/// Writes a line whose left end, centre or right end is at x and whose middle is at height y. Only pixels inside the
-/// returned box change.
+/// Writes a line whose left end, centre or right end is at x and whose middle is at height y. Only pixels
+/// inside the returned box change.
 PixelBox draw_text(Image& image, std::string_view text, int x, int y, const TextStyle& style = {});
 /// Pixels from the left to the right end of a line.
 int text_width(std::string_view text, int size);
 
-/// A bar of the scale's colours with round numbers and the label, at the right edge; the `slot`-th legend of a picture stands
-/// `slot` places to the left. Returns the bar, whose top row is the colour of `high`.
+/// A bar of the scale's colours with round numbers and the label, at the right edge; the `slot`-th legend of
+/// a picture stands `slot` places to the left. Returns the bar, whose top row is the colour of `high`.
 PixelBox draw_legend(Image& image, const ColorScale& scale, int slot = 0);
 
 /// Several pictures in a row, each with a caption above.

@@ -1,5 +1,5 @@
-// Forty-odd letters of five by seven dots, for machines without fonts. Small letters look like capitals; a sign that is
-// missing is left blank.
+// Forty-odd letters of five by seven dots, for machines without fonts. Small letters look like capitals; a
+// sign that is missing is left blank.
 #pragma once
 
 #include <cstdint>

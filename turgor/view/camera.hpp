@@ -1,4 +1,5 @@
-// Where a picture is taken from. Patient frame LPS, metres; a perspective camera that looks from its eye at its target.
+// Where a picture is taken from. Patient frame LPS, metres; a perspective camera that looks from its eye at
+// its target.
 #pragma once
 
 #include "turgor/geometry/grid.hpp"
@@ -11,7 +12,8 @@ struct Camera {
   double field_of_view = 30;       // vertical [degrees]
 };
 
-/// The camera's own axes: a point seen at depth d along -back lies within d · tan_half of the middle, up and down.
+/// The camera's own axes: a point seen at depth d along -back lies within d · tan_half of the middle, up and
+/// down.
 struct CameraFrame {
   Vec3d right, up, back;  // unit, right-handed
   double tan_half;
@@ -27,7 +29,8 @@ Box bounding_box(const TriMesh& mesh);
 /// Whole samples: half a spacing beyond the outermost sample places.
 Box bounding_box(const Grid& grid);
 
-/// A camera that sees the whole box from `direction` (from the box towards the eye), in pictures of this width / height.
+/// A camera that sees the whole box from `direction` (from the box towards the eye), in pictures of this
+/// width / height.
 Camera frame_box(const Box& box, Vec3d direction, Vec3d up, double aspect);
 
 }  // namespace turgor

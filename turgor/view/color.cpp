@@ -14,7 +14,8 @@ struct Oklab {
   double lightness, a, b;
 };
 
-// Our curve: lightness on a line, the colour plane's a and b on a cubic Bézier curve that stays inside what screens show.
+// Our curve: lightness on a line, the colour plane's a and b on a cubic Bézier curve that stays inside what
+// screens show.
 Oklab map_curve(double t) {
   constexpr double kA[] = {0.055, 0.0, -0.19, -0.035}, kB[] = {-0.115, -0.13, -0.01, 0.17};
   const double u = 1 - t, weights[] = {u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t};
@@ -81,10 +82,15 @@ float scale_fraction(const ColorScale& scale, float scalar) {
 std::vector<double> round_ticks(double low, double high, int count) {
   std::vector<double> ticks;
   if (!(high > low) || !std::isfinite(high - low)) return ticks;
-  const double rough = (high - low) / std::max(count - 1, 1), decade = std::pow(10.0, std::floor(std::log10(rough)));
-  const double step = decade * (rough < 1.5 * decade ? 1 : rough < 3.5 * decade ? 2 : rough < 7.5 * decade ? 5 : 10);
+  const double rough = (high - low) / std::max(count - 1, 1),
+               decade = std::pow(10.0, std::floor(std::log10(rough)));
+  const double step = decade * (rough < 1.5 * decade   ? 1
+                                : rough < 3.5 * decade ? 2
+                                : rough < 7.5 * decade ? 5
+                                                       : 10);
   const double slack = 1e-9 * (high - low);
-  for (double i = std::ceil((low - slack) / step); i * step <= high + slack; i++) ticks.push_back(i * step + 0.0);
+  for (double i = std::ceil((low - slack) / step); i * step <= high + slack; i++)
+    ticks.push_back(i * step + 0.0);
   return ticks;
 }
 

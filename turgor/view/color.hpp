@@ -1,5 +1,6 @@
-// Colours: from numbers to a perceptually even map, and between what screens store (sRGB bytes) and what light adds up
-// in (linear). The map is a curve in Oklab (Ottosson 2020): lightness grows evenly, hue goes from indigo over teal to yellow.
+// Colours: from numbers to a perceptually even map, and between what screens store (sRGB bytes) and what
+// light adds up in (linear). The map is a curve in Oklab (Ottosson 2020): lightness grows evenly, hue goes
+// from indigo over teal to yellow.
 #pragma once
 
 #include <string>

@@ -19,8 +19,10 @@ struct EglContext {
 };
 
 Error egl_error(const char* call) {
-  return {fmt::format("cannot draw: {} failed with EGL error {:#x}; is an OpenGL driver installed "
-                      "(Debian: libgl1-mesa-dri)?", call, eglGetError())};
+  return {
+      fmt::format("cannot draw: {} failed with EGL error {:#x}; is an OpenGL driver installed "
+                  "(Debian: libgl1-mesa-dri)?",
+                  call, eglGetError())};
 }
 
 bool can_load(const char* library) {
@@ -30,7 +32,8 @@ bool can_load(const char* library) {
 
 // libepoxy ends the process when it does not find these.
 Status check_libraries() {
-  if (!can_load("libEGL.so.1")) return Error{"cannot draw: libEGL.so.1 is missing (Debian: apt-get install libegl1)"};
+  if (!can_load("libEGL.so.1"))
+    return Error{"cannot draw: libEGL.so.1 is missing (Debian: apt-get install libegl1)"};
   if (!can_load("libGL.so.1") && !can_load("libOpenGL.so.0"))
     return Error{"cannot draw: libGL.so.1 and libOpenGL.so.0 are missing (Debian: apt-get install libgl1)"};
   return Done{};
@@ -81,13 +84,19 @@ Result<EglContext> create_context() {
   egl.display = open_display();
   if (egl.display == EGL_NO_DISPLAY) return egl_error("opening an EGL display without a screen");
   if (!eglBindAPI(EGL_OPENGL_API)) return egl_error("eglBindAPI(EGL_OPENGL_API)");
-  const EGLint config_wish[] = {EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+  const EGLint config_wish[] = {EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+                                EGL_NONE};
   EGLConfig config = nullptr;
   EGLint config_count = 0;
   if (!eglChooseConfig(egl.display, config_wish, &config, 1, &config_count) || config_count == 0)
     return egl_error("eglChooseConfig");
-  const EGLint context_wish[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
-                                 EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+  const EGLint context_wish[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                 3,
+                                 EGL_CONTEXT_MINOR_VERSION,
+                                 3,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                 EGL_NONE};
   egl.context = eglCreateContext(egl.display, config, EGL_NO_CONTEXT, context_wish);
   if (egl.context == EGL_NO_CONTEXT) return egl_error("eglCreateContext (OpenGL 3.3 core)");
   return egl;
@@ -114,7 +123,8 @@ Result<CurrentGl> hold_gl() {
   std::unique_lock lock(gl_mutex());
   const Result<EglContext>& egl = the_context();
   if (!egl) return egl.error();
-  if (!eglMakeCurrent(egl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl->context)) return egl_error("eglMakeCurrent");
+  if (!eglMakeCurrent(egl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl->context))
+    return egl_error("eglMakeCurrent");
   return CurrentGl(std::move(lock));
 }
 

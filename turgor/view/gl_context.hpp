@@ -1,5 +1,5 @@
-// One OpenGL context a process, through EGL without any surface. It is created when first used; whoever draws holds it, and
-// others wait. A machine without EGL or without a driver gets an error, not a crash.
+// One OpenGL context a process, through EGL without any surface. It is created when first used; whoever draws
+// holds it, and others wait. A machine without EGL or without a driver gets an error, not a crash.
 #pragma once
 
 #include <mutex>

@@ -1,5 +1,6 @@
-// The light of all pictures: a warm key light above the viewer's left shoulder, a soft cool fill from the right, a rim from
-// behind, and light from the sky and the floor. It moves with the camera, so that what is looked at is lit.
+// The light of all pictures: a warm key light above the viewer's left shoulder, a soft cool fill from the
+// right, a rim from behind, and light from the sky and the floor. It moves with the camera, so that what is
+// looked at is lit.
 #pragma once
 
 #include "turgor/view/camera.hpp"
@@ -7,8 +8,8 @@
 namespace turgor {
 
 struct Lights {
-  Vec3 key, fill, rim;    // unit, towards the light
-  Vec3 up;                // towards the sky
+  Vec3 key, fill, rim;                                            // unit, towards the light
+  Vec3 up;                                                        // towards the sky
   Vec3 key_color, fill_color, rim_color, sky_color, floor_color;  // linear
 };
 

@@ -1,6 +1,6 @@
-// The GLSL programs of mesh pictures. Three passes: surfaces are lit into a linear picture and their normals kept; the
-// occlusion of each pixel by its surroundings is estimated from the depths [McGuire, Mara, Luebke 2012]; both are put before
-// the backdrop and turned into what screens show.
+// The GLSL programs of mesh pictures. Three passes: surfaces are lit into a linear picture and their normals
+// kept; the occlusion of each pixel by its surroundings is estimated from the depths [McGuire, Mara, Luebke
+// 2012]; both are put before the backdrop and turned into what screens show.
 #pragma once
 
 namespace turgor {

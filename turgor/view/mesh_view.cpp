@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include <epoxy/gl.h>
 #include <fmt/format.h>
 
 #include "turgor/view/annotate.hpp"
+#include "turgor/view/gl.hpp"
 #include "turgor/view/gl_context.hpp"
 #include "turgor/view/lights.hpp"
 #include "turgor/view/mesh_shaders.hpp"
@@ -16,57 +16,8 @@ namespace turgor {
 
 namespace {
 
-constexpr int kSamples = 8;           // a pixel, where the driver has so many
-constexpr float kOcclusionReach = 0.06f;  // of the picture's height
-
-// Frees what a picture took from OpenGL.
-struct Objects {
-  std::vector<GLuint> textures, buffers, framebuffers, arrays;
-
-  Objects() = default;
-  Objects(const Objects&) = delete;
-  Objects& operator=(const Objects&) = delete;
-  ~Objects() {
-    glDeleteTextures(GLsizei(textures.size()), textures.data());
-    glDeleteBuffers(GLsizei(buffers.size()), buffers.data());
-    glDeleteFramebuffers(GLsizei(framebuffers.size()), framebuffers.data());
-    glDeleteVertexArrays(GLsizei(arrays.size()), arrays.data());
-  }
-  GLuint new_texture() { return glGenTextures(1, &textures.emplace_back()), textures.back(); }
-  GLuint new_buffer() { return glGenBuffers(1, &buffers.emplace_back()), buffers.back(); }
-  GLuint new_framebuffer() { return glGenFramebuffers(1, &framebuffers.emplace_back()), framebuffers.back(); }
-  GLuint new_array() { return glGenVertexArrays(1, &arrays.emplace_back()), arrays.back(); }
-};
-
-Result<GLuint> compile(GLenum kind, const char* source) {
-  const GLuint shader = glCreateShader(kind);
-  glShaderSource(shader, 1, &source, nullptr);
-  glCompileShader(shader);
-  GLint good = 0;
-  glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
-  if (good) return shader;
-  char log[1024] = {};
-  glGetShaderInfoLog(shader, sizeof log, nullptr, log);
-  glDeleteShader(shader);
-  return Error{fmt::format("cannot draw: glCompileShader failed: {}", log)};
-}
-
-Result<GLuint> link(const char* vertex_source, const char* fragment_source) {
-  const Result<GLuint> vertex = compile(GL_VERTEX_SHADER, vertex_source);
-  if (!vertex) return vertex.error();
-  const Result<GLuint> fragment = compile(GL_FRAGMENT_SHADER, fragment_source);
-  if (!fragment) return fragment.error();
-  const GLuint program = glCreateProgram();
-  for (const GLuint shader : {*vertex, *fragment}) {
-    glAttachShader(program, shader);
-    glDeleteShader(shader);
-  }
-  glLinkProgram(program);
-  GLint good = 0;
-  glGetProgramiv(program, GL_LINK_STATUS, &good);
-  if (good) return program;
-  return Error{"cannot draw: glLinkProgram failed"};
-}
+constexpr int kSamples = 8;               // a pixel, where the driver has so many
+constexpr float kOcclusionReach = 0.08f;  // of the picture's height
 
 struct Programs {
   GLuint surface = 0, occlusion = 0, picture = 0;
@@ -80,44 +31,11 @@ Result<Programs> link_programs() {
       {&programs.picture, kScreenVertexShader, kPictureFragmentShader},
   }};
   for (const auto& [program, vertex, fragment] : wanted) {
-    const Result<GLuint> linked = link(vertex, fragment);
+    const Result<GLuint> linked = link_program(vertex, fragment);
     if (!linked) return linked.error();
     *program = *linked;
   }
   return programs;
-}
-
-// Uniforms are set by name, into the program in use.
-GLint place_of(const char* name) {
-  GLint program = 0;
-  glGetIntegerv(GL_CURRENT_PROGRAM, &program);
-  return glGetUniformLocation(GLuint(program), name);
-}
-void set(const char* name, Vec3 v) { glUniform3f(place_of(name), v.x, v.y, v.z); }
-void set(const char* name, float a, float b) { glUniform2f(place_of(name), a, b); }
-void set(const char* name, float a) { glUniform1f(place_of(name), a); }
-void set_int(const char* name, int a) { glUniform1i(place_of(name), a); }
-void set_texture(const char* name, int unit, GLuint texture) {
-  glActiveTexture(GLenum(GL_TEXTURE0 + unit));
-  glBindTexture(GL_TEXTURE_2D, texture);
-  set_int(name, unit);
-}
-
-GLuint new_target(Objects& objects, GLint format, GLenum layout, GLenum type, int width, int height) {
-  const GLuint texture = objects.new_texture();
-  glBindTexture(GL_TEXTURE_2D, texture);
-  glTexImage2D(GL_TEXTURE_2D, 0, format, width, height, 0, layout, type, nullptr);
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
-  return texture;
-}
-
-GLuint new_samples(Objects& objects, GLenum format, int samples, int width, int height) {
-  const GLuint texture = objects.new_texture();
-  glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, texture);
-  glTexImage2DMultisample(GL_TEXTURE_2D_MULTISAMPLE, samples, format, width, height, GL_TRUE);
-  return texture;
 }
 
 // Several samples a pixel, and the same resolved to one.
@@ -126,39 +44,30 @@ struct Targets {
   GLuint lights = 0, normals = 0, depths = 0, occlusions = 0;    // textures
 };
 
-bool attach(GLuint framebuffer, GLenum kind, std::initializer_list<GLuint> colors, GLuint depth) {
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  std::vector<GLenum> names;
-  for (const GLuint color : colors) {
-    names.push_back(GLenum(GL_COLOR_ATTACHMENT0 + names.size()));
-    glFramebufferTexture2D(GL_FRAMEBUFFER, names.back(), kind, color, 0);
-  }
-  if (depth) glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, kind, depth, 0);
-  glDrawBuffers(GLsizei(names.size()), names.data());
-  return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-}
-
-Result<Targets> make_targets(Objects& objects, int width, int height) {
+Result<Targets> make_targets(GlObjects& objects, int width, int height) {
   GLint most_samples = 0, most_pixels = 0;
   glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most_pixels);
   if (width < 1 || height < 1 || width > most_pixels || height > most_pixels)
-    return Error{fmt::format("cannot draw a picture of {} x {} pixels: OpenGL here draws 1 to {}", width, height, most_pixels)};
+    return Error{fmt::format("cannot draw a picture of {} x {} pixels: OpenGL here draws 1 to {}", width,
+                             height, most_pixels)};
   const int samples = std::clamp(most_samples, 1, kSamples);
   Targets t;
-  const GLuint light_samples = new_samples(objects, GL_RGBA16F, samples, width, height);
-  const GLuint normal_samples = new_samples(objects, GL_RGBA8, samples, width, height);
-  const GLuint depth_samples = new_samples(objects, GL_DEPTH_COMPONENT24, samples, width, height);
-  t.lights = new_target(objects, GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, width, height);
-  t.normals = new_target(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
-  t.depths = new_target(objects, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, width, height);
-  t.occlusions = new_target(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
-  const GLuint picture = new_target(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
-  for (GLuint* framebuffer : {&t.sampled, &t.resolved, &t.occlusion, &t.picture}) *framebuffer = objects.new_framebuffer();
-  const bool complete = attach(t.sampled, GL_TEXTURE_2D_MULTISAMPLE, {light_samples, normal_samples}, depth_samples) &&
-                        attach(t.resolved, GL_TEXTURE_2D, {t.lights, t.normals}, t.depths) &&
-                        attach(t.occlusion, GL_TEXTURE_2D, {t.occlusions}, 0) &&
-                        attach(t.picture, GL_TEXTURE_2D, {picture}, 0);
+  const GLuint light_samples = new_multisample_texture(objects, GL_RGBA16F, samples, width, height);
+  const GLuint normal_samples = new_multisample_texture(objects, GL_RGBA8, samples, width, height);
+  const GLuint depth_samples = new_multisample_texture(objects, GL_DEPTH_COMPONENT24, samples, width, height);
+  t.lights = new_texture(objects, GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, width, height);
+  t.normals = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+  t.depths = new_texture(objects, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, width, height);
+  t.occlusions = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+  const GLuint picture = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+  for (GLuint* framebuffer : {&t.sampled, &t.resolved, &t.occlusion, &t.picture})
+    *framebuffer = objects.new_framebuffer();
+  const bool complete =
+      attach_textures(t.sampled, GL_TEXTURE_2D_MULTISAMPLE, {light_samples, normal_samples}, depth_samples) &&
+      attach_textures(t.resolved, GL_TEXTURE_2D, {t.lights, t.normals}, t.depths) &&
+      attach_textures(t.occlusion, GL_TEXTURE_2D, {t.occlusions}, 0) &&
+      attach_textures(t.picture, GL_TEXTURE_2D, {picture}, 0);
   if (!complete) return Error{"cannot draw: glCheckFramebufferStatus found an incomplete framebuffer"};
   return t;
 }
@@ -175,7 +84,8 @@ View make_view(const std::vector<MeshPart>& parts, const Camera& camera, double 
   for (const MeshPart& part : parts) {
     const Box box = bounding_box(*part.mesh);
     for (int i = 0; i < 8; i++) {
-      const Vec3d x{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z};
+      const Vec3d x{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
+                    i & 4 ? box.high.z : box.low.z};
       const double depth = dot(view.eye - x, view.frame.back);
       view.near = std::min(view.near, depth);
       view.far = std::max(view.far, depth);
@@ -190,7 +100,8 @@ View make_view(const std::vector<MeshPart>& parts, const Camera& camera, double 
 std::array<float, 16> clip_matrix(const View& view) {
   const auto& [right, up, back, tan_half] = view.frame;
   const double sx = 1 / (tan_half * view.aspect), sy = 1 / tan_half;
-  const double a = (view.near + view.far) / (view.near - view.far), b = 2 * view.near * view.far / (view.near - view.far);
+  const double a = (view.near + view.far) / (view.near - view.far),
+               b = 2 * view.near * view.far / (view.near - view.far);
   std::array<float, 16> m{};
   for (int axis = 0; axis < 3; axis++) {
     m[std::size_t(4 * axis)] = float(sx * right[axis]);
@@ -206,14 +117,14 @@ std::array<float, 16> clip_matrix(const View& view) {
 }
 
 template <class T>
-void upload(Objects& objects, GLuint attribute, int components, GLenum type, const std::vector<T>& values) {
+void upload(GlObjects& objects, GLuint attribute, int components, GLenum type, const std::vector<T>& values) {
   glBindBuffer(GL_ARRAY_BUFFER, objects.new_buffer());
   glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(values.size() * sizeof(T)), values.data(), GL_STREAM_DRAW);
   glVertexAttribPointer(attribute, components, type, type == GL_UNSIGNED_BYTE, 0, nullptr);
   glEnableVertexAttribArray(attribute);
 }
 
-void draw_part(Objects& objects, const MeshPart& part) {
+void draw_part(GlObjects& objects, const MeshPart& part) {
   const TriMesh& mesh = *part.mesh;
   if (mesh.triangles.empty()) return;
   glBindVertexArray(objects.new_array());
@@ -227,39 +138,40 @@ void draw_part(Objects& objects, const MeshPart& part) {
                    [&part](float scalar) { return scale_fraction(*part.scale, scalar); });
     upload(objects, 3, 1, GL_FLOAT, fractions);
   }
-  set_int("use_map", part.scale != nullptr);
+  set_uniform("use_map", part.scale != nullptr);
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, objects.new_buffer());
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(mesh.triangles.size() * sizeof(Int3)), mesh.triangles.data(),
-               GL_STREAM_DRAW);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(mesh.triangles.size() * sizeof(Int3)),
+               mesh.triangles.data(), GL_STREAM_DRAW);
   glDrawElements(GL_TRIANGLES, GLsizei(3 * mesh.triangles.size()), GL_UNSIGNED_INT, nullptr);
 }
 
-GLuint new_color_map(Objects& objects) {
+GLuint new_color_map(GlObjects& objects) {
   std::array<Rgb, 256> colors;
   for (std::size_t i = 0; i < colors.size(); i++) colors[i] = map_color(float(i) / 255);
-  const GLuint texture = new_target(objects, GL_RGB8, GL_RGB, GL_UNSIGNED_BYTE, 256, 1);
+  const GLuint texture = new_texture(objects, GL_RGB8, GL_RGB, GL_UNSIGNED_BYTE, 256, 1);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 256, 1, GL_RGB, GL_UNSIGNED_BYTE, colors.data());
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   return texture;
 }
 
-void draw_surfaces(Objects& objects, GLuint program, const std::vector<MeshPart>& parts, const View& view) {
+void draw_surfaces(GlObjects& objects, GLuint program, const std::vector<MeshPart>& parts, const View& view) {
   glEnable(GL_DEPTH_TEST);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glUseProgram(program);
   const std::array<float, 16> to_clip = clip_matrix(view);
-  glUniformMatrix4fv(place_of("to_clip"), 1, GL_FALSE, to_clip.data());
+  glUniformMatrix4fv(uniform_place("to_clip"), 1, GL_FALSE, to_clip.data());
   const Vec3 right(view.frame.right), up(view.frame.up), back(view.frame.back);
   const float to_view[] = {right.x, right.y, right.z, up.x, up.y, up.z, back.x, back.y, back.z};
-  glUniformMatrix3fv(place_of("to_view"), 1, GL_TRUE, to_view);
-  set("eye", Vec3(view.eye));
+  glUniformMatrix3fv(uniform_place("to_view"), 1, GL_TRUE, to_view);
+  set_uniform("eye", Vec3(view.eye));
   const Lights lights = camera_lights(view.frame);
-  set("key", lights.key), set("key_color", lights.key_color);
-  set("fill", lights.fill), set("fill_color", lights.fill_color);
-  set("rim", lights.rim), set("rim_color", lights.rim_color);
-  set("up", lights.up), set("sky_color", lights.sky_color), set("floor_color", lights.floor_color);
+  set_uniform("key", lights.key), set_uniform("key_color", lights.key_color);
+  set_uniform("fill", lights.fill), set_uniform("fill_color", lights.fill_color);
+  set_uniform("rim", lights.rim), set_uniform("rim_color", lights.rim_color);
+  set_uniform("up", lights.up), set_uniform("sky_color", lights.sky_color),
+      set_uniform("floor_color", lights.floor_color);
   set_texture("color_map", 0, new_color_map(objects));
   for (const MeshPart& part : parts) draw_part(objects, part);
 }
@@ -277,32 +189,32 @@ void resolve(const Targets& targets, int width, int height) {
   glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
 }
 
-void draw_screen(Objects& objects) {
+void draw_screen(GlObjects& objects) {
   glDisable(GL_DEPTH_TEST);
   glBindVertexArray(objects.new_array());
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void draw_occlusion(Objects& objects, GLuint program, const Targets& targets, const View& view) {
+void draw_occlusion(GlObjects& objects, GLuint program, const Targets& targets, const View& view) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.occlusion);
   glUseProgram(program);
   set_texture("depths", 0, targets.depths);
   set_texture("normals", 1, targets.normals);
-  set("tan_half", float(view.frame.tan_half * view.aspect), float(view.frame.tan_half));
-  set("near_far", float(view.near), float(view.far));
-  set("reach", kOcclusionReach);
+  set_uniform("tan_half", float(view.frame.tan_half * view.aspect), float(view.frame.tan_half));
+  set_uniform("near_far", float(view.near), float(view.far));
+  set_uniform("reach", kOcclusionReach);
   draw_screen(objects);
 }
 
-void draw_picture(Objects& objects, GLuint program, const Targets& targets, const View& view) {
+void draw_picture(GlObjects& objects, GLuint program, const Targets& targets, const View& view) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.picture);
   glUseProgram(program);
   set_texture("lights", 0, targets.lights);
   set_texture("occlusions", 1, targets.occlusions);
   set_texture("depths", 2, targets.depths);
-  set("near_far", float(view.near), float(view.far));
-  set("backdrop_centre", kBackdropCentre), set("backdrop_edge", kBackdropEdge);
-  set("shoulder", kShoulder);
+  set_uniform("near_far", float(view.near), float(view.far));
+  set_uniform("backdrop_centre", kBackdropCentre), set_uniform("backdrop_edge", kBackdropEdge);
+  set_uniform("shoulder", kShoulder);
   draw_screen(objects);
 }
 
@@ -322,7 +234,7 @@ Result<Image> draw_scene(const std::vector<MeshPart>& parts, const Camera& camer
   if (!programs) return programs.error();
   while (glGetError() != GL_NO_ERROR) {
   }
-  Objects objects;
+  GlObjects objects;
   const Result<Targets> targets = make_targets(objects, width, height);
   if (!targets) return targets.error();
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -355,8 +267,10 @@ Result<Image> draw_meshes(const std::vector<MeshPart>& parts, const Camera& came
   for (const MeshPart& part : parts) {
     TURGOR_ASSERT(part.mesh, "every part of draw_meshes has a mesh");
     const std::size_t count = part.mesh->vertices.size();
-    TURGOR_ASSERT(part.mesh->normals.empty() || part.mesh->normals.size() == count, "one normal a vertex, or none");
-    TURGOR_ASSERT(!part.scale || part.mesh->scalars.size() == count, "a part with a scale has one scalar a vertex");
+    TURGOR_ASSERT(part.mesh->normals.empty() || part.mesh->normals.size() == count,
+                  "one normal a vertex, or none");
+    TURGOR_ASSERT(!part.scale || part.mesh->scalars.size() == count,
+                  "a part with a scale has one scalar a vertex");
     TURGOR_ASSERT(!part.colors || part.colors->size() == count, "one colour a vertex");
   }
   Result<Image> image = draw_scene(parts, camera, width, height);

@@ -1,4 +1,5 @@
-// Pictures of triangle meshes by OpenGL through EGL: no window, no display, no X server; with or without a GPU.
+// Pictures of triangle meshes by OpenGL through EGL: no window, no display, no X server; with or without a
+// GPU.
 #pragma once
 
 #include <vector>
@@ -18,8 +19,9 @@ struct MeshPart {
   const std::vector<Rgb>* colors = nullptr;  // one a vertex, instead of `color`
 };
 
-/// Both sides of every triangle are seen; normals are computed where the mesh has none; scalars that are no numbers show
-/// the part's colour. Error: OpenGL or EGL is missing on this machine, or failed; the message says which call.
+/// Both sides of every triangle are seen; normals are computed where the mesh has none; scalars that are no
+/// numbers show the part's colour. Error: OpenGL or EGL is missing on this machine, or failed; the message
+/// says which call.
 Result<Image> draw_meshes(const std::vector<MeshPart>& parts, const Camera& camera, int width, int height);
 
 }  // namespace turgor

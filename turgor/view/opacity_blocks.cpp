@@ -60,7 +60,8 @@ struct ClassifyRow {
   }
 };
 
-// Chessboard distance to the nearest visible block: one sweep forwards and one backwards over the 13 earlier neighbours.
+// Chessboard distance to the nearest visible block: one sweep forwards and one backwards over the 13 earlier
+// neighbours.
 void spread_distance(Int3 size, std::vector<std::uint8_t>& distance) {
   const int count = size.x * size.y * size.z;
   for (const int sign : {1, -1}) {
@@ -86,7 +87,8 @@ OccupancyLevel half_resolution(const OccupancyLevel& fine) {
   for (int k = 0; k < fine.size.z; k++)
     for (int j = 0; j < fine.size.y; j++)
       for (int i = 0; i < fine.size.x; i++)
-        coarse.opaque[block_index(coarse.size, i / 2, j / 2, k / 2)] += fine.opaque[block_index(fine.size, i, j, k)] / 8;
+        coarse.opaque[block_index(coarse.size, i / 2, j / 2, k / 2)] +=
+            fine.opaque[block_index(fine.size, i, j, k)] / 8;
   return coarse;
 }
 
@@ -104,7 +106,8 @@ OpacityBlocks build_opacity_blocks(const Exec& exec, const CtVolume& ct, const T
   std::vector<float> opacity(65536);
   for (int hu = -32768; hu < 32768; hu++)
     opacity[std::size_t(hu + 32768)] = float(1 - std::exp(-transfer.extinction(hu) * kBlock * sample));
-  parallel_for(exec, std::size_t(blocks.size.y) * std::size_t(blocks.size.z), ClassifyRow{ct, transfer, opacity, blocks});
+  parallel_for(exec, std::size_t(blocks.size.y) * std::size_t(blocks.size.z),
+               ClassifyRow{ct, transfer, opacity, blocks});
   spread_distance(blocks.size, blocks.distance);
   while (int(blocks.levels.size()) < kLevels) blocks.levels.push_back(half_resolution(blocks.levels.back()));
   return blocks;
@@ -112,7 +115,8 @@ OpacityBlocks build_opacity_blocks(const Exec& exec, const CtVolume& ct, const T
 
 float occupancy_at(const OccupancyLevel& level, int level_number, Vec3 index) {
   const float edge = float(kBlock << level_number);
-  const Vec3 place{(index.x + 0.5f) / edge - 0.5f, (index.y + 0.5f) / edge - 0.5f, (index.z + 0.5f) / edge - 0.5f};
+  const Vec3 place{(index.x + 0.5f) / edge - 0.5f, (index.y + 0.5f) / edge - 0.5f,
+                   (index.z + 0.5f) / edge - 0.5f};
   const Int3 low{int(std::floor(place.x)), int(std::floor(place.y)), int(std::floor(place.z))};
   const Vec3 f = place - Vec3(low);
   float sum = 0;
@@ -120,7 +124,8 @@ float occupancy_at(const OccupancyLevel& level, int level_number, Vec3 index) {
     const int bx = corner & 1, by = corner >> 1 & 1, bz = corner >> 2;
     const int i = low.x + bx, j = low.y + by, k = low.z + bz;
     if (i < 0 || j < 0 || k < 0 || i >= level.size.x || j >= level.size.y || k >= level.size.z) continue;
-    sum += (bx ? f.x : 1 - f.x) * (by ? f.y : 1 - f.y) * (bz ? f.z : 1 - f.z) * level.opaque[block_index(level.size, i, j, k)];
+    sum += (bx ? f.x : 1 - f.x) * (by ? f.y : 1 - f.y) * (bz ? f.z : 1 - f.z) *
+           level.opaque[block_index(level.size, i, j, k)];
   }
   return sum;
 }

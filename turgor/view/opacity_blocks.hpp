@@ -1,5 +1,6 @@
-// A coarse picture of a volume's opacity, for the ray-caster: in which blocks of samples nothing is visible and how far the next
-// visible block is (rays leap over the rest), and how much of its neighbourhood is opaque (what lies in a hollow is darker).
+// A coarse picture of a volume's opacity, for the ray-caster: in which blocks of samples nothing is visible
+// and how far the next visible block is (rays leap over the rest), and how much of its neighbourhood is
+// opaque (what lies in a hollow is darker).
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,8 @@ struct OccupancyLevel {
 
 struct OpacityBlocks {
   Int3 size;
-  std::vector<std::uint8_t> distance;  // blocks to the nearest visible one, in the largest of three directions; 0 = visible
+  std::vector<std::uint8_t>
+      distance;  // blocks to the nearest visible one, in the largest of three directions; 0 = visible
   std::vector<OccupancyLevel> levels;
 };
 

@@ -17,7 +17,8 @@ inline bool inside_samples(const Grid& grid, Vec3d index) {
 /// The value at an index in [0, size - 1] along every axis, of a volume at least two samples thick.
 inline float sample_linear(const CtVolume& ct, Vec3 index) {
   const Int3 n = ct.grid.size;
-  const int i = std::min(int(index.x), n.x - 2), j = std::min(int(index.y), n.y - 2), k = std::min(int(index.z), n.z - 2);
+  const int i = std::min(int(index.x), n.x - 2), j = std::min(int(index.y), n.y - 2),
+            k = std::min(int(index.z), n.z - 2);
   const float u = index.x - float(i), v = index.y - float(j), w = index.z - float(k);
   const std::size_t row = std::size_t(n.x), layer = row * std::size_t(n.y);
   const std::int16_t* s = ct.samples.data() + sample_index(ct.grid, i, j, k);
@@ -41,7 +42,8 @@ inline float sample_clamped(const CtVolume& ct, Vec3 index) {
   float sum = 0;
   for (int corner = 0; corner < 8; corner++) {
     const bool bx = corner & 1, by = corner & 2, bz = corner & 4;
-    const float share = (bx ? weight[0] : 1 - weight[0]) * (by ? weight[1] : 1 - weight[1]) * (bz ? weight[2] : 1 - weight[2]);
+    const float share = (bx ? weight[0] : 1 - weight[0]) * (by ? weight[1] : 1 - weight[1]) *
+                        (bz ? weight[2] : 1 - weight[2]);
     sum += share * float(ct.at(bx ? high.x : low.x, by ? high.y : low.y, bz ? high.z : low.z));
   }
   return sum;

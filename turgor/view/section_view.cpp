@@ -20,8 +20,11 @@ struct NamedWindow {
   Window window;
 };
 // The usual windows of a CT workstation.
-constexpr NamedWindow kWindows[] = {
-    {"abdomen", {350, 40}}, {"bone", {1800, 400}}, {"lung", {1500, -600}}, {"brain", {80, 40}}, {"air", {1000, -430}}};
+constexpr NamedWindow kWindows[] = {{"abdomen", {350, 40}},
+                                    {"bone", {1800, 400}},
+                                    {"lung", {1500, -600}},
+                                    {"brain", {80, 40}},
+                                    {"air", {1000, -430}}};
 
 struct PlaneAxes {
   Vec3d right, down;
@@ -30,9 +33,12 @@ struct PlaneAxes {
 // LPS: +x is the patient's left, +y the back (posterior), +z the head.
 PlaneAxes plane_axes(Plane plane) {
   switch (plane) {
-    case Plane::kAxial: return {{1, 0, 0}, {0, 1, 0}, "R", "L", "A", "P"};
-    case Plane::kCoronal: return {{1, 0, 0}, {0, 0, -1}, "R", "L", "H", "F"};
-    case Plane::kSagittal: return {{0, 1, 0}, {0, 0, -1}, "A", "P", "H", "F"};
+    case Plane::kAxial:
+      return {{1, 0, 0}, {0, 1, 0}, "R", "L", "A", "P"};
+    case Plane::kCoronal:
+      return {{1, 0, 0}, {0, 0, -1}, "R", "L", "H", "F"};
+    case Plane::kSagittal:
+      return {{0, 1, 0}, {0, 0, -1}, "A", "P", "H", "F"};
   }
   return {};
 }
@@ -85,7 +91,8 @@ void draw_scale_bar(Image& image, double pixel) {
   };
   fill(left - 1, y - thick - 1, left + pixels + 1, y + 1, {});
   fill(left, y - thick, left + pixels, y, {236, 239, 242});
-  const std::string text = length < 0.01 ? fmt::format("{:.0f} mm", 1e3 * length) : fmt::format("{:.0f} cm", 1e2 * length);
+  const std::string text =
+      length < 0.01 ? fmt::format("{:.0f} mm", 1e3 * length) : fmt::format("{:.0f} cm", 1e2 * length);
   draw_text(image, text, left, y - thick - size * 2 / 3, {.size = size, .halo = true});
 }
 
@@ -112,7 +119,8 @@ SectionFrame section_frame(const Grid& grid, Plane plane, Vec3d point, int heigh
   frame.pixel = std::max(tall / frame.height, wide / frame.width);
   const Vec3d normal = cross(axes.right, axes.down);
   const Vec3d center = middle + normal * dot(point - middle, normal);
-  frame.corner = center - (frame.right * double(frame.width - 1) + frame.down * double(frame.height - 1)) * (frame.pixel / 2);
+  frame.corner = center - (frame.right * double(frame.width - 1) + frame.down * double(frame.height - 1)) *
+                              (frame.pixel / 2);
   return frame;
 }
 

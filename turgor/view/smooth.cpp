@@ -22,7 +22,8 @@ struct HalveRow {
     }
     sum.back() = sum[std::size_t(n.x) - 1];
     std::int16_t* out = &half.samples[row * std::size_t(half.grid.size.x)];
-    for (std::size_t i = 0; i < std::size_t(half.grid.size.x); i++) out[i] = std::int16_t((sum[2 * i] + sum[2 * i + 1]) / 8);
+    for (std::size_t i = 0; i < std::size_t(half.grid.size.x); i++)
+      out[i] = std::int16_t((sum[2 * i] + sum[2 * i + 1]) / 8);
   }
 };
 

@@ -35,7 +35,10 @@ std::vector<char32_t> code_points(std::string_view text) {
   for (const char letter : text) {
     const auto byte = static_cast<unsigned char>(letter);
     if ((byte & 0xC0) != 0x80)
-      points.push_back(byte < 0x80 ? byte : byte < 0xE0 ? byte & 0x1F : byte < 0xF0 ? byte & 0x0F : byte & 0x07);
+      points.push_back(byte < 0x80   ? byte
+                       : byte < 0xE0 ? byte & 0x1F
+                       : byte < 0xF0 ? byte & 0x0F
+                                     : byte & 0x07);
     else if (!points.empty())
       points.back() = points.back() << 6 | (byte & 0x3F);
   }
@@ -68,8 +71,8 @@ bool rasterize(FT_Face face, std::string_view text, int size, TextMask& mask) {
   pen = 64;
   for (const char32_t point : points) {
     if (FT_Load_Char(face, point, FT_LOAD_RENDER)) return false;
-    add_bitmap(face->glyph->bitmap, int(pen / 64) + face->glyph->bitmap_left, baseline - face->glyph->bitmap_top,
-               mask);
+    add_bitmap(face->glyph->bitmap, int(pen / 64) + face->glyph->bitmap_left,
+               baseline - face->glyph->bitmap_top, mask);
     pen += face->glyph->advance.x;
   }
   return true;
@@ -99,7 +102,8 @@ const DotGlyph* find_glyph(char32_t point) {
 
 TextMask rasterize_built_in(std::string_view text, int size) {
   const std::vector<char32_t> points = code_points(text);
-  const int dot = std::max(1, size / 10), width = int(points.size()) * 6 * dot + dot, height = std::max(size, 7 * dot);
+  const int dot = std::max(1, size / 10), width = int(points.size()) * 6 * dot + dot,
+            height = std::max(size, 7 * dot);
   TextMask mask{width, height, std::vector<std::uint8_t>(std::size_t(width) * std::size_t(height)), true};
   const int top = (height - 7 * dot) / 2;
   for (int i = 0; i < int(points.size()); i++) {

@@ -1,5 +1,5 @@
-// Text as coverage: DejaVu Sans through FreeType when its file is on this machine, a coarse built-in font otherwise, so that
-// a picture never lacks the letters that say which side is the patient's right.
+// Text as coverage: DejaVu Sans through FreeType when its file is on this machine, a coarse built-in font
+// otherwise, so that a picture never lacks the letters that say which side is the patient's right.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ struct TextMask {
   bool built_in = false;               // no font file was found
 };
 
-/// One line of UTF-8 text; `size` is the distance of two lines [pixels]. The font's file is the one named by the
-/// environment variable TURGOR_FONT, or else DejaVuSans.ttf in the usual folders.
+/// One line of UTF-8 text; `size` is the distance of two lines [pixels]. The font's file is the one named by
+/// the environment variable TURGOR_FONT, or else DejaVuSans.ttf in the usual folders.
 TextMask rasterize_text(std::string_view text, int size);
 
 }  // namespace turgor

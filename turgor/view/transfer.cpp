@@ -20,13 +20,13 @@ constexpr TransferPoint kSoftTissue[] = {
     {160, 0.75f, {234, 168, 128}},   {260, 0.90f, {244, 226, 196}},   {1500, 0.99f, {255, 252, 244}},
 };
 constexpr TransferPoint kMuscle[] = {
-    {-25, 0.00f, {168, 62, 54}},   {15, 0.40f, {184, 76, 66}},    {60, 0.85f, {200, 96, 80}},
-    {110, 0.92f, {216, 128, 102}}, {190, 0.95f, {234, 192, 158}}, {350, 0.98f, {246, 234, 210}},
+    {-25, 0.00f, {168, 62, 54}},    {15, 0.40f, {184, 76, 66}},    {60, 0.85f, {200, 96, 80}},
+    {110, 0.92f, {216, 128, 102}},  {190, 0.95f, {234, 192, 158}}, {350, 0.98f, {246, 234, 210}},
     {1500, 0.99f, {255, 251, 242}},
 };
 constexpr TransferPoint kBone[] = {
-    {110, 0.00f, {196, 132, 96}},   {170, 0.16f, {210, 158, 116}},  {240, 0.70f, {228, 198, 158}},
-    {420, 0.95f, {240, 226, 198}},  {1200, 0.99f, {255, 250, 240}},
+    {110, 0.00f, {196, 132, 96}},  {170, 0.16f, {210, 158, 116}},  {240, 0.70f, {228, 198, 158}},
+    {420, 0.95f, {240, 226, 198}}, {1200, 0.99f, {255, 250, 240}},
 };
 constexpr TransferPoint kLung[] = {
     {-975, 0.000f, {96, 150, 205}},  {-930, 0.004f, {96, 150, 205}},  {-820, 0.008f, {130, 170, 210}},
@@ -44,7 +44,9 @@ constexpr NamedPoints kPresets[] = {
 float extinction_of(float opacity) { return -std::log(1 - std::min(opacity, 0.999f)) / 0.001f; }
 
 Optical optical_at(std::span<const TransferPoint> points, float hu) {
-  const auto optical = [](const TransferPoint& p) { return Optical{linear_color(p.color), extinction_of(p.opacity)}; };
+  const auto optical = [](const TransferPoint& p) {
+    return Optical{linear_color(p.color), extinction_of(p.opacity)};
+  };
   if (hu <= points.front().hu) return optical(points.front());
   for (std::size_t i = 1; i < points.size(); i++) {
     if (hu > points[i].hu) continue;
@@ -59,7 +61,8 @@ Optical optical_at(std::span<const TransferPoint> points, float hu) {
 
 std::size_t Transfer::entry(int hu) { return std::size_t(std::clamp(hu - kLow, 0, kCount - 1)); }
 
-Transfer::Transfer(std::span<const TransferPoint> points) : extinction_(kCount), sums_(kCount), visible_(kCount + 1) {
+Transfer::Transfer(std::span<const TransferPoint> points)
+    : extinction_(kCount), sums_(kCount), visible_(kCount + 1) {
   Optical before;
   for (std::size_t i = 0; i < kCount; i++) {
     const Optical here = optical_at(points, float(int(i) + kLow));

@@ -1,6 +1,6 @@
-// What each Hounsfield value looks like in volume rendering: colour, and how strongly it absorbs. Tables hold the integrals
-// over the values, so that a ray gets the mean over all values between two samples and thin surfaces show no rings
-// [Engel, Kraus, Ertl 2001, without self-absorption inside a segment].
+// What each Hounsfield value looks like in volume rendering: colour, and how strongly it absorbs. Tables hold
+// the integrals over the values, so that a ray gets the mean over all values between two samples and thin
+// surfaces show no rings [Engel, Kraus, Ertl 2001, without self-absorption inside a segment].
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
-// ffmpeg reads numbered names, so that the frames are given such names as links in a folder of their own, beside the video. It
-// runs inside that folder and sees no name that a user chose, hence nothing that could be mistaken for an option.
+// ffmpeg reads numbered names, so that the frames are given such names as links in a folder of their own,
+// beside the video. It runs inside that folder and sees no name that a user chose, hence nothing that could
+// be mistaken for an option.
 #include "turgor/view/video.hpp"
 
 #include <cerrno>
@@ -37,7 +38,9 @@ struct WorkFolder {
   }
 };
 
-fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
 
 Result<fs::path> make_folder_beside(const fs::path& path) {
   std::string pattern = (folder_of(path) / ".video-XXXXXX").string();
@@ -51,7 +54,9 @@ Status link_frames(const std::vector<fs::path>& frames, const fs::path& folder) 
     std::error_code error;
     const fs::path frame = fs::canonical(frames[i], error);
     if (!error) fs::create_symlink(frame, folder / fmt::format("{:06}.png", i), error);
-    if (error) return Error{fmt::format("{}: cannot use this frame for a video: {}", frames[i].string(), error.message())};
+    if (error)
+      return Error{
+          fmt::format("{}: cannot use this frame for a video: {}", frames[i].string(), error.message())};
   }
   return Done{};
 }
@@ -98,21 +103,25 @@ bool has_ffmpeg() {
 }
 
 Status write_video(const std::vector<fs::path>& frames, double frames_per_second, const fs::path& path) {
-  if (frames.empty()) return Error{fmt::format("{}: a video needs frames, and there are none", path.string())};
+  if (frames.empty())
+    return Error{fmt::format("{}: a video needs frames, and there are none", path.string())};
   if (!(frames_per_second > 0))
-    return Error{fmt::format("{}: a video needs a positive frame rate, found {}", path.string(), frames_per_second)};
+    return Error{
+        fmt::format("{}: a video needs a positive frame rate, found {}", path.string(), frames_per_second)};
   if (!has_ffmpeg())
-    return Error{fmt::format("{}: no video, because ffmpeg is not on the PATH (Debian: apt-get install ffmpeg); "
-                             "the frames are there", path.string())};
+    return Error{
+        fmt::format("{}: no video, because ffmpeg is not on the PATH (Debian: apt-get install ffmpeg); "
+                    "the frames are there",
+                    path.string())};
   const Result<fs::path> made = make_folder_beside(path);
   if (!made) return made.error();
   const WorkFolder folder(*made);
   if (const Status linked = link_frames(frames, folder.path); !linked) return linked;
 
   const int exit_status = run_in(
-      folder.path, {"ffmpeg", "-y", "-loglevel", "error", "-framerate", fmt::format("{}", frames_per_second), "-i",
-                    "%06d.png", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf",
-                    "18", "-movflags", "+faststart", kVideo});
+      folder.path, {"ffmpeg", "-y", "-loglevel", "error", "-framerate", fmt::format("{}", frames_per_second),
+                    "-i", "%06d.png", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-pix_fmt",
+                    "yuv420p", "-crf", "18", "-movflags", "+faststart", kVideo});
   if (exit_status != 0)
     return Error{fmt::format("{}: ffmpeg failed: {}", path.string(), first_line(folder.path / kLog))};
   std::error_code error;

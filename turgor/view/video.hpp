@@ -11,8 +11,9 @@ namespace turgor {
 /// Whether ffmpeg is found on the PATH.
 bool has_ffmpeg();
 
-/// H.264 in MP4, which every browser plays; the frames in this order, all of the first one's size (an odd width or height grows by
-/// one). The video appears under its name when it is complete. Error: no ffmpeg, no frames, or what ffmpeg said.
+/// H.264 in MP4, which every browser plays; the frames in this order, all of the first one's size (an odd
+/// width or height grows by one). The video appears under its name when it is complete. Error: no ffmpeg, no
+/// frames, or what ffmpeg said.
 Status write_video(const std::vector<std::filesystem::path>& frames, double frames_per_second,
                    const std::filesystem::path& path);
 

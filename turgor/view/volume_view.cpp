@@ -1,7 +1,7 @@
-// Every ray takes steps of the smallest spacing, leaps over blocks in which nothing is visible, and ends when nothing more
-// would shine through. Shading: Lambert and Blinn with the normal along the gradient of the values, two-sided; weak
-// gradients are noise and are shaded flat. Hollows are darkened by the coarse occupancy along the normal. Pixels on
-// edges are traced again with four rays.
+// Every ray takes steps of the smallest spacing, leaps over blocks in which nothing is visible, and ends when
+// nothing more would shine through. Shading: Lambert and Blinn with the normal along the gradient of the
+// values, two-sided; weak gradients are noise and are shaded flat. Hollows are darkened by the coarse
+// occupancy along the normal. Pixels on edges are traced again with four rays.
 #include "turgor/view/volume_view.hpp"
 
 #include <algorithm>
@@ -18,16 +18,17 @@ namespace turgor {
 namespace {
 
 constexpr float kLeastTransmittance = 0.004f;
-constexpr float kNoise = 12;             // smoothed neighbours that differ by much less are noise, by much more a surface [HU]
-constexpr float kSolid = 0.12f;          // a step that hides more than this is drawn with all care
-constexpr int kTile = 16;                // pixels
-constexpr int kEdgeContrast = 14;        // of two neighbouring pixels, in a colour byte, that makes an edge
+constexpr float kNoise =
+    12;  // smoothed neighbours that differ by much less are noise, by much more a surface [HU]
+constexpr float kSolid = 0.12f;    // a step that hides more than this is drawn with all care
+constexpr int kTile = 16;          // pixels
+constexpr int kEdgeContrast = 14;  // of two neighbouring pixels, in a colour byte, that makes an edge
 
 struct Ray {
-  Vec3 start, step;  // index; per step
-  Vec3 direction;    // unit, patient frame
+  Vec3 start, step;   // index; per step
+  Vec3 direction;     // unit, patient frame
   Vec3 entry_normal;  // of the volume's face where the ray comes in, patient frame
-  int last = -1;     // steps to take; < 0: misses the volume
+  int last = -1;      // steps to take; < 0: misses the volume
 };
 
 struct RayCaster {
@@ -37,7 +38,7 @@ struct RayCaster {
   const OpacityBlocks& blocks;
   Lights lights;
   CameraFrame frame;
-  Mat3d to_index;        // index per metre
+  Mat3d to_index;  // index per metre
   Mat3d gradient_to_patient;
   Vec3d eye;             // index
   float step;            // [m]
@@ -57,14 +58,15 @@ struct RayCaster {
 
 Ray RayCaster::make_ray(float x, float y) const {
   const double scale = 2 * frame.tan_half / height;
-  const Vec3d direction = normalized(frame.right * ((x - 0.5 * width) * scale) - frame.up * ((y - 0.5 * height) * scale) -
-                                     frame.back);
+  const Vec3d direction = normalized(frame.right * ((x - 0.5 * width) * scale) -
+                                     frame.up * ((y - 0.5 * height) * scale) - frame.back);
   const Vec3d along = to_index * direction;
   double enter = 0, leave = 1e30;
   int face = -1;
   for (int axis = 0; axis < 3; axis++) {
     if (ct.grid.size[axis] < 2) return {};  // nothing to interpolate
-    const double last = ct.grid.size[axis] - 1, a = -eye[axis] / along[axis], b = (last - eye[axis]) / along[axis];
+    const double last = ct.grid.size[axis] - 1, a = -eye[axis] / along[axis],
+                 b = (last - eye[axis]) / along[axis];
     if (along[axis] == 0) {
       if (eye[axis] < 0 || eye[axis] > last) return {};
       continue;
@@ -73,9 +75,11 @@ Ray RayCaster::make_ray(float x, float y) const {
     leave = std::min(leave, std::max(a, b));
   }
   if (leave <= enter) return {};
-  Ray ray{.start = Vec3(eye + along * enter), .step = Vec3(along * double(step)), .direction = Vec3(direction)};
+  Ray ray{
+      .start = Vec3(eye + along * enter), .step = Vec3(along * double(step)), .direction = Vec3(direction)};
   ray.last = int((leave - enter) / double(step));
-  if (face >= 0) ray.entry_normal = Vec3(normalized(gradient_to_patient.column[face]) * (along[face] > 0 ? -1.0 : 1.0));
+  if (face >= 0)
+    ray.entry_normal = Vec3(normalized(gradient_to_patient.column[face]) * (along[face] > 0 ? -1.0 : 1.0));
   return ray;
 }
 
@@ -118,7 +122,8 @@ Vec3 RayCaster::lit(Vec3 color, Vec3 index, const Ray& ray, bool at_entry, bool 
   const float rim = std::max(0.0f, dot(normal, lights.rim)), sky = 0.5f + 0.5f * dot(normal, lights.up);
   const float open = solid ? openness(index, normal) : 0.8f;
   const Vec3 ambient = (lights.floor_color + (lights.sky_color - lights.floor_color) * sky) * open;
-  const Vec3 shaded = lights.key_color * (key * (0.35f + 0.65f * open)) + lights.fill_color * fill + lights.rim_color * rim;
+  const Vec3 shaded =
+      lights.key_color * (key * (0.35f + 0.65f * open)) + lights.fill_color * fill + lights.rim_color * rim;
   const Vec3 flat = lights.key_color * (0.45f * open);
   const Vec3 matt = hadamard(color, ambient + flat + (shaded - flat) * surface);
   if (!solid) return matt;
@@ -126,8 +131,8 @@ Vec3 RayCaster::lit(Vec3 color, Vec3 index, const Ray& ray, bool at_entry, bool 
   return matt + lights.key_color * (0.10f * surface * open * std::pow(half_angle, 28.0f));
 }
 
-// Where between two samples, 0…1, the light that a segment sends comes from: the values in between are taken to change
-// linearly, each part hides those behind it.
+// Where between two samples, 0…1, the light that a segment sends comes from: the values in between are taken
+// to change linearly, each part hides those behind it.
 float RayCaster::surface_place(float before, float here) const {
   constexpr int kParts = 6;
   float weights = 0, sum = 0, transmittance = 1;
@@ -148,7 +153,8 @@ int RayCaster::leap(const Ray& ray, Vec3 index, int distance) const {
   for (int axis = 0; axis < 3; axis++) {
     if (ray.step[axis] == 0) continue;
     const int block = int(index[axis]) / kBlock;
-    const float border = float(ray.step[axis] > 0 ? (block + distance) * kBlock : (block - distance + 1) * kBlock);
+    const float border =
+        float(ray.step[axis] > 0 ? (block + distance) * kBlock : (block - distance + 1) * kBlock);
     steps = std::min(steps, (border - index[axis]) / ray.step[axis]);
   }
   return std::max(1, int(std::ceil(std::max(0.0f, steps))));
@@ -166,7 +172,8 @@ Vec3 RayCaster::pixel(float x, float y) const {
     const Vec3 index = place(n);
     const Int3 block{int(index.x) / kBlock, int(index.y) / kBlock, int(index.z) / kBlock};
     const int distance =
-        blocks.distance[(std::size_t(block.z) * std::size_t(blocks.size.y) + std::size_t(block.y)) * std::size_t(blocks.size.x) +
+        blocks.distance[(std::size_t(block.z) * std::size_t(blocks.size.y) + std::size_t(block.y)) *
+                            std::size_t(blocks.size.x) +
                         std::size_t(block.x)];
     if (distance > 0 && !have_before) {
       n += leap(ray, index, distance);
@@ -190,13 +197,16 @@ Vec3 RayCaster::pixel(float x, float y) const {
 }
 
 bool differs(Rgb a, Rgb b) {
-  return std::abs(a.r - b.r) > kEdgeContrast || std::abs(a.g - b.g) > kEdgeContrast || std::abs(a.b - b.b) > kEdgeContrast;
+  return std::abs(a.r - b.r) > kEdgeContrast || std::abs(a.g - b.g) > kEdgeContrast ||
+         std::abs(a.b - b.b) > kEdgeContrast;
 }
 
 bool is_edge(const Image& image, int x, int y) {
   const Rgb here = image.at(x, y);
-  return (x > 0 && differs(here, image.at(x - 1, y))) || (x + 1 < image.width && differs(here, image.at(x + 1, y))) ||
-         (y > 0 && differs(here, image.at(x, y - 1))) || (y + 1 < image.height && differs(here, image.at(x, y + 1)));
+  return (x > 0 && differs(here, image.at(x - 1, y))) ||
+         (x + 1 < image.width && differs(here, image.at(x + 1, y))) ||
+         (y > 0 && differs(here, image.at(x, y - 1))) ||
+         (y + 1 < image.height && differs(here, image.at(x, y + 1)));
 }
 
 template <class PixelKernel>
@@ -209,8 +219,8 @@ void for_each_pixel(const Exec& exec, int width, int height, const PixelKernel& 
   });
 }
 
-RayCaster make_ray_caster(const CtVolume& ct, const CtVolume& smooth, const Transfer& transfer, const OpacityBlocks& blocks, const Camera& camera,
-                          int width, int height) {
+RayCaster make_ray_caster(const CtVolume& ct, const CtVolume& smooth, const Transfer& transfer,
+                          const OpacityBlocks& blocks, const Camera& camera, int width, int height) {
   const Vec3d origin = index_at(ct.grid, {});
   const Mat3d to_index{{index_at(ct.grid, {1, 0, 0}) - origin, index_at(ct.grid, {0, 1, 0}) - origin,
                         index_at(ct.grid, {0, 0, 1}) - origin}};
@@ -234,8 +244,8 @@ RayCaster make_ray_caster(const CtVolume& ct, const CtVolume& smooth, const Tran
 
 }  // namespace
 
-Image draw_volume(const Exec& exec, const CtVolume& ct, const std::string& preset, const Camera& camera, int width,
-                  int height) {
+Image draw_volume(const Exec& exec, const CtVolume& ct, const std::string& preset, const Camera& camera,
+                  int width, int height) {
   const std::span<const TransferPoint> points = transfer_points(preset);
   TURGOR_ASSERT(!points.empty(), "the preset of draw_volume is one of volume_presets()");
   const Transfer transfer(points);
@@ -244,13 +254,15 @@ Image draw_volume(const Exec& exec, const CtVolume& ct, const std::string& prese
   const RayCaster caster = make_ray_caster(ct, smooth, transfer, blocks, camera, width, height);
 
   Image first = make_image(width, height);
-  for_each_pixel(exec, width, height,
-                 [&](int x, int y) { first.at(x, y) = screen_color(caster.pixel(float(x) + 0.5f, float(y) + 0.5f)); });
+  for_each_pixel(exec, width, height, [&](int x, int y) {
+    first.at(x, y) = screen_color(caster.pixel(float(x) + 0.5f, float(y) + 0.5f));
+  });
   Image image = first;
   for_each_pixel(exec, width, height, [&](int x, int y) {
     if (!is_edge(first, x, y)) return;
     Vec3 sum;
-    for (const auto& [u, v] : {std::pair{0.375f, 0.125f}, {0.875f, 0.375f}, {0.625f, 0.875f}, {0.125f, 0.625f}})
+    for (const auto& [u, v] :
+         {std::pair{0.375f, 0.125f}, {0.875f, 0.375f}, {0.625f, 0.875f}, {0.125f, 0.625f}})
       sum += caster.pixel(float(x) + u, float(y) + v);
     image.at(x, y) = screen_color(sum / 4);
   });

@@ -1,5 +1,5 @@
-// Volume rendering of CTs on the processor: rays through every pixel, in parallel over tiles. Volumes may have any spacing and
-// oblique axes. The same picture, bit by bit, on any number of threads.
+// Volume rendering of CTs on the processor: rays through every pixel, in parallel over tiles. Volumes may
+// have any spacing and oblique axes. The same picture, bit by bit, on any number of threads.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@
 namespace turgor {
 
 /// `preset` is one of volume_presets().
-Image draw_volume(const Exec& exec, const CtVolume& ct, const std::string& preset, const Camera& camera, int width,
-                  int height);
+Image draw_volume(const Exec& exec, const CtVolume& ct, const std::string& preset, const Camera& camera,
+                  int width, int height);
 
 }  // namespace turgor

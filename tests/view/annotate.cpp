@@ -1,0 +1,95 @@
+#include "turgor/view/annotate.hpp"
+
+#include <gtest/gtest.h>
+
+#include "view/shapes.hpp"
+
+namespace turgor {
+namespace {
+
+bool is_inside(const PixelBox& box, int x, int y) {
+  return x >= box.left && y >= box.top && x < box.right && y < box.bottom;
+}
+
+TEST(Annotate, TextChangesPixelsInItsBoxOnly) {
+  const Image before = make_image(300, 200, {40, 80, 120});
+  for (const Align align : {Align::kLeft, Align::kCenter, Align::kRight}) {
+    for (const bool halo : {false, true}) {
+      Image after = before;
+      const PixelBox box =
+          draw_text(after, "wound gape 12.3 mm", 150, 100, {.size = 12, .align = align, .halo = halo});
+      const auto changed = [&](int x, int y) { return after.at(x, y) != before.at(x, y); };
+      EXPECT_GT(test::find_pixels(after, changed).count, 100);
+      const auto strayed = [&](int x, int y) { return changed(x, y) && !is_inside(box, x, y); };
+      EXPECT_EQ(test::find_pixels(after, strayed).count, 0);
+    }
+  }
+}
+
+TEST(Annotate, TextIsPlacedByItsAlignment) {
+  const auto middle = [](Align align) {
+    Image image = make_image(400, 60);
+    draw_text(image, "aligned", 200, 30, {.size = 20, .align = align});
+    return test::find_pixels(image, [&](int x, int y) { return image.at(x, y).r > 100; });
+  };
+  EXPECT_GT(middle(Align::kLeft).x, 215);
+  EXPECT_NEAR(middle(Align::kCenter).x, 200, 5);
+  EXPECT_LT(middle(Align::kRight).x, 185);
+  EXPECT_NEAR(middle(Align::kCenter).y, 30, 5);
+}
+
+TEST(Annotate, TextOverTheBorderIsCutOff) {
+  Image image = make_image(20, 20);
+  draw_text(image, "much too long for this picture", 10, 0, {.size = 30, .halo = true});
+  EXPECT_EQ(image.pixels.size(), 400u);
+}
+
+TEST(Annotate, LegendEndsHaveTheEndsOfTheMap) {
+  Image image = make_image(640, 480, {90, 90, 90});
+  const PixelBox bar =
+      draw_legend(image, {.low = 0, .high = 0.0083f, .label = "displacement [mm]", .factor = 1000});
+  const int x = (bar.left + bar.right) / 2;
+  EXPECT_EQ(image.at(x, bar.top), map_color(1));
+  EXPECT_EQ(image.at(x, bar.bottom - 1), map_color(0));
+  EXPECT_EQ(image.at(x, (bar.top + bar.bottom) / 2),
+            map_color(float(bar.bottom - 1 - (bar.top + bar.bottom) / 2) / float(bar.bottom - bar.top - 1)));
+  EXPECT_EQ(image.at(10, 10), (Rgb{90, 90, 90}));
+  EXPECT_LT(bar.right, image.width);
+}
+
+TEST(Annotate, SecondLegendStandsBesideTheFirst) {
+  Image image = make_image(900, 480);
+  const ColorScale scale{.low = -1, .high = 1, .label = "strain", .factor = 1};
+  const PixelBox first = draw_legend(image, scale, 0), second = draw_legend(image, scale, 1);
+  EXPECT_LT(second.right, first.left);
+}
+
+TEST(Annotate, LegendOfABrokenScaleIsHarmless) {
+  Image image = make_image(200, 100);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  draw_legend(image, {.low = 1, .high = 1, .label = "constant", .factor = 1});
+  draw_legend(image, {.low = nan, .high = nan, .label = "nothing", .factor = 1});
+  draw_legend(image, {.low = 0, .high = 1e30f, .label = "much", .factor = 1});
+  SUCCEED();
+}
+
+TEST(Annotate, PicturesStandSideBySideUnderTheirCaptions) {
+  const Image red = make_image(80, 60, {255, 0, 0}), blue = make_image(50, 40, {0, 0, 255});
+  const Image row = side_by_side({red, blue}, {"before", "after"});
+  EXPECT_GE(row.width, 130);
+  EXPECT_GT(row.height, 60);
+  const auto count = [&row](Rgb color) {
+    return test::find_pixels(row, [&](int x, int y) { return row.at(x, y) == color; });
+  };
+  EXPECT_EQ(count({255, 0, 0}).count, 80 * 60);
+  EXPECT_EQ(count({0, 0, 255}).count, 50 * 40);
+  EXPECT_LT(count({255, 0, 0}).x, count({0, 0, 255}).x);
+  const int band = row.height - 60;
+  const auto letters = test::find_pixels(row, [&](int x, int y) { return y < band && row.at(x, y).r > 128; });
+  EXPECT_GT(letters.count, 20);
+}
+
+TEST(Annotate, NoPicturesMakeAnEmptyPicture) { EXPECT_EQ(side_by_side({}, {}).width, 0); }
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,51 @@
+#include "turgor/view/camera.hpp"
+
+#include <gtest/gtest.h>
+
+#include "view/shapes.hpp"
+
+namespace turgor {
+namespace {
+
+TEST(Camera, FramedBoxFillsThePictureAndNothingIsCutOff) {
+  const Box box{{-0.1, -0.2, 0.3}, {0.3, 0.1, 0.9}};
+  constexpr int kWidth = 960, kHeight = 720;
+  for (const Vec3d direction : {Vec3d{0, -1, 0}, {1, 0, 0}, {0.4, -1, 0.3}, {0, 0, 1}, {-2, 3, -1}}) {
+    const Camera camera = frame_box(box, direction, {0, 0, 1}, double(kWidth) / kHeight);
+    double reach = 0;
+    for (int i = 0; i < 8; i++) {
+      const Vec3d corner{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
+                         i & 4 ? box.high.z : box.low.z};
+      const Vec3d seen = test::project(camera, corner, kWidth, kHeight);
+      EXPECT_GT(seen.z, 0);
+      reach = std::max({reach, std::abs(2 * seen.x / kWidth - 1), std::abs(2 * seen.y / kHeight - 1)});
+    }
+    EXPECT_LT(reach, 1);
+    EXPECT_GT(reach, 0.85);
+  }
+}
+
+TEST(Camera, FrameIsOrthonormalEvenWhenUpIsTheLineOfSight) {
+  const CameraFrame frame = camera_frame({.eye = {0, 0, 2}, .target = {0, 0, 0}, .up = {0, 0, 1}});
+  EXPECT_NEAR(norm(frame.right), 1, 1e-12);
+  EXPECT_NEAR(norm(frame.up), 1, 1e-12);
+  EXPECT_NEAR(dot(frame.right, frame.up), 0, 1e-12);
+  EXPECT_NEAR(dot(cross(frame.right, frame.up), frame.back), 1, 1e-12);
+}
+
+TEST(Camera, BoxOfAFlippedGridHoldsWholeSamples) {
+  const Grid grid{.size = {10, 20, 5},
+                  .spacing = {0.001, 0.002, 0.003},
+                  .origin = {0.1, 0, 0},
+                  .axes = {{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+  const Box box = bounding_box(grid);
+  EXPECT_NEAR(box.high.x, 0.1 + 0.0005, 1e-12);
+  EXPECT_NEAR(box.low.x, 0.1 - 9.5 * 0.001, 1e-12);
+  EXPECT_NEAR(box.high.y - box.low.y, 0.040, 1e-12);
+  EXPECT_NEAR(box.high.z, 4.5 * 0.003, 1e-12);
+}
+
+TEST(Camera, BoxOfNothingIsZero) { EXPECT_EQ(bounding_box(TriMesh{}).high, Vec3d{}); }
+
+}  // namespace
+}  // namespace turgor

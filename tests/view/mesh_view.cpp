@@ -1,0 +1,172 @@
+#include "turgor/view/mesh_view.hpp"
+
+#include <cstdlib>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "view/shapes.hpp"
+
+namespace turgor {
+namespace {
+
+constexpr int kWidth = 400, kHeight = 300;
+constexpr Camera kFront{.eye = {0, -1, 0}, .target = {0, 0, 0}};
+constexpr Rgb kRed{210, 20, 20}, kGreen{20, 190, 20};
+
+class MeshView : public testing::Test {
+ protected:
+  void SetUp() override {
+    const TriMesh mesh = test::sphere({}, 0.1f, 4);
+    if (const Result<Image> image = draw_meshes({{.mesh = &mesh}}, kFront, 8, 8); !image)
+      GTEST_SKIP() << image.error().message;
+  }
+};
+
+bool is_red(Rgb c) { return c.r > 2 * c.g && c.r > 2 * c.b && c.r > 40; }
+bool is_green(Rgb c) { return c.g > 2 * c.r && c.g > 2 * c.b && c.g > 40; }
+
+test::Found find(const Image& image, bool (*wanted)(Rgb)) {
+  return test::find_pixels(image, [&](int x, int y) { return wanted(image.at(x, y)); });
+}
+
+Image draw(const std::vector<MeshPart>& parts, const Camera& camera = kFront) {
+  const Result<Image> image = draw_meshes(parts, camera, kWidth, kHeight);
+  EXPECT_TRUE(image);
+  return *image;
+}
+
+TEST_F(MeshView, RedSphereFillsTheExpectedPixelsAtTheExpectedPlace) {
+  const TriMesh mesh = test::sphere({}, 0.15f);
+  const auto found = find(draw({{.mesh = &mesh, .color = kRed}}), is_red);
+  const double expected = test::silhouette_area(kFront, 0.15, kHeight);
+  EXPECT_NEAR(found.count, expected, 0.03 * expected);
+  EXPECT_NEAR(found.x, 0.5 * kWidth, 0.7);
+  EXPECT_NEAR(found.y, 0.5 * kHeight, 0.7);
+}
+
+TEST_F(MeshView, SphereBesideTheMiddleIsSeenWhereItIs) {
+  const Vec3d center{0.12, 0.3, -0.09};  // to the patient's left, behind, towards the feet
+  const TriMesh mesh = test::sphere(Vec3(center), 0.03f);
+  const auto found = find(draw({{.mesh = &mesh, .color = kRed}}), is_red);
+  const Vec3d expected = test::project(kFront, center, kWidth, kHeight);
+  EXPECT_GT(expected.x, kWidth / 2.0);
+  EXPECT_GT(expected.y, kHeight / 2.0);
+  EXPECT_NEAR(found.x, expected.x, 1);
+  EXPECT_NEAR(found.y, expected.y, 1);
+}
+
+TEST_F(MeshView, NearerHidesFartherInEitherOrder) {
+  const TriMesh near = test::sphere({0, -0.2f, 0}, 0.1f), far = test::sphere({0, 0.2f, 0}, 0.1f);
+  const MeshPart red{.mesh = &near, .color = kRed}, green{.mesh = &far, .color = kGreen};
+  for (const auto& parts : {std::vector{red, green}, std::vector{green, red}}) {
+    const Image image = draw(parts);
+    EXPECT_TRUE(is_red(image.at(kWidth / 2, kHeight / 2)));
+    EXPECT_EQ(find(image, is_green).count, 0);
+  }
+}
+
+TEST_F(MeshView, BothSidesOfATriangleAreLit) {
+  TriMesh plate{{{-0.2f, 0, -0.2f}, {0.2f, 0, -0.2f}, {0.2f, 0, 0.2f}, {-0.2f, 0, 0.2f}},
+                {{0, 1, 2}, {0, 2, 3}},
+                {},
+                {}};
+  const Rgb front = draw({{.mesh = &plate, .color = kRed}}).at(kWidth / 2, kHeight / 2);
+  for (Int3& triangle : plate.triangles) std::swap(triangle.y, triangle.z);
+  const Rgb back = draw({{.mesh = &plate, .color = kRed}}).at(kWidth / 2, kHeight / 2);
+  EXPECT_GT(front.r, 100);
+  EXPECT_LE(test::difference(front, back), 6);
+}
+
+TEST_F(MeshView, ScalarsAreColoredByTheMapAndOthersByThePart) {
+  TriMesh mesh = test::sphere({}, 0.15f);
+  const ColorScale scale{.low = 0, .high = 2, .label = "strain", .factor = 1};
+  mesh.scalars.assign(mesh.vertices.size(), 2);
+  const Rgb high = draw({{.mesh = &mesh, .scale = &scale}}).at(kWidth / 2, kHeight / 2);
+  EXPECT_GT(high.r, 150);  // the map's upper end is yellow
+  EXPECT_GT(high.g, 150);
+  EXPECT_LT(high.b, 140);
+  mesh.scalars.assign(mesh.vertices.size(), 0);
+  const Rgb low = draw({{.mesh = &mesh, .scale = &scale}}).at(kWidth / 2, kHeight / 2);
+  EXPECT_GT(low.b, low.g + 20);  // and the lower one indigo
+  mesh.scalars.assign(mesh.vertices.size(), std::numeric_limits<float>::quiet_NaN());
+  EXPECT_TRUE(is_red(draw({{.mesh = &mesh, .color = kRed, .scale = &scale}}).at(kWidth / 2, kHeight / 2)));
+}
+
+TEST_F(MeshView, EachScaleHasOneLegend) {
+  TriMesh mesh = test::sphere({}, 0.15f);
+  mesh.scalars.assign(mesh.vertices.size(), 1);
+  const ColorScale scale{.low = 0, .high = 2, .label = "strain", .factor = 1};
+  Image expected = draw({{.mesh = &mesh, .scale = &scale}});
+  const Image twice = draw({{.mesh = &mesh, .scale = &scale}, {.mesh = &mesh, .scale = &scale}});
+  EXPECT_EQ(expected.pixels, twice.pixels);
+  const PixelBox bar = draw_legend(expected, scale);
+  EXPECT_EQ(twice.at(bar.left, bar.top), map_color(1));
+  EXPECT_EQ(twice.at(bar.left, bar.bottom - 1), map_color(0));
+}
+
+TEST_F(MeshView, VerticesMayHaveTheirOwnColors) {
+  const TriMesh mesh = test::sphere({}, 0.15f);
+  std::vector<Rgb> colors;
+  for (const Vec3 x : mesh.vertices) colors.push_back(x.x < 0 ? kRed : kGreen);
+  const Image image = draw({{.mesh = &mesh, .colors = &colors}});
+  EXPECT_LT(find(image, is_red).x,
+            kWidth / 2.0);  // the patient's right is on the left when seen from the front
+  EXPECT_GT(find(image, is_green).x, kWidth / 2.0);
+}
+
+TEST_F(MeshView, HollowsAreDarkerThanTheOpen) {
+  // A floor with a ball upon it, seen from above: the floor is darkest at the ball's foot.
+  TriMesh floor{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, {}, {}};
+  const TriMesh ball = test::sphere({0, 0, 0.05f}, 0.05f);
+  const Camera above{.eye = {0, -0.25, 0.45}, .target = {}, .up = {0, 0, 1}};
+  const Image with = draw({{.mesh = &floor}, {.mesh = &ball, .color = kRed}}, above),
+              without = draw({{.mesh = &floor}}, above);
+  const Vec3d foot = test::project(above, {0.03, -0.03, 0}, kWidth, kHeight),
+              open = test::project(above, {0.12, 0, 0}, kWidth, kHeight);
+  EXPECT_LT(with.at(int(foot.x), int(foot.y)).g + 10, without.at(int(foot.x), int(foot.y)).g);
+  EXPECT_NEAR(with.at(int(open.x), int(open.y)).g, without.at(int(open.x), int(open.y)).g, 3);
+}
+
+TEST_F(MeshView, NothingToSeeIsTheBackdrop) {
+  const TriMesh behind = test::sphere({0, -3, 0}, 0.1f);  // behind the eye
+  const Image image = draw({{.mesh = &behind, .color = kRed}});
+  EXPECT_EQ(find(image, is_red).count, 0);
+  EXPECT_EQ(image.pixels, draw({}).pixels);
+  EXPECT_LE(test::difference(image.at(50, 60), screen_color(backdrop(50.5f / kWidth, 60.5f / kHeight))), 3);
+}
+
+TEST_F(MeshView, SamePictureTwiceAndFromTwoThreadsAtOnce) {
+  const TriMesh mesh = test::sphere({}, 0.15f);
+  const Image expected = draw({{.mesh = &mesh, .color = kRed}});
+  Image images[2];
+  std::thread threads[2];
+  for (int i = 0; i < 2; i++)
+    threads[i] = std::thread([&, i] { images[i] = draw({{.mesh = &mesh, .color = kRed}}); });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(images[0].pixels, expected.pixels);
+  EXPECT_EQ(images[1].pixels, expected.pixels);
+}
+
+TEST_F(MeshView, PictureTooLargeForOpenGlIsAnError) {
+  const Result<Image> image = draw_meshes({}, kFront, 1 << 20, 8);
+  ASSERT_FALSE(image);
+  EXPECT_NE(image.error().message.find("1048576 x 8"), std::string::npos);
+  EXPECT_FALSE(draw_meshes({}, kFront, 0, 8));
+}
+
+// In a process of its own, that looks for drivers where there are none.
+void draw_without_driver() {
+  setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/no/such/driver.json", 1);
+  const Result<Image> image = draw_meshes({}, kFront, 8, 8);
+  if (!image) std::fprintf(stderr, "%s\n", image.error().message.c_str());
+  std::_Exit(image ? 1 : 0);
+}
+
+TEST(MeshViewDeathTest, WithoutADriverThereIsAnErrorAndNoCrash) {
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  EXPECT_EXIT(draw_without_driver(), testing::ExitedWithCode(0), "cannot draw: .*EGL");
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,70 @@
+#include "turgor/view/transfer.hpp"
+
+#include <gtest/gtest.h>
+
+namespace turgor {
+namespace {
+
+constexpr TransferPoint kRamp[] = {{0, 0, {255, 0, 0}}, {100, 0.5f, {255, 0, 0}}, {200, 0.5f, {0, 0, 255}}};
+
+TEST(Transfer, MeanIsTheMeanOverTheValuesBetween) {
+  const Transfer transfer(kRamp);
+  for (const auto& [a, b] : {std::pair{-50.0f, 150.0f}, {20.0f, 90.0f}, {180.0f, 30.0f}, {120.0f, 120.5f}}) {
+    double extinction = 0, red = 0;
+    constexpr int kParts = 20000;
+    for (int i = 0; i < kParts; i++) {
+      const float hu = a + (b - a) * (float(i) + 0.5f) / kParts;
+      const Optical point = transfer.mean(hu, hu);
+      extinction += point.extinction / kParts;
+      red += point.extinction * point.color.x / kParts;
+    }
+    const Optical mean = transfer.mean(a, b);
+    EXPECT_NEAR(mean.extinction, extinction, 0.01 * extinction);
+    EXPECT_NEAR(mean.color.x, red / extinction, 0.01);
+  }
+}
+
+TEST(Transfer, OpacityOfAMillimetreIsWhatThePointSays) {
+  const Transfer transfer(kRamp);
+  EXPECT_NEAR(1 - std::exp(-transfer.mean(150, 150).extinction * 0.001f), 0.5, 1e-4);
+  EXPECT_NEAR(1 - std::exp(-transfer.mean(9000, 9000).extinction * 0.001f), 0.5, 1e-4);
+  EXPECT_EQ(transfer.mean(-20, -5).extinction, 0);
+}
+
+TEST(Transfer, RangesAreVisibleWhenTheyReachAVisibleValue) {
+  const Transfer transfer(kRamp);
+  EXPECT_FALSE(transfer.is_visible(-1000, 0));
+  EXPECT_TRUE(transfer.is_visible(-1000, 1));
+  EXPECT_TRUE(transfer.is_visible(30000, 32767));
+  EXPECT_FALSE(transfer.is_visible(-32768, -30000));
+}
+
+TEST(Transfer, PresetsHaveRisingValuesAndOpacitiesBelowOne) {
+  ASSERT_EQ(volume_presets(), (std::vector<std::string>{"skin", "soft tissue", "muscle", "bone", "lung"}));
+  for (const std::string& preset : volume_presets()) {
+    const auto points = transfer_points(preset);
+    ASSERT_GE(points.size(), 2u) << preset;
+    EXPECT_EQ(points.front().opacity, 0) << preset << ": air must be invisible";
+    for (std::size_t i = 0; i < points.size(); i++) {
+      EXPECT_LT(points[i].opacity, 1) << preset;
+      if (i > 0) {
+        EXPECT_GT(points[i].hu, points[i - 1].hu) << preset;
+      }
+    }
+  }
+  EXPECT_TRUE(transfer_points("spleen").empty());
+}
+
+TEST(Transfer, PresetsShowTheirTissueAndHideAir) {
+  const std::pair<const char*, int> tissues[] = {
+      {"skin", 40}, {"soft tissue", 60}, {"muscle", 60}, {"bone", 700}, {"lung", -850}};
+  for (const auto& [preset, hu] : tissues) {
+    const Transfer transfer(transfer_points(preset));
+    EXPECT_GT(transfer.extinction(hu), 0) << preset;
+    EXPECT_EQ(transfer.extinction(-1000), 0) << preset;
+  }
+  EXPECT_EQ(Transfer(transfer_points("bone")).extinction(60), 0);
+}
+
+}  // namespace
+}  // namespace turgor

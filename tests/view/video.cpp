@@ -1,0 +1,110 @@
+#include "turgor/view/video.hpp"
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "turgor/io/image.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Video : public testing::Test {
+ protected:
+  // A name that a shell, or a program that guesses, would misread.
+  fs::path folder = fs::temp_directory_path() / ("turgor -video %d 'test'; " + std::to_string(getpid()));
+
+  void SetUp() override { fs::create_directories(folder); }
+  void TearDown() override { fs::remove_all(folder); }
+
+  std::vector<fs::path> make_frames(int count, int width = 64, int height = 48) {
+    std::vector<fs::path> frames;
+    for (int i = 0; i < count; i++) {
+      frames.push_back(folder / ("-frame " + std::to_string(i * 10) + ".png"));
+      EXPECT_TRUE(write_png(frames.back(), make_image(width, height, {std::uint8_t(20 * i), 90, 200})));
+    }
+    return frames;
+  }
+  // Names in the folder that are not frames.
+  int others() const {
+    int count = 0;
+    for (const auto& entry : fs::directory_iterator(folder)) count += entry.path().extension() != ".png";
+    return count;
+  }
+};
+
+std::string output_of(const std::string& command) {
+  std::string text;
+  std::array<char, 256> buffer;
+  FILE* pipe = popen(command.c_str(), "r");
+  while (pipe && std::fgets(buffer.data(), int(buffer.size()), pipe)) text += buffer.data();
+  if (pipe) pclose(pipe);
+  return text;
+}
+
+TEST_F(Video, HasAsManyFramesAsThereWerePictures) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not on the PATH";
+  const fs::path path = folder / "out.mp4";
+  const Status status = write_video(make_frames(7, 65, 49), 30, path);
+  ASSERT_TRUE(status) << status.error().message;
+  EXPECT_EQ(others(), 1) << "only the video is left";
+  fs::create_symlink(path, "/tmp/turgor-video-" + std::to_string(getpid()) + ".mp4");
+  const fs::path plain = "/tmp/turgor-video-" + std::to_string(getpid()) + ".mp4";
+  EXPECT_EQ(
+      output_of(
+          "ffprobe -v error -count_frames -show_entries stream=width,height,nb_read_frames -of csv=p=0 " +
+          plain.string()),
+      "66,50,7\n");
+  fs::remove(plain);
+}
+
+TEST_F(Video, MissingFrameIsNamedAndNothingIsLeft) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not on the PATH";
+  std::vector<fs::path> frames = make_frames(2);
+  frames.push_back(folder / "gone.png");
+  const Status status = write_video(frames, 30, folder / "out.mp4");
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("gone.png"), std::string::npos);
+  EXPECT_EQ(others(), 0);
+}
+
+TEST_F(Video, FramesThatAreNoPicturesAreAnErrorAndAnEarlierVideoStays) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not on the PATH";
+  const fs::path broken = folder / "broken.png", path = folder / "out.mp4";
+  for (const fs::path& file : {broken, path}) {
+    FILE* out = std::fopen(file.c_str(), "w");
+    std::fputs("earlier", out);
+    std::fclose(out);
+  }
+  const Status status = write_video({broken}, 30, path);
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("ffmpeg failed: "), std::string::npos);
+  EXPECT_EQ(fs::file_size(path), 7u);
+}
+
+TEST_F(Video, NoFramesNoRateAndNoFolderAreErrors) {
+  EXPECT_FALSE(write_video({}, 30, folder / "out.mp4"));
+  const std::vector<fs::path> frames = make_frames(1);
+  EXPECT_FALSE(write_video(frames, 0, folder / "out.mp4"));
+  EXPECT_FALSE(write_video(frames, 30, folder / "no" / "such" / "out.mp4"));
+}
+
+TEST_F(Video, WithoutFfmpegTheErrorSaysSo) {
+  const std::vector<fs::path> frames = make_frames(1);
+  const std::string before = std::getenv("PATH");
+  setenv("PATH", folder.c_str(), 1);
+  const Status status = write_video(frames, 30, folder / "out.mp4");
+  setenv("PATH", before.c_str(), 1);
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("ffmpeg is not on the PATH"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace turgor

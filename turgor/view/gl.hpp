@@ -1,0 +1,53 @@
+// The little of OpenGL that drawing needs: objects that free themselves, programs from source, uniforms by
+// name, textures to draw into. The context must be held (gl_context.hpp).
+#pragma once
+
+#include <initializer_list>
+#include <vector>
+
+#include <epoxy/gl.h>
+
+#include "turgor/core/result.hpp"
+#include "turgor/core/vec.hpp"
+
+namespace turgor {
+
+/// Frees what a picture took from OpenGL.
+struct GlObjects {
+  std::vector<GLuint> textures, buffers, framebuffers, arrays;
+
+  GlObjects() = default;
+  GlObjects(const GlObjects&) = delete;
+  GlObjects& operator=(const GlObjects&) = delete;
+  ~GlObjects() {
+    glDeleteTextures(GLsizei(textures.size()), textures.data());
+    glDeleteBuffers(GLsizei(buffers.size()), buffers.data());
+    glDeleteFramebuffers(GLsizei(framebuffers.size()), framebuffers.data());
+    glDeleteVertexArrays(GLsizei(arrays.size()), arrays.data());
+  }
+  GLuint new_texture() { return glGenTextures(1, &textures.emplace_back()), textures.back(); }
+  GLuint new_buffer() { return glGenBuffers(1, &buffers.emplace_back()), buffers.back(); }
+  GLuint new_framebuffer() { return glGenFramebuffers(1, &framebuffers.emplace_back()), framebuffers.back(); }
+  GLuint new_array() { return glGenVertexArrays(1, &arrays.emplace_back()), arrays.back(); }
+};
+
+/// Error: the compiler's log.
+Result<GLuint> link_program(const char* vertex_source, const char* fragment_source);
+
+/// Sets a uniform of the program in use; names that the program does not use are ignored.
+void set_uniform(const char* name, Vec3 v);
+void set_uniform(const char* name, float a, float b);
+void set_uniform(const char* name, float a);
+void set_uniform(const char* name, int a);
+void set_texture(const char* name, int unit, GLuint texture);
+/// The place of a uniform in the program in use.
+GLint uniform_place(const char* name);
+
+/// A texture with one sample a pixel, unfiltered.
+GLuint new_texture(GlObjects& objects, GLint format, GLenum layout, GLenum type, int width, int height);
+/// A texture with several samples a pixel.
+GLuint new_multisample_texture(GlObjects& objects, GLenum format, int samples, int width, int height);
+/// A framebuffer that draws into these textures; depth 0 = none. False when OpenGL does not accept them.
+bool attach_textures(GLuint framebuffer, GLenum kind, std::initializer_list<GLuint> colors, GLuint depth);
+
+}  // namespace turgor
