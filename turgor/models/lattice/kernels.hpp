@@ -39,17 +39,16 @@ TURGOR_HD inline Real project_volume(Vec3 e1, const VolumeGradients& g, Real res
 }
 
 /// The skin tension constraint C = A − A_rest, k·F_amp at most 1. Moves the three corners. [STC Algorithm 1, corrected]
+/// A gradient is the opposite side times the normal, half; so |∇i|² is a quarter of that side squared.
 TURGOR_HD inline void project_skin(Vec3 (&x)[3], const Real (&w)[3], Real rest_area, Real stiffness, Real amplification) {
-  const Vec3 n = cross(x[1] - x[0], x[2] - x[0]);
+  const Vec3 side[3] = {x[1] - x[2], x[2] - x[0], x[0] - x[1]};
+  const Vec3 n = cross(side[1], side[2]);  // (x1 − x0) × (x2 − x0)
   const Real twice_area = square_root(dot(n, n)), change = Real(0.5) * twice_area - rest_area;
-  if (!(twice_area > Real(1e-6) * rest_area)) return;
-  const Real amplified = stiffness * (1 + amplification * positive(change / rest_area));
-  const Vec3 u = n * (Real(0.5) / twice_area);
-  const Vec3 g[3] = {cross(x[1] - x[2], u), cross(x[2] - x[0], u), cross(x[0] - x[1], u)};
-  const Real sum = w[0] * dot(g[0], g[0]) + w[1] * dot(g[1], g[1]) + w[2] * dot(g[2], g[2]);
-  if (!(sum > 0)) return;
-  const Real s = -(amplified < 1 ? amplified : 1) * change / sum;
-  for (int c = 0; c < 3; c++) x[c] += g[c] * (s * w[c]);
+  const Real sum = w[0] * dot(side[0], side[0]) + w[1] * dot(side[1], side[1]) + w[2] * dot(side[2], side[2]);
+  if (!(twice_area > Real(1e-6) * rest_area) || !(sum > 0)) return;
+  const Real amplified = stiffness * (1 + amplification * positive(change) / rest_area);
+  const Real s = -2 * (amplified < 1 ? amplified : 1) * change / (sum * twice_area);
+  for (int c = 0; c < 3; c++) x[c] += cross(side[c], n) * (s * w[c]);
 }
 
 // ---------------------------------------------------------------- descent: force and stiffness at one node --------

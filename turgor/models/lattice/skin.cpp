@@ -1,7 +1,9 @@
 #include "turgor/models/lattice/skin.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <tuple>
 
 namespace turgor::lattice {
 
@@ -59,6 +61,23 @@ void drop_doubles(std::vector<std::vector<Int3>>& layers) {
     if (a.a == b.a && a.b == b.b && a.c == b.c) layers[std::size_t(b.layer)][std::size_t(b.index)].x = -1;
   }
   for (auto& layer : layers) std::erase_if(layer, [](Int3 t) { return t.x < 0; });
+}
+
+/// Orders the triangles of layer `k` so that those in a row share no node where possible: a processor works on several at once
+/// only when none waits for another's corners. Greedy colouring; in the paper's words, grouping. [STC 4.3]
+void order_by_color(const Lattice& l, int k, std::vector<Int3>& triangles) {
+  const int first = row_slot(l, -1, k);
+  std::vector<std::uint32_t> used(std::size_t(2 * layer_stride(l)), 0);  // colours taken at the nodes of layers k and k + 1
+  std::array<std::vector<Int3>, 32> by_color;
+  for (const Int3 t : triangles) {
+    std::uint32_t taken = 0;
+    for (int c = 0; c < 3; c++) taken |= used[std::size_t(t[c] - first)];
+    const int color = std::min(std::countr_one(taken), 31);
+    for (int c = 0; c < 3; c++) used[std::size_t(t[c] - first)] |= 1u << color;
+    by_color[std::size_t(color)].push_back(t);
+  }
+  triangles.clear();
+  for (const auto& group : by_color) triangles.insert(triangles.end(), group.begin(), group.end());
 }
 
 Vec3d lines_at(const VectorVolume& lines, Vec3d point) {
@@ -141,6 +160,7 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
   std::vector<std::vector<Int3>> layers(std::size_t(model.lattice.size.z - 1));
   parallel_for(exec, layers.size(), [&](std::size_t k) { detect_layer(model, int(k), layers[k]); });
   drop_doubles(layers);
+  parallel_for(exec, layers.size(), [&](std::size_t k) { order_by_color(model.lattice, int(k), layers[k]); });
   for (const auto& layer : layers) {
     skin.layer_begin.push_back(int(skin.triangles.size()));
     for (const Int3 vertex : layer) skin.triangles.push_back({.vertex = vertex});

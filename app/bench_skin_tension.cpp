@@ -1,0 +1,180 @@
+#include "app/bench_skin_tension.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "turgor/core/timing.hpp"
+#include "turgor/geometry/phantom.hpp"
+#include "turgor/models/lattice/body_nodes.hpp"
+#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/resample.hpp"
+#include "turgor/models/lattice/sweeps.hpp"
+
+namespace turgor {
+
+namespace {
+
+using lattice::BodyNodes, lattice::Method, lattice::Model, lattice::Params, lattice::State;
+
+constexpr double kDt = 1.0 / 60;
+constexpr int kFrames = 11;
+constexpr double kSweepBytes = 32;  // a slot of the lattice: read u, w, root; write u
+
+struct DataSet {
+  const char* name;
+  PhantomKind kind;
+  Int3 voxels;
+  SkinTensionTimes paper;
+};
+constexpr DataSet kDataSets[] = {
+    {"A abdomen", PhantomKind::kTorso, {512, 512, 300}, {1447, 1493, 74.06, 79.73}},
+    {"B head", PhantomKind::kHead, {512, 512, 544}, {2753, 2773, 126.52, 131.89}},
+    {"C leg", PhantomKind::kLeg, {512, 512, 1152}, {5384, 5438, 257.75, 266.08}},
+};
+
+template <class Work>
+double median_ms(int runs, const Work& work) {
+  std::vector<double> times;
+  for (int n = 0; n < runs; n++) {
+    const Timer timer;
+    work();
+    times.push_back(timer.seconds() * 1e3);
+  }
+  return median(times);
+}
+
+/// Bytes read and written a second by copying 256 MiB.
+double copy_bandwidth(const Exec& exec) {
+  constexpr std::size_t kPieces = 64, kPiece = std::size_t(4) << 20;
+  std::vector<char> from(kPieces * kPiece, 1), to(kPieces * kPiece, 2);
+  const double ms = median_ms(7, [&] {
+    parallel_for(exec, kPieces, [&](std::size_t p) { std::memcpy(&to[p * kPiece], &from[p * kPiece], kPiece); });
+  });
+  return 2.0 * kPieces * kPiece / (ms * 1e-3);
+}
+
+Params solver_params(Method method, bool skin) {
+  Params params;
+  params.solver.method = method;
+  params.skin.enabled = skin;
+  params.skin.law = method == Method::kPbd ? lattice::SkinLaw::kArea : lattice::SkinLaw::kFibre;
+  return params;
+}
+
+double frame_ms(const Exec& exec, const Model& model) {
+  State state = make_state(model);
+  return median_ms(kFrames, [&] { lattice::step(exec, model, state, {}, kDt); });
+}
+
+/// Two models by turns, so that a change of the machine's pace meets both.
+void frames_by_turns(const Exec& exec, const Model& a, const Model& b, double& ms_a, double& ms_b) {
+  State state_a = make_state(a), state_b = make_state(b);
+  std::vector<double> times_a, times_b;
+  for (int n = 0; n < kFrames; n++) {
+    times_a.push_back(median_ms(1, [&] { lattice::step(exec, a, state_a, {}, kDt); }));
+    times_b.push_back(median_ms(1, [&] { lattice::step(exec, b, state_b, {}, kDt); }));
+  }
+  ms_a = median(times_a), ms_b = median(times_b);
+}
+
+SkinTensionTimes measure_pbd(const Exec& exec, const BodyNodes& nodes, const Model& without, const Model& with) {
+  SkinTensionTimes times;
+  const auto grouping = [&](bool skin) {
+    return median_ms(3, [&] { (void)lattice::assemble(exec, nodes, nullptr, solver_params(Method::kPbd, skin)); });
+  };
+  times.grouping_without = grouping(false);
+  times.grouping_with = grouping(true);
+  frames_by_turns(exec, without, with, times.frame_without, times.frame_with);
+  return times;
+}
+
+/// Forces left over after one frame of 5 sweeps under skin tension from the CT's own shape, by one energy for both solvers.
+double residual_after_frame(const Exec& exec, const Model& solver, const Model& judge) {
+  State state = make_state(judge);
+  lattice::predict(exec, judge, state, {}, kDt);
+  for (int sweep = 0; sweep < judge.params.solver.sweeps; sweep++)
+    if (solver.params.solver.method == Method::kPbd)
+      lattice::sweep_pbd(exec, solver, state);
+    else
+      lattice::sweep_descent(exec, solver, state, {}, kDt);
+  return lattice::measure_residual(exec, judge, state, {}, kDt).rms;
+}
+
+SkinTensionRow measure(const Exec& exec, double bandwidth, const DataSet& data, int shrink, const Progress& progress) {
+  SkinTensionRow row{.name = data.name, .paper = data.paper};
+  const Exec one(1);
+  row.voxels = {data.voxels.x / shrink, data.voxels.y / shrink, data.voxels.z / shrink};
+  const double s = shrink;
+  const CtVolume ct = make_phantom(exec, data.kind, row.voxels, {0.78e-3 * s, 0.78e-3 * s, 1e-3 * s}, 1);
+  progress(0.4);
+  const Params pbd = solver_params(Method::kPbd, true), descent = solver_params(Method::kDescent, true);
+  row.body_seconds = 1e-3 * median_ms(3, [&] { (void)lattice::build(exec, ct, {}, pbd); });
+  const BodyNodes nodes = lattice::classify(exec, ct, nullptr, pbd).value();
+  row.nodes = nodes.grid.size;
+  {
+    const Model without = lattice::assemble(exec, nodes, nullptr, solver_params(Method::kPbd, false)).value();
+    const Model with = lattice::assemble(exec, nodes, nullptr, pbd).value();
+    row.skin_triangles = with.skin.triangles.size();
+    row.bytes_per_node = double(lattice::memory_bytes(with, make_state(with))) / node_count(with.lattice);
+    row.one_thread = measure_pbd(one, nodes, without, with);
+    row.all_threads = measure_pbd(exec, nodes, without, with);
+    State state = make_state(without);
+    const double sweep_ms = median_ms(kFrames, [&] { lattice::sweep_pbd(exec, without, state); });
+    row.bandwidth_fraction = kSweepBytes * slot_count(without.lattice) / (sweep_ms * 1e-3) / bandwidth;
+  }
+  progress(0.7);
+  const Model model = lattice::assemble(exec, nodes, nullptr, descent).value();
+  row.descent_frame_one = frame_ms(one, model);
+  row.descent_frame = frame_ms(exec, model);
+  Params area = pbd;
+  area.solver.method = Method::kDescent;  // the paper's constraints, with stiffness in physical units
+  const Model judge = lattice::assemble(exec, nodes, nullptr, area).value();
+  row.residual_pbd = residual_after_frame(exec, lattice::assemble(exec, nodes, nullptr, pbd).value(), judge);
+  row.residual_descent = residual_after_frame(exec, judge, judge);
+  progress(0.8);
+  State state = make_state(model);
+  for (int n = 0; n < 3; n++) lattice::step(exec, model, state, {}, kDt);
+  const Grid half = lattice::resized(ct.grid, {row.voxels.x / 2, row.voxels.y / 2, row.voxels.z / 2});
+  row.resample_half = median_ms(3, [&] { (void)lattice::resample_ct(exec, model, state, ct, half); });
+  row.resample_full = median_ms(3, [&] { (void)lattice::resample_ct(exec, model, state, ct, ct.grid); });
+  return row;
+}
+
+double bar_ms(const Exec& exec, int& tets) {
+  BodyNodes nodes;
+  nodes.grid = {.size = {36, 17, 16}, .spacing = {0.01, 0.01, 0.01}};
+  const std::size_t count = sample_count(nodes.grid);
+  nodes.hu.assign(count, 0);
+  nodes.tissue.assign(count, lattice::Tissue::kMuscle);
+  nodes.young.assign(count, 5e3f);
+  nodes.fixed.assign(count, 0);
+  std::fill_n(nodes.fixed.begin(), 36 * 17, std::uint8_t(1));
+  Params params = solver_params(Method::kPbd, false);
+  params.solver.pbd_volume = true;
+  const Model model = lattice::assemble(exec, nodes, nullptr, params).value();
+  tets = 6 * 35 * 16 * 15;
+  State state = make_state(model);
+  return median_ms(201, [&] { lattice::step(exec, model, state, {.gravity = {0, 0, -9.81}}, kDt); });
+}
+
+}  // namespace
+
+SkinTensionBench bench_skin_tension(const Exec& exec, int shrink, const std::optional<std::string>& only,
+                                    const Progress& progress) {
+  SkinTensionBench bench{.threads = exec.threads(), .copy_bandwidth = copy_bandwidth(exec)};
+  bench.bar_frame_one = bar_ms(Exec(1), bench.bar_tets);
+  bench.bar_frame = bar_ms(exec, bench.bar_tets);
+  double done = 0, all = 0;
+  const auto wanted = [&](const DataSet& data) { return !only || data.name[0] == only->front(); };
+  for (const DataSet& data : kDataSets)
+    if (wanted(data)) all += data.voxels.z;
+  for (const DataSet& data : kDataSets) {
+    if (!wanted(data)) continue;
+    const auto part = [&](double fraction) { progress((done + fraction * data.voxels.z) / all); };
+    bench.rows.push_back(measure(exec, bench.copy_bandwidth, data, shrink, part));
+    done += data.voxels.z;
+  }
+  return bench;
+}
+
+}  // namespace turgor

@@ -1,0 +1,44 @@
+// The paper's Table 4 beside ours, with the limits of this machine measured in the same run. [STC 5.4]
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/core/progress.hpp"
+
+namespace turgor {
+
+/// Milliseconds of one data set, paper (RTX 3090) or ours, without and with the skin tension constraint.
+struct SkinTensionTimes {
+  double grouping_without = 0, grouping_with = 0;
+  double frame_without = 0, frame_with = 0;
+};
+
+struct SkinTensionRow {
+  std::string name;
+  Int3 voxels, nodes;
+  std::size_t skin_triangles = 0;
+  SkinTensionTimes paper, one_thread, all_threads;
+  double body_seconds = 0;         // from the CT in memory
+  double bytes_per_node = 0;
+  double bandwidth_fraction = 0;   // of a sweep without skin, on all threads
+  double descent_frame_one = 0, descent_frame = 0;  // 5 sweeps with skin [ms]
+  double residual_pbd = 0, residual_descent = 0;    // rms after a frame [N]
+  double resample_half = 0, resample_full = 0;      // to half and to full size [ms]
+};
+
+struct SkinTensionBench {
+  int threads = 0;
+  double copy_bandwidth = 0;        // all threads [B/s]
+  double bar_frame_one = 0, bar_frame = 0;  // 51 000 tetrahedra, springs and volumes, 5 sweeps [ms]
+  int bar_tets = 0;
+  std::vector<SkinTensionRow> rows;
+};
+
+/// Runs it on phantoms of the paper's sizes divided by `shrink` (1 = the paper's own). `only` = "A", "B" or "C".
+SkinTensionBench bench_skin_tension(const Exec& exec, int shrink, const std::optional<std::string>& only,
+                                    const Progress& progress);
+
+}  // namespace turgor

@@ -1,0 +1,86 @@
+// Sweeps of the lattice over doubled sizes. Rates: edge projections, node solves, tetrahedra a second; bytes a sweep must move at least.
+#include <benchmark/benchmark.h>
+
+#include "tests/models/block_body.hpp"
+#include "turgor/models/lattice/sweeps.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+constexpr double kDt = 1.0 / 60;
+constexpr double kSweepBytes = 32;  // a slot: read u, w, root; write u
+
+Model tense_block(int nodes_per_side, Method method, bool skin) {
+  const int n = nodes_per_side;
+  Block block{.size = {n, n, n}, .step = 0.003, .skin_on_top = true};
+  block.is_fixed = [](Int3 p) { return p.z == 0 || p.x == 0; };
+  Params params;
+  params.solver.method = method;
+  params.skin.enabled = skin;
+  params.skin.law = method == Method::kPbd ? SkinLaw::kArea : SkinLaw::kFibre;
+  return block_model(block, params);
+}
+
+void sweep(benchmark::State& bench, Method method, bool skin) {
+  const Exec exec(static_cast<int>(bench.range(1)));
+  const Model model = tense_block(static_cast<int>(bench.range(0)), method, skin);
+  State state = make_state(model);
+  const Inputs inputs{.gravity = {0, 0, -9.81}};
+  predict(exec, model, state, inputs, kDt);
+  for (auto _ : bench)
+    if (method == Method::kPbd)
+      sweep_pbd(exec, model, state);
+    else
+      sweep_descent(exec, model, state, inputs, kDt);
+  const auto nodes = double(node_count(model.lattice));
+  bench.counters["nodes"] = nodes;
+  bench.counters["edges/s"] =
+      benchmark::Counter((method == Method::kPbd ? 7 : 14) * nodes, benchmark::Counter::kIsIterationInvariantRate);
+  bench.SetBytesProcessed(bench.iterations() * std::int64_t(kSweepBytes * slot_count(model.lattice)));
+}
+
+void pbd_sweep(benchmark::State& bench) { sweep(bench, Method::kPbd, false); }
+void pbd_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kPbd, true); }
+void descent_sweep(benchmark::State& bench) { sweep(bench, Method::kDescent, false); }
+void descent_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kDescent, true); }
+
+void sizes(benchmark::internal::Benchmark* b) {
+  b->ArgsProduct({{32, 64, 128, 192}, {1, 2}})->ArgNames({"side", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
+}
+BENCHMARK(pbd_sweep)->Apply(sizes);
+BENCHMARK(pbd_sweep_with_skin)->Apply(sizes);
+BENCHMARK(descent_sweep)->Apply(sizes);
+BENCHMARK(descent_sweep_with_skin)->Apply(sizes);
+
+/// A bar of about 51 000 tetrahedra (and twice, four times as many), springs and volumes, 5 sweeps: work that other engines are timed on.
+void bar_frame(benchmark::State& bench) {
+  const Exec exec(static_cast<int>(bench.range(1)));
+  Params params;
+  params.skin.enabled = false;
+  params.solver = {.method = Method::kPbd, .pbd_volume = true};
+  Block block{.size = {36, 17, static_cast<int>(bench.range(0)) + 1}, .skin_on_top = false};
+  block.is_fixed = [](Int3 p) { return p.z == 0; };
+  const Model model = block_model(block, params);
+  State state = make_state(model);
+  for (auto _ : bench) step(exec, model, state, {.gravity = {0, 0, -9.81}}, kDt);
+  bench.counters["tets"] = 6.0 * 35 * 16 * double(bench.range(0));
+}
+BENCHMARK(bar_frame)
+    ->ArgsProduct({{15, 30, 60}, {1, 2}})
+    ->ArgNames({"cells", "threads"})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+void detect_and_build(benchmark::State& bench) {
+  const Exec exec(static_cast<int>(bench.range(1)));
+  const int n = static_cast<int>(bench.range(0));
+  Block block{.size = {n, n, n}};
+  const BodyNodes nodes = block_nodes(block);
+  for (auto _ : bench) benchmark::DoNotOptimize(assemble(exec, nodes, nullptr, {}));
+}
+BENCHMARK(detect_and_build)->Apply(sizes);
+
+}  // namespace
+}  // namespace turgor::lattice
+
+BENCHMARK_MAIN();
