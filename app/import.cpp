@@ -1,7 +1,43 @@
+// `turgor import`: a CT of any readable format as one file.
+#include <memory>
+
+#include <fmt/format.h>
+
 #include "app/commands.hpp"
+#include "turgor/io/ct.hpp"
 
 namespace turgor {
 
-void add_import_command(CLI::App&, Global&) {}
+namespace {
+
+struct ImportOptions {
+  std::string path, output, series;
+};
+
+Result<CtFile> read_with_bar(const ImportOptions& options, const Exec& exec) {
+  ProgressBar bar("reading");
+  return read_ct(exec, options.path, {options.series, bar.callback()});
+}
+
+void run_import(const ImportOptions& options, const Global& global) {
+  const Result<CtFile> file = read_with_bar(options, Exec(global.threads));
+  if (!file) throw Failure{2, file.error().message};
+  for (const std::string& note : file->notes) fmt::print(stderr, "turgor: note: {}\n", note);
+  if (Status written = write_ct(options.output, file->ct); !written) throw Failure{2, written.error().message};
+  const Int3 size = file->ct.grid.size;
+  fmt::print("{}: {} x {} x {} samples from {}\n", options.output, size.x, size.y, size.z, file->format);
+}
+
+}  // namespace
+
+void add_import_command(CLI::App& program, Global& global) {
+  CLI::App* command = program.add_subcommand("import", "Convert a CT to one file: NIfTI, NRRD or MetaImage");
+  auto options = std::make_shared<ImportOptions>();
+  command->add_option("path", options->path, "A DICOM folder or one of its files, .nii, .nii.gz, .nrrd, .mha")->required();
+  command->add_option("-o,--output", options->output, "The file to write: .nii, .nii.gz, .nrrd or .mha")->required();
+  command->add_option("--series", options->series, "DICOM: which series, by number or SeriesInstanceUID");
+  command->footer("Example:\n  turgor import ct/ -o patient.nii.gz");
+  command->callback([options, &global] { run_import(*options, global); });
+}
 
 }  // namespace turgor

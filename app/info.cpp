@@ -1,7 +1,146 @@
+// `turgor info`: what a CT file holds, and what a segmentation says about it.
+#include <fstream>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include "app/commands.hpp"
+#include "turgor/geometry/label_measures.hpp"
+#include "turgor/geometry/reorient.hpp"
+#include "turgor/io/ct.hpp"
+#include "turgor/io/file.hpp"
+#include "turgor/io/organ_names.hpp"
 
 namespace turgor {
 
-void add_info_command(CLI::App&, Global&) {}
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct InfoOptions {
+  std::string path, labels, series, json;
+};
+
+/// Towards where in the patient the axes i, j, k grow: "LPS", "RAS", …
+std::string orientation(const Grid& grid) {
+  constexpr const char* kTowards[3] = {"RL", "AP", "IS"};
+  std::string letters;
+  for (const Vec3d& axis : grid.axes.column) {
+    int main = 0;
+    for (int a = 1; a < 3; a++)
+      if (std::abs(axis[a]) > std::abs(axis[main])) main = a;
+    letters += kTowards[main][axis[main] > 0];
+  }
+  return letters;
+}
+
+Json triple(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
+Vec3d to_ras(Vec3d lps) { return {-lps.x, -lps.y, lps.z}; }
+
+Json describe(const std::string& path, const CtFile& file) {
+  const Grid& grid = file.ct.grid;
+  const HuSummary hu = summarize(file.ct);
+  const Vec3d last{grid.size.x - 1.0, grid.size.y - 1.0, grid.size.z - 1.0};
+  const Vec3d a = point_at(grid, {}), b = point_at(grid, last);
+  Json json{{"path", path}, {"format", file.format}, {"files", file.files}};
+  if (file.format == "DICOM")
+    json.update({{"patient", file.patient}, {"study", file.study}, {"series", file.series}, {"modality", file.modality}});
+  json.update({{"size", {grid.size.x, grid.size.y, grid.size.z}},
+               {"spacing_mm", triple(grid.spacing * 1e3)},
+               {"orientation", orientation(grid)},
+               {"extent_mm", triple(hadamard(grid.spacing, last + Vec3d{1, 1, 1}) * 1e3)},
+               {"first_sample_lps_mm", triple(a * 1e3)},
+               {"last_sample_lps_mm", triple(b * 1e3)},
+               {"hu", {{"lowest", hu.lowest}, {"highest", hu.highest}, {"mean", hu.mean}}},
+               {"fractions", {{"air", hu.air}, {"fat", hu.fat}, {"soft", hu.soft}, {"bone", hu.bone}}}});
+  if (!file.notes.empty()) json["notes"] = file.notes;
+  return json;
+}
+
+Json describe_labels(const std::string& path, const CtVolume& ct) {
+  const Result<LabelVolume> read = read_labels(path);
+  if (!read) throw Failure{2, read.error().message};
+  const std::optional<LabelVolume> labels = on_grid(*read, ct.grid);
+  if (!labels)
+    throw Failure{2, fmt::format("{}: its grid ({} x {} x {}) does not lie on the CT's ({} x {} x {}): expected a segmentation of "
+                                 "this CT", path, read->grid.size.x, read->grid.size.y, read->grid.size.z, ct.grid.size.x,
+                                 ct.grid.size.y, ct.grid.size.z)};
+  Json list = Json::array();
+  for (const LabelMeasure& m : measure_labels(*labels, &ct))
+    list.push_back({{"label", m.label},
+                    {"name", organ_name(m.label)},
+                    {"voxels", m.voxels},
+                    {"volume_ml", m.volume * 1e6},
+                    {"centroid_ras_mm", triple(to_ras(m.centroid) * 1e3)},
+                    {"centroid_lps_mm", triple(m.centroid * 1e3)},
+                    {"mean_hu", m.mean_hu}});
+  return list;
+}
+
+std::string format_triple(const Json& v, int digits) {
+  return fmt::format("{:.{}f}, {:.{}f}, {:.{}f}", v[0].get<double>(), digits, v[1].get<double>(), digits, v[2].get<double>(), digits);
+}
+
+void print(const Json& json) {
+  const auto row = [](const char* name, const std::string& text) { fmt::print("  {:<12} {}\n", name, text); };
+  const auto text = [&](const char* key) { return json.value(key, std::string{}); };
+  fmt::print("{}\n", text("path"));
+  row("format", fmt::format("{}, {} {}", text("format"), json["files"].get<int>(), json["files"] == 1 ? "file" : "files"));
+  for (const char* field : {"patient", "study", "series", "modality"})
+    if (!text(field).empty()) row(field, text(field));
+  row("size", fmt::format("{} x {} x {}", json["size"][0].get<int>(), json["size"][1].get<int>(), json["size"][2].get<int>()));
+  row("spacing", format_triple(json["spacing_mm"], 4) + " mm");
+  row("orientation", text("orientation") + " (towards where i, j, k grow)");
+  row("extent", format_triple(json["extent_mm"], 1) + " mm");
+  row("from", format_triple(json["first_sample_lps_mm"], 2) + " mm LPS");
+  row("to", format_triple(json["last_sample_lps_mm"], 2) + " mm LPS");
+  const Json& hu = json["hu"];
+  row("HU", fmt::format("{} to {}, mean {:.1f}", hu["lowest"].get<int>(), hu["highest"].get<int>(), hu["mean"].get<double>()));
+  const Json& f = json["fractions"];
+  const auto percent = [&](const char* kind) { return 100 * f[kind].get<double>(); };
+  row("tissue", fmt::format("air {:.1f} % (below {} HU), fat {:.1f} % (below {}), soft {:.1f} %, bone {:.1f} % (from {})",
+                            percent("air"), kAirBelow, percent("fat"), kFatBelow, percent("soft"), percent("bone"), kBoneFrom));
+  if (json.contains("notes"))
+    for (const Json& note : json["notes"]) row("note", note.get<std::string>());
+}
+
+void print_labels(const Json& labels) {
+  fmt::print("\n  {:>5} {:<22} {:>9} {:>10} {:>8}  {:<26} {}\n", "label", "name", "voxels", "mL", "mean HU", "centroid RAS [mm]",
+             "centroid LPS [mm]");
+  for (const Json& m : labels)
+    fmt::print("  {:>5} {:<22} {:>9} {:>10.3f} {:>8.2f}  {:<26} {}\n", m["label"].get<int>(), m["name"].get<std::string>(),
+               m["voxels"].get<std::size_t>(), m["volume_ml"].get<double>(), m["mean_hu"].get<double>(),
+               format_triple(m["centroid_ras_mm"], 2), format_triple(m["centroid_lps_mm"], 2));
+}
+
+void run_info(const InfoOptions& options, const Global& global) {
+  Json json;
+  {
+    ProgressBar bar("reading");
+    const Result<CtFile> file = read_ct(Exec(global.threads), options.path, {options.series, bar.callback()});
+    if (!file) throw Failure{2, file.error().message};
+    json = describe(options.path, *file);
+    if (!options.labels.empty()) json["labels"] = describe_labels(options.labels, file->ct);
+  }
+  print(json);
+  if (json.contains("labels")) print_labels(json["labels"]);
+  if (options.json.empty()) return;
+  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (Status written = write_file(options.json, text); !written) throw Failure{2, written.error().message};
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& program, Global& global) {
+  CLI::App* command = program.add_subcommand("info", "What a CT holds: size, place, densities, and the organs of a segmentation");
+  auto options = std::make_shared<InfoOptions>();
+  command->add_option("path", options->path, "A DICOM folder or one of its files, .nii, .nii.gz, .nrrd, .mha")->required();
+  command->add_option("--labels", options->labels, "A segmentation of the CT: sizes and places of its labels");
+  command->add_option("--series", options->series, "DICOM: which series, by number or SeriesInstanceUID");
+  command->add_option("--json", options->json, "Also write what is said to this file");
+  command->footer("Example:\n  turgor info ct/ --labels segmentation.nii.gz --json ct.json");
+  command->callback([options, &global] { run_info(*options, global); });
+}
 
 }  // namespace turgor

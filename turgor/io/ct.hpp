@@ -1,12 +1,14 @@
 // CT volumes and segmentations in and out: DICOM folders (GDCM), NIfTI, NRRD and MetaImage (ITK). Files are in mm, NIfTI in RAS;
-// everything is metres and LPS once read. Errors name the file, the place, what was expected and what was found.
+// everything is metres and LPS once read, and axes are right-handed: the order of samples along i is mirrored where a file's
+// axes are not. Errors name the file, the place, what was expected and what was found.
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
-#include "turgor/core/progress.hpp"
 #include "turgor/core/exec.hpp"
+#include "turgor/core/progress.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/volume.hpp"
 
@@ -23,9 +25,11 @@ struct CtFile {
   std::string format;    // "DICOM", "NIfTI", "NRRD", "MetaImage"
   std::string patient, study, series, modality;  // DICOM only; may be empty
   int files = 1;
+  std::vector<std::string> notes;  // what was left out while reading: sentences
 };
 
-/// A CT: a DICOM folder (or one of its files), .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd. Values become Hounsfield units.
+/// A CT: a DICOM folder (or one of its files), .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd. Values become Hounsfield units,
+/// rounded and kept within int16; samples that are no number and DICOM's padding become air.
 Result<CtFile> read_ct(const Exec& exec, const std::filesystem::path& path, const ReadOptions& options = {});
 /// A segmentation: .nii, .nii.gz, .nrrd, .mha, .mhd with whole numbers in 0…65535.
 Result<LabelVolume> read_labels(const std::filesystem::path& path);

@@ -1,0 +1,88 @@
+// The same volume with its axes in another order or direction: what makes a segmentation stored left to right fit a CT stored
+// right to left. No sample changes its value or its place in the patient.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "turgor/geometry/volume.hpp"
+
+namespace turgor {
+
+/// Axis a of the new grid runs along axis source[a] of the old one, backwards where flip[a].
+struct AxisOrder {
+  std::array<int, 3> source{0, 1, 2};
+  std::array<bool, 3> flip{};
+
+  bool is_identity() const { return source == std::array{0, 1, 2} && flip == std::array<bool, 3>{}; }
+};
+
+/// The order that lays axes `from` along axes `to`, if each runs along one of the other.
+inline std::optional<AxisOrder> axis_order(const Mat3d& from, const Mat3d& to) {
+  AxisOrder order;
+  std::array<bool, 3> used{};
+  for (int a = 0; a < 3; a++) {
+    int best = -1;
+    for (int b = 0; b < 3; b++)
+      if (std::abs(dot(to.column[a], from.column[b])) > 0.99) best = b;
+    if (best < 0 || used[std::size_t(best)]) return std::nullopt;
+    used[std::size_t(best)] = true;
+    order.source[std::size_t(a)] = best;
+    order.flip[std::size_t(a)] = dot(to.column[a], from.column[best]) < 0;
+  }
+  return order;
+}
+
+inline Grid reordered(const Grid& grid, const AxisOrder& order) {
+  Grid out = grid;
+  Vec3d first;  // index in the old grid of the new sample (0, 0, 0)
+  for (int a = 0; a < 3; a++) {
+    const int b = order.source[std::size_t(a)];
+    const bool flip = order.flip[std::size_t(a)];
+    out.size[a] = grid.size[b];
+    out.spacing[a] = grid.spacing[b];
+    out.axes.column[a] = flip ? -grid.axes.column[b] : grid.axes.column[b];
+    if (flip) first[b] = grid.size[b] - 1;
+  }
+  out.origin = point_at(grid, first);
+  return out;
+}
+
+template <class T>
+Volume<T> reordered(const Volume<T>& volume, const AxisOrder& order) {
+  Volume<T> out{reordered(volume.grid, order), {}};
+  out.samples.resize(volume.samples.size());
+  const std::ptrdiff_t strides[3] = {1, volume.grid.size.x, std::ptrdiff_t(volume.grid.size.x) * volume.grid.size.y};
+  std::ptrdiff_t first = 0, step[3];
+  for (int a = 0; a < 3; a++) {
+    const std::ptrdiff_t stride = strides[order.source[std::size_t(a)]];
+    step[a] = order.flip[std::size_t(a)] ? -stride : stride;
+    if (order.flip[std::size_t(a)]) first += stride * (out.grid.size[a] - 1);
+  }
+  const T* source = volume.samples.data();
+  T* target = out.samples.data();
+  for (int k = 0; k < out.grid.size.z; k++)
+    for (int j = 0; j < out.grid.size.y; j++)
+      for (int i = 0; i < out.grid.size.x; i++) *target++ = source[first + i * step[0] + j * step[1] + k * step[2]];
+  return out;
+}
+
+/// The volume with its axes laid along those of `grid`; nothing if its samples do not lie where those of `grid` do.
+template <class T>
+std::optional<Volume<T>> on_grid(const Volume<T>& volume, const Grid& grid) {
+  const std::optional<AxisOrder> order = axis_order(volume.grid.axes, grid.axes);
+  if (!order || !same_grid(reordered(volume.grid, *order), grid)) return std::nullopt;
+  Volume<T> out = reordered(volume, *order);
+  out.grid = grid;
+  return out;
+}
+
+/// Mirrors the order of samples along i if the axes are left-handed.
+template <class T>
+Volume<T> right_handed(Volume<T> volume) {
+  if (determinant(volume.grid.axes) > 0) return volume;
+  return reordered(volume, AxisOrder{.flip = {true, false, false}});
+}
+
+}  // namespace turgor

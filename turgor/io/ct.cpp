@@ -1,0 +1,131 @@
+// Volumes of given meaning from files of any format: Hounsfield units, labels, directions.
+#include "turgor/io/ct.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "turgor/geometry/reorient.hpp"
+#include "turgor/io/dicom.hpp"
+#include "turgor/io/names.hpp"
+#include "turgor/io/volume_file.hpp"
+
+namespace turgor {
+
+namespace fs = std::filesystem;
+using io::RawVolume;
+using io::SampleType;
+
+namespace {
+
+Status check_readable(const fs::path& path) {
+  std::error_code failed;
+  if (!fs::exists(path, failed)) return Error{io::not_found(path)};
+  if (fs::is_directory(path, failed)) return Error{fmt::format("{}: is a folder; expected a file", path.string())};
+  if (!fs::is_regular_file(path, failed)) return Error{fmt::format("{}: is not a file", path.string())};
+  if (!std::ifstream(path)) return Error{fmt::format("{}: cannot be opened (no permission?)", path.string())};
+  return Done{};
+}
+
+Result<RawVolume> read_raw(const fs::path& path, int components) {
+  if (Status readable = check_readable(path); !readable) return readable.error();
+  if (io::is_dicom(path))
+    return Error{fmt::format("{}: holds DICOM; expected NIfTI, NRRD or MetaImage here", path.string())};
+  Result<RawVolume> raw = io::read_volume_file(path);
+  if (raw && raw->components != components)
+    return Error{fmt::format("{}: {} components a sample; expected {}", path.string(), raw->components, components)};
+  return raw;
+}
+
+std::int16_t to_hu(double value) {
+  return std::isnan(value) ? kAirHu : std::int16_t(std::lrint(std::clamp(value, -32768.0, 32767.0)));
+}
+
+std::vector<std::int16_t> hounsfield(const Exec& exec, const RawVolume& raw) {
+  std::vector<std::int16_t> hu(raw.value_count());
+  visit_samples(raw, [&](const auto* stored) {
+    parallel_for(exec, hu.size(), [&](std::size_t i) { hu[i] = to_hu(double(stored[i])); }, std::size_t{1} << 16);
+  });
+  return hu;
+}
+
+/// The first sample that is no whole number in 0…65535.
+std::optional<std::size_t> first_without_label(const RawVolume& raw) {
+  return visit_samples(raw, [&](const auto* stored) -> std::optional<std::size_t> {
+    for (std::size_t i = 0; i < raw.value_count(); i++) {
+      const double value = double(stored[i]);
+      if (!(value >= 0 && value <= 65535) || value != std::floor(value)) return i;
+    }
+    return std::nullopt;
+  });
+}
+
+Error no_label(const fs::path& path, const RawVolume& raw, std::size_t at) {
+  const std::size_t nx = std::size_t(raw.grid.size.x), ny = std::size_t(raw.grid.size.y);
+  const double value = visit_samples(raw, [&](const auto* stored) { return double(stored[at]); });
+  return {fmt::format("{}: sample ({}, {}, {}) is {}; expected labels: whole numbers from 0 to 65535", path.string(), at % nx,
+                      at / nx % ny, at / nx / ny, value)};
+}
+
+}  // namespace
+
+Result<CtFile> read_ct(const Exec& exec, const fs::path& path, const ReadOptions& options) {
+  std::error_code failed;
+  if (!fs::exists(path, failed)) return Error{io::not_found(path)};
+  if (fs::is_directory(path, failed)) return io::read_dicom(exec, path, options);
+  if (Status readable = check_readable(path); !readable) return readable.error();
+  if (io::is_dicom(path)) return io::read_dicom(exec, path, options);
+  const Result<RawVolume> raw = read_raw(path, 1);
+  if (!raw) return raw.error();
+  CtFile file;
+  file.format = name(raw->format);
+  file.ct = right_handed(CtVolume{raw->grid, hounsfield(exec, *raw)});
+  if (options.progress) options.progress(1);
+  return file;
+}
+
+Result<LabelVolume> read_labels(const fs::path& path) {
+  const Result<RawVolume> raw = read_raw(path, 1);
+  if (!raw) return raw.error();
+  if (const auto at = first_without_label(*raw)) return no_label(path, *raw, *at);
+  LabelVolume labels{raw->grid, std::vector<std::uint16_t>(raw->value_count())};
+  visit_samples(*raw, [&](const auto* stored) {
+    std::transform(stored, stored + labels.samples.size(), labels.samples.begin(), [](auto v) { return std::uint16_t(v); });
+  });
+  return right_handed(std::move(labels));
+}
+
+Result<VectorVolume> read_vectors(const fs::path& path) {
+  const Result<RawVolume> raw = read_raw(path, 3);
+  if (!raw) return raw.error();
+  VectorVolume vectors{raw->grid, std::vector<Vec3>(raw->value_count() / 3)};
+  visit_samples(*raw, [&](const auto* stored) {
+    for (std::size_t i = 0; i < vectors.samples.size(); i++)
+      vectors.samples[i] = {Real(stored[3 * i]), Real(stored[3 * i + 1]), Real(stored[3 * i + 2])};
+  });
+  return right_handed(std::move(vectors));
+}
+
+Status write_ct(const fs::path& path, const CtVolume& ct) {
+  return io::write_volume_file(path, {ct.grid, SampleType::kInt16, 1, ct.samples.data()});
+}
+
+Status write_labels(const fs::path& path, const LabelVolume& labels) {
+  return io::write_volume_file(path, {labels.grid, SampleType::kUint16, 1, labels.samples.data()});
+}
+
+Status write_scalars(const fs::path& path, const ScalarVolume& volume) {
+  return io::write_volume_file(path, {volume.grid, SampleType::kFloat, 1, volume.samples.data()});
+}
+
+Status write_displacement(const fs::path& path, const VectorVolume& displacement) {
+  std::vector<Vec3> mm(displacement.samples.size());
+  std::transform(displacement.samples.begin(), displacement.samples.end(), mm.begin(), [](Vec3 v) { return v * 1000.0f; });
+  return io::write_volume_file(path, {displacement.grid, SampleType::kFloat, 3, mm.data()});
+}
+
+}  // namespace turgor

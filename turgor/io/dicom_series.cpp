@@ -1,0 +1,176 @@
+// Which files of a folder make up one volume, and where it lies. What would make a wrong volume is refused by name and place:
+// gantry tilt, gaps, doubled positions, mixed directions or sizes.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "turgor/core/timing.hpp"
+#include "turgor/io/dicom.hpp"
+
+namespace turgor::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Slices = std::vector<DicomSlice>;
+
+std::string list_series(const std::vector<const Slices*>& series) {
+  std::string list;
+  for (std::size_t i = 0; i < series.size(); i++) {
+    const DicomSlice& first = series[i]->front();
+    list += fmt::format("\n  {}: {} {} of {} x {}, {}, \"{}\", {}", i + 1, series[i]->size(),
+                        series[i]->size() == 1 ? "slice" : "slices", first.columns, first.rows,
+                        first.modality.empty() ? "no modality" : first.modality, first.description,
+                        first.series.empty() ? "(empty SeriesInstanceUID)" : first.series);
+  }
+  return list;
+}
+
+std::string name_of(const DicomSlice& slice) { return slice.file.filename().string(); }
+
+/// Scouts that share a series with its slices are left out.
+void drop_localizers(DicomVolume& volume) {
+  const auto is_localizer = [](const DicomSlice& s) { return s.image_type.find("LOCALIZER") != std::string::npos; };
+  const auto count = std::size_t(std::count_if(volume.slices.begin(), volume.slices.end(), is_localizer));
+  if (count == 0 || count == volume.slices.size()) return;
+  std::erase_if(volume.slices, is_localizer);
+  volume.notes.push_back(fmt::format("{} localizer images of the series were left out", count));
+}
+
+/// Before memory is taken for what a header promises: the file must be large enough to hold it.
+Status check_size(const DicomSlice& s) {
+  const auto promised = std::uintmax_t(s.rows) * std::uintmax_t(s.columns) * std::uintmax_t(s.bits_allocated) / 8;
+  if (s.file_size * (s.is_compressed ? 1000 : 1) >= promised) return Done{};
+  return Error{fmt::format("{}: truncated or corrupt: {} bytes cannot hold {} x {} pixels of {} bits", s.file.string(),
+                           s.file_size, s.columns, s.rows, s.bits_allocated)};
+}
+
+Status check_slice(const DicomSlice& s) {
+  const std::string file = s.file.string();
+  if (s.modality != "CT")
+    return Error{fmt::format("{}: Modality is \"{}\"; expected CT", file, s.modality)};
+  if (s.frames != 1)
+    return Error{fmt::format("{}: a multi-frame (enhanced) image of {} frames is not read; expected one file a slice (convert "
+                             "it to classic CT images first)", file, s.frames)};
+  if (s.samples_per_pixel != 1 || !s.photometric.starts_with("MONOCHROME"))
+    return Error{fmt::format("{}: a colour image ({}, {} samples a pixel); expected MONOCHROME2", file, s.photometric, s.samples_per_pixel)};
+  if ((s.bits_allocated != 8 && s.bits_allocated != 16 && s.bits_allocated != 32) || s.bits_stored < 1 ||
+      s.bits_stored > s.bits_allocated)
+    return Error{fmt::format("{}: {} bits stored in {}; expected at most 8, 16 or 32", file, s.bits_stored, s.bits_allocated)};
+  if (!s.position) return Error{fmt::format("{}: no ImagePositionPatient (0020,0032): the slice has no place in space", file)};
+  if (std::abs(norm(s.row_direction) - 1) > 0.01 || std::abs(norm(s.column_direction) - 1) > 0.01 ||
+      std::abs(dot(s.row_direction, s.column_direction)) > 1e-3)
+    return Error{fmt::format("{}: ImageOrientationPatient (0020,0037) is missing or not two directions at a right angle", file)};
+  if (!(s.row_spacing > 0) || !(s.column_spacing > 0))
+    return Error{fmt::format("{}: PixelSpacing (0028,0030) is missing or not positive", file)};
+  return Done{};
+}
+
+Status check_alike(const DicomSlice& first, const DicomSlice& s) {
+  if (s.rows != first.rows || s.columns != first.columns)
+    return Error{fmt::format("{}: {} x {} pixels; the series' first file, {}, has {} x {}", s.file.string(), s.columns, s.rows,
+                             name_of(first), first.columns, first.rows)};
+  const double turned = std::max(norm(s.row_direction - first.row_direction), norm(s.column_direction - first.column_direction));
+  if (turned > 1e-3)
+    return Error{fmt::format("{}: orientation differs by {:.2f} degrees from that of {}; expected parallel slices",
+                             s.file.string(), turned * 180 / M_PI, name_of(first))};
+  if (std::abs(s.row_spacing / first.row_spacing - 1) > 1e-3 || std::abs(s.column_spacing / first.column_spacing - 1) > 1e-3)
+    return Error{fmt::format("{}: pixels of {} x {} mm; those of {} are {} x {} mm", s.file.string(), s.column_spacing,
+                             s.row_spacing, name_of(first), first.column_spacing, first.row_spacing)};
+  return Done{};
+}
+
+Mat3d slice_axes(const DicomSlice& slice) {
+  const Vec3d i = normalized(slice.row_direction);
+  const Vec3d k = normalized(cross(i, slice.column_direction));
+  return {{i, cross(k, i), k}};
+}
+
+/// Slices must lie straight above each other: a tilted gantry shifts each against the one before.
+Status check_tilt(const fs::path& folder, const Slices& slices, Vec3d normal) {
+  const Vec3d whole = *slices.back().position - *slices.front().position;
+  for (const DicomSlice& s : slices) {
+    const Vec3d way = *s.position - *slices.front().position;
+    const double shift = norm(way - normal * dot(way, normal));
+    if (shift <= 0.1 * std::min(s.row_spacing, s.column_spacing)) continue;
+    const Vec3d sideways = whole - normal * dot(whole, normal);
+    const double angle = std::atan2(norm(sideways), dot(whole, normal)) * 180 / M_PI;
+    return Error{fmt::format("{}: gantry tilt of {:.1f} degrees: slice {} is shifted sideways by {:.2f} mm against {}; expected "
+                             "slices straight above each other (resample the series to a straight grid first)",
+                             folder.string(), angle, name_of(s), shift, name_of(slices.front()))};
+  }
+  return Done{};
+}
+
+/// The distance of slices, which must be the same everywhere [mm].
+Result<double> even_spacing(const fs::path& folder, const Slices& slices, Vec3d normal) {
+  std::vector<double> place, gap;
+  for (const DicomSlice& s : slices) place.push_back(dot(*s.position, normal));
+  for (std::size_t i = 1; i < place.size(); i++) gap.push_back(place[i] - place[i - 1]);
+  const double usual = median(gap);
+  for (std::size_t i = 0; i < gap.size(); i++) {
+    const std::string before = name_of(slices[i]), after = name_of(slices[i + 1]);
+    if (gap[i] < 0.01 * usual || gap[i] < 1e-6)
+      return Error{fmt::format("{}: {} and {} lie at the same position ({:.2f} mm along the normal); expected one slice a position "
+                               "(several phases or reconstructions in one series?)", folder.string(), before, after, place[i])};
+    if (std::abs(gap[i] - usual) <= std::max(0.02 * usual, 0.05)) continue;
+    const double missing = gap[i] / usual - 1;
+    const bool whole = missing > 0.5 && std::abs(missing - std::round(missing)) < 0.1;
+    return Error{fmt::format("{}: {} between {} (at {:.2f} mm along the normal) and {} (at {:.2f} mm): a gap of {:.2f} mm, expected {:.2f} mm",
+                             folder.string(),
+                             whole ? fmt::format("missing slices: {}", std::lround(missing)) : std::string("uneven distance of slices"),
+                             before, place[i], after, place[i + 1], gap[i], usual)};
+  }
+  return (place.back() - place.front()) / double(gap.size());
+}
+
+Result<double> slice_spacing(const fs::path& folder, const Slices& slices, Vec3d normal) {
+  if (slices.size() > 1) return even_spacing(folder, slices, normal);
+  if (slices[0].thickness > 0) return slices[0].thickness;
+  return Error{fmt::format("{}: a single slice without SliceThickness (0018,0050): no volume", slices[0].file.string())};
+}
+
+}  // namespace
+
+Result<Slices> choose_series(const fs::path& folder, Slices slices, const std::string& wanted) {
+  std::map<std::string, Slices> groups;
+  for (DicomSlice& s : slices) groups[s.series].push_back(std::move(s));
+  std::vector<const Slices*> series;
+  for (const auto& [uid, group] : groups) series.push_back(&group);
+  std::sort(series.begin(), series.end(), [](auto a, auto b) { return a->front().file < b->front().file; });
+  if (wanted.empty() && series.size() == 1) return *series[0];
+  if (wanted.empty())
+    return Error{fmt::format("{}: holds {} series; choose one with --series NUMBER or --series UID:{}", folder.string(),
+                             series.size(), list_series(series))};
+  for (std::size_t i = 0; i < series.size(); i++)
+    if (wanted == series[i]->front().series || wanted == std::to_string(i + 1)) return *series[i];
+  return Error{fmt::format("{}: has no series \"{}\"; there are:{}", folder.string(), wanted, list_series(series))};
+}
+
+Result<DicomVolume> stack_slices(const fs::path& folder, Slices slices) {
+  DicomVolume volume{std::move(slices), {}, {}};
+  drop_localizers(volume);
+  for (const DicomSlice& s : volume.slices) {
+    if (Status alone = check_slice(s); !alone) return alone.error();
+    if (Status size = check_size(s); !size) return size.error();
+    if (Status alike = check_alike(volume.slices.front(), s); !alike) return alike.error();
+  }
+  const Mat3d axes = slice_axes(volume.slices.front());
+  const Vec3d normal = axes.column[2];
+  std::stable_sort(volume.slices.begin(), volume.slices.end(),
+                   [&](const auto& a, const auto& b) { return dot(*a.position, normal) < dot(*b.position, normal); });
+  const Result<double> spacing = slice_spacing(folder, volume.slices, normal);
+  if (!spacing) return spacing.error();
+  if (Status straight = check_tilt(folder, volume.slices, normal); !straight) return straight.error();
+  const DicomSlice& first = volume.slices.front();
+  volume.grid = {.size = {first.columns, first.rows, int(volume.slices.size())},
+                 .spacing = Vec3d{first.column_spacing, first.row_spacing, *spacing} * 1e-3,
+                 .origin = *first.position * 1e-3,
+                 .axes = axes};
+  return volume;
+}
+
+}  // namespace turgor::io

@@ -1,0 +1,37 @@
+// The text in front of NRRD and MetaImage samples: fields of name and value, and the numbers in them. Internal to io/.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "turgor/core/result.hpp"
+
+namespace turgor::io {
+
+struct TextFields {
+  std::map<std::string, std::string, std::less<>> values;
+
+  bool has(std::string_view key) const { return values.find(key) != values.end(); }
+  std::string get(std::string_view key) const {
+    const auto found = values.find(key);
+    return found == values.end() ? std::string{} : found->second;
+  }
+};
+
+/// "key: value" lines up to an empty line; `end` is the first byte after it. A key that comes twice is an error.
+Result<TextFields> read_nrrd_fields(const std::filesystem::path& path, std::string_view head, std::size_t& end);
+/// "Key = Value" lines up to and with ElementDataFile.
+Result<TextFields> read_meta_fields(const std::filesystem::path& path, std::string_view head, std::size_t& end);
+
+std::string trimmed(std::string_view text);
+/// The whole numbers in a text of words; empty when a word is none.
+std::vector<std::int64_t> whole_numbers(std::string_view text);
+std::size_t word_count(std::string_view text);
+/// Whether every number in the text is finite; brackets, commas and the word "none" are passed over.
+bool all_finite(std::string_view text);
+
+}  // namespace turgor::io

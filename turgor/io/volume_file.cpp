@@ -1,0 +1,181 @@
+#include "turgor/io/volume_file.hpp"
+
+#include <cmath>
+#include <new>
+
+#include <fmt/format.h>
+#include <itkMetaImageIO.h>
+#include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
+#include <unistd.h>
+
+namespace turgor::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Component = itk::CommonEnums::IOComponent;
+
+itk::ImageIOBase::Pointer make_image_io(VolumeFormat format) {
+  if (format == VolumeFormat::kNifti) return itk::NiftiImageIO::New().GetPointer();
+  if (format == VolumeFormat::kNrrd) return itk::NrrdImageIO::New().GetPointer();
+  return itk::MetaImageIO::New().GetPointer();
+}
+
+constexpr std::pair<Component, SampleType> kComponents[] = {
+    {Component::CHAR, SampleType::kInt8},     {Component::UCHAR, SampleType::kUint8},
+    {Component::SHORT, SampleType::kInt16},   {Component::USHORT, SampleType::kUint16},
+    {Component::INT, SampleType::kInt32},     {Component::UINT, SampleType::kUint32},
+    {Component::LONG, SampleType::kInt64},    {Component::ULONG, SampleType::kUint64},
+    {Component::LONGLONG, SampleType::kInt64}, {Component::ULONGLONG, SampleType::kUint64},
+    {Component::FLOAT, SampleType::kFloat},   {Component::DOUBLE, SampleType::kDouble}};
+static_assert(sizeof(long) == 8);
+
+Result<SampleType> sample_type(const fs::path& path, Component component) {
+  for (const auto& [known, type] : kComponents)
+    if (known == component) return type;
+  return Error{fmt::format("{}: samples of an unknown type; expected whole or real numbers", path.string())};
+}
+
+Component component(SampleType type) {
+  for (const auto& [known, of] : kComponents)
+    if (of == type) return known;
+  return Component::UNKNOWNCOMPONENTTYPE;
+}
+
+Grid itk_grid(const itk::ImageIOBase& io, const VolumeHeader& header) {
+  Grid grid = header.grid;
+  for (unsigned axis = 0; axis < 3; axis++) {
+    const int a = int(axis);
+    grid.size[a] = int(header.size[axis]);
+    if (header.has_grid) continue;
+    grid.spacing[a] = io.GetSpacing(axis) * 1e-3;
+    grid.origin[a] = io.GetOrigin(axis) * 1e-3;
+    const std::vector<double> direction = io.GetDirection(axis);
+    grid.axes.column[a] = normalized(Vec3d{direction[0], direction[1], direction[2]});
+  }
+  return grid;
+}
+
+Status check_grid(const fs::path& path, const Grid& grid) {
+  for (int axis = 0; axis < 3; axis++) {
+    const double spacing = grid.spacing[axis], origin = grid.origin[axis];
+    if (!(spacing > 0) || !std::isfinite(spacing))
+      return Error{fmt::format("{}: spacing along axis {} is {} mm; expected a positive number", path.string(), axis, spacing * 1e3)};
+    if (!std::isfinite(origin)) return Error{fmt::format("{}: the origin is not finite", path.string())};
+    const Vec3d a = grid.axes.column[axis], b = grid.axes.column[(axis + 1) % 3];
+    const double cosine = dot(a, b);
+    if (!(std::abs(cosine) < 1e-3) || !(std::abs(norm(a) - 1) < 1e-3))
+      return Error{fmt::format("{}: axes {} and {} meet at {:.2f} degrees; expected right angles (resample the volume to a "
+                               "grid of right angles first)", path.string(), axis, (axis + 1) % 3, std::acos(cosine) * 180 / M_PI)};
+  }
+  return Done{};
+}
+
+/// ITK's own message, without the lines around it that speak of its sources.
+std::string sentence(const itk::ExceptionObject& error) {
+  std::string text = error.GetDescription();
+  for (char& c : text)
+    if (c == '\n') c = ' ';
+  return text;
+}
+
+/// Runs body and turns what ITK throws into an error.
+template <class Body>
+auto guarded(const fs::path& path, const char* what, const Body& body) -> decltype(body()) {
+  try {
+    return body();
+  } catch (const itk::ExceptionObject& error) {
+    return Error{fmt::format("{}: cannot be {}: {}", path.string(), what, sentence(error))};
+  } catch (const std::bad_alloc&) {
+    return Error{fmt::format("{}: cannot be {}: not enough memory", path.string(), what)};
+  } catch (const std::exception& error) {
+    return Error{fmt::format("{}: cannot be {}: {}", path.string(), what, error.what())};
+  }
+}
+
+Result<RawVolume> read_samples(const fs::path& path, const VolumeHeader& header) {
+  const itk::ImageIOBase::Pointer io = make_image_io(header.format);
+  io->SetFileName(path.string());
+  io->ReadImageInformation();
+  if (io->GetNumberOfDimensions() < 3) return Error{fmt::format("{}: fewer than 3 dimensions", path.string())};
+  itk::ImageIORegion region(io->GetNumberOfDimensions());
+  for (unsigned axis = 0; axis < io->GetNumberOfDimensions(); axis++) {
+    const std::int64_t expected = axis < 3 ? header.size[axis] : 1;
+    if (std::int64_t(io->GetDimensions(axis)) != expected)
+      return Error{fmt::format("{}: corrupt: the header can be read in two ways", path.string())};
+    region.SetSize(axis, io->GetDimensions(axis));
+  }
+  io->SetIORegion(region);
+  const Result<SampleType> type = sample_type(path, io->GetComponentType());
+  if (!type) return type.error();
+  RawVolume raw{header.format, itk_grid(*io, header), *type, int(io->GetNumberOfComponents()), {}};
+  if (raw.components != header.components)
+    return Error{fmt::format("{}: corrupt: {} components, expected {}", path.string(), raw.components, header.components)};
+  if (Status placed = check_grid(path, raw.grid); !placed) return placed.error();
+  raw.bytes.resize(sample_count(raw.grid) * std::size_t(raw.components) * byte_size(raw.type));
+  io->Read(raw.bytes.data());
+  return raw;
+}
+
+Result<VolumeFormat> format_of_name(const fs::path& path) {
+  const std::string name = path.filename().string();
+  if (name.ends_with(".nii") || name.ends_with(".nii.gz")) return VolumeFormat::kNifti;
+  if (name.ends_with(".nrrd")) return VolumeFormat::kNrrd;
+  if (name.ends_with(".mha")) return VolumeFormat::kMetaImage;
+  return Error{fmt::format("{}: cannot tell the format from the name; expected .nii, .nii.gz, .nrrd or .mha", path.string())};
+}
+
+Status write_samples(const fs::path& path, VolumeFormat format, const SamplesToWrite& samples) {
+  const itk::ImageIOBase::Pointer io = make_image_io(format);
+  io->SetNumberOfDimensions(3);
+  itk::ImageIORegion region(3);
+  for (unsigned axis = 0; axis < 3; axis++) {
+    const int a = int(axis);
+    io->SetDimensions(axis, itk::SizeValueType(samples.grid.size[a]));
+    io->SetSpacing(axis, samples.grid.spacing[a] * 1e3);
+    io->SetOrigin(axis, samples.grid.origin[a] * 1e3);
+    const Vec3d direction = samples.grid.axes.column[a];
+    io->SetDirection(axis, std::vector<double>{direction.x, direction.y, direction.z});
+    region.SetSize(axis, itk::SizeValueType(samples.grid.size[a]));
+  }
+  io->SetIORegion(region);
+  io->SetComponentType(component(samples.type));
+  io->SetNumberOfComponents(unsigned(samples.components));
+  io->SetPixelType(samples.components == 1 ? itk::CommonEnums::IOPixel::SCALAR : itk::CommonEnums::IOPixel::VECTOR);
+  io->SetUseCompression(true);
+  io->SetCompressionLevel(1);  // noise does not compress any better at higher levels, only slower
+  io->SetFileName(path.string());
+  io->WriteImageInformation();
+  io->Write(samples.data);
+  return Done{};
+}
+
+}  // namespace
+
+Result<RawVolume> read_volume_file(const fs::path& path) {
+  const Result<VolumeHeader> header = read_volume_header(path);
+  if (!header) return header.error();
+  return guarded(path, "read", [&] { return read_samples(path, *header); });
+}
+
+Status write_volume_file(const fs::path& path, const SamplesToWrite& samples) {
+  const Result<VolumeFormat> format = format_of_name(path);
+  if (!format) return format.error();
+  std::error_code failed;
+  const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
+  if (!fs::is_directory(folder, failed))
+    return Error{fmt::format("{}: the folder {} does not exist", path.string(), folder.string())};
+  if (fs::is_directory(path, failed)) return Error{fmt::format("{}: is a folder; expected the name of a file", path.string())};
+  const fs::path partial = folder / fmt::format(".{}-partial-{}", getpid(), path.filename().string());
+  Status written = guarded(path, "written", [&] { return write_samples(partial, *format, samples); });
+  if (written) {
+    fs::rename(partial, path, failed);
+    if (failed) written = Error{fmt::format("{}: cannot be written: {}", path.string(), failed.message())};
+  }
+  if (!written) fs::remove(partial, failed);
+  return written;
+}
+
+}  // namespace turgor::io

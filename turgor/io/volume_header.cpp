@@ -1,0 +1,155 @@
+// Recognises the format by content, and checks that a file holds the samples that its header promises.
+#include "turgor/io/volume_header.hpp"
+
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+namespace turgor::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct CloseGzip {
+  void operator()(gzFile_s* file) const { gzclose(file); }
+};
+using GzipFile = std::unique_ptr<gzFile_s, CloseGzip>;
+
+bool starts_with_gzip_magic(const fs::path& path) {
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  return file && std::fgetc(file.get()) == 0x1f && std::fgetc(file.get()) == 0x8b;
+}
+
+/// The first bytes, decompressed when the whole file is a gzip stream.
+std::string read_head(const fs::path& path, std::size_t count) {
+  const GzipFile file(gzopen(path.c_str(), "rb"));
+  std::string head(count, '\0');
+  const int got = file ? gzread(file.get(), head.data(), static_cast<unsigned>(count)) : 0;
+  head.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+  return head;
+}
+
+/// How many bytes a compressed stream that starts at `offset` yields, counting no further than `limit`.
+std::int64_t inflated_size(const fs::path& path, std::int64_t offset, std::int64_t limit) {
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!file || std::fseek(file.get(), static_cast<long>(offset), SEEK_SET) != 0) return 0;
+  constexpr std::size_t kBlock = std::size_t{1} << 18;
+  std::vector<unsigned char> in(kBlock), out(kBlock);
+  z_stream stream{};
+  if (inflateInit2(&stream, 15 + 32) != Z_OK) return 0;  // 32: a zlib or a gzip header
+  std::int64_t total = 0;
+  int state = Z_OK;
+  while (total < limit) {
+    if (stream.avail_in == 0) {
+      stream.avail_in = static_cast<unsigned>(std::fread(in.data(), 1, kBlock, file.get()));
+      stream.next_in = in.data();
+      if (stream.avail_in == 0) break;
+    }
+    if (state == Z_STREAM_END && inflateReset(&stream) != Z_OK) break;  // files may hold several streams in a row
+    stream.next_out = out.data();
+    stream.avail_out = kBlock;
+    state = inflate(&stream, Z_NO_FLUSH);
+    total += static_cast<std::int64_t>(kBlock - stream.avail_out);
+    if (state != Z_OK && state != Z_STREAM_END) break;
+  }
+  inflateEnd(&stream);
+  return total;
+}
+
+std::int64_t available_bytes(const VolumeHeader& header, std::int64_t wanted) {
+  using Packing = VolumeHeader::Packing;
+  std::error_code failed;
+  const auto on_disk = static_cast<std::int64_t>(fs::file_size(header.data_file, failed));
+  if (failed) return 0;
+  if (header.packing == Packing::kRaw) return on_disk - header.data_offset;
+  const bool whole_file = header.packing == Packing::kGzipFile;
+  const std::int64_t end = wanted + (whole_file ? header.data_offset : 0);
+  if (end > on_disk * 1100 + 1024) return on_disk * 1100;  // deflate packs a thousandfold at best: do not even try
+  return inflated_size(header.data_file, whole_file ? 0 : header.data_offset, end) - (end - wanted);
+}
+
+Status check_data(const fs::path& path, const VolumeHeader& header) {
+  std::error_code failed;
+  if (!fs::is_regular_file(header.data_file, failed))
+    return Error{fmt::format("{}: names the data file {}, which does not exist", path.string(), header.data_file.string())};
+  const std::int64_t wanted = header.size[0] * header.size[1] * header.size[2] * header.components *
+                              static_cast<std::int64_t>(byte_size(header.type));
+  const std::int64_t found = available_bytes(header, wanted);
+  if (found >= wanted) return Done{};
+  return Error{fmt::format("{}: truncated or corrupt: the header promises {} bytes of samples ({} x {} x {}), the file holds {}",
+                           path.string(), wanted, header.size[0], header.size[1], header.size[2], std::max(found, std::int64_t{0}))};
+}
+
+bool looks_like_nifti(std::string_view head) {
+  if (head.size() < 348) return false;
+  const std::string_view start = head.substr(0, 4), magic = head.substr(344, 3);
+  using namespace std::string_view_literals;
+  return start == "\x5c\x01\0\0"sv || start == "\0\0\x01\x5c"sv || start == "\x1c\x02\0\0"sv || magic == "n+1" ||
+         magic == "ni1";
+}
+
+bool looks_like_meta(std::string_view head) {
+  const std::string_view start = head.substr(0, 2048);
+  return start.find("NDims") != start.npos && start.find('=') != start.npos && start.find('\0') > start.find("NDims");
+}
+
+Result<VolumeHeader> parse(const fs::path& path, std::string_view head) {
+  if (head.starts_with("NRRD")) return parse_nrrd(path, head);
+  if (looks_like_nifti(head)) return parse_nifti(path, head);
+  if (looks_like_meta(head)) return parse_meta(path, head);
+  return Error{fmt::format("{}: not a volume that can be read; expected DICOM, NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or "
+                           "MetaImage (.mha, .mhd)", path.string())};
+}
+
+}  // namespace
+
+std::string_view name(VolumeFormat format) {
+  return format == VolumeFormat::kNifti ? "NIfTI" : format == VolumeFormat::kNrrd ? "NRRD" : "MetaImage";
+}
+
+std::size_t byte_size(SampleType type) {
+  switch (type) {
+    case SampleType::kInt8:
+    case SampleType::kUint8: return 1;
+    case SampleType::kInt16:
+    case SampleType::kUint16: return 2;
+    case SampleType::kInt32:
+    case SampleType::kUint32:
+    case SampleType::kFloat: return 4;
+    default: return 8;
+  }
+}
+
+Status check_extent(const fs::path& path, const VolumeHeader& header) {
+  std::int64_t samples = header.components;
+  for (const std::int64_t size : header.size) {
+    if (size < 1 || size > 65535)
+      return Error{fmt::format("{}: a size of {} x {} x {} samples; expected 1 to 65535 each", path.string(),
+                               header.size[0], header.size[1], header.size[2])};
+    samples *= size;
+    if (samples > kMaxSamples)
+      return Error{fmt::format("{}: {} x {} x {} samples of {} components are more than the largest volume of 2^33 samples",
+                               path.string(), header.size[0], header.size[1], header.size[2], header.components)};
+  }
+  return Done{};
+}
+
+Result<VolumeHeader> read_volume_header(const fs::path& path) {
+  constexpr std::size_t kLongestHeader = std::size_t{1} << 16;
+  Result<VolumeHeader> header = parse(path, read_head(path, kLongestHeader));
+  if (!header) return header;
+  if (starts_with_gzip_magic(path)) {
+    if (header->format != VolumeFormat::kNifti || path.extension() != ".gz")
+      return Error{fmt::format("{}: a gzip file with {} inside; expected such a file to be NIfTI and to be named .nii.gz",
+                               path.string(), name(header->format))};
+    header->packing = VolumeHeader::Packing::kGzipFile;
+  }
+  if (Status extent = check_extent(path, *header); !extent) return extent.error();
+  if (Status data = check_data(path, *header); !data) return data.error();
+  return header;
+}
+
+}  // namespace turgor::io

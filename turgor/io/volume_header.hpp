@@ -1,0 +1,48 @@
+// What the header of a NIfTI, NRRD or MetaImage file promises, read and checked before ITK sees the file: its readers trust
+// headers, and a corrupt one makes them allocate wildly or crash. Internal to io/.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "turgor/core/result.hpp"
+#include "turgor/geometry/grid.hpp"
+
+namespace turgor::io {
+
+enum class VolumeFormat { kNifti, kNrrd, kMetaImage };
+std::string_view name(VolumeFormat format);
+
+enum class SampleType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat, kDouble };
+std::size_t byte_size(SampleType type);
+
+struct VolumeHeader {
+  VolumeFormat format{};
+  SampleType type{};
+  std::array<std::int64_t, 3> size{};  // samples along i, j, k
+  int components = 1;
+  double slope = 1, intercept = 0;  // value = slope · stored + intercept (NIfTI)
+  bool has_grid = false;            // NIfTI: `grid` is placed; the others leave that to ITK
+  Grid grid{};
+  std::filesystem::path data_file;  // where the samples are: the file itself, or the one it names
+  std::int64_t data_offset = 0;     // in data_file, after decompression where the whole file is compressed
+  enum class Packing { kRaw, kGzip, kZlib, kGzipFile } packing = Packing::kRaw;
+};
+
+/// Reads and checks the header of a file, recognised by its content; then checks that the samples are all there.
+Result<VolumeHeader> read_volume_header(const std::filesystem::path& path);
+
+// The three formats. `head` holds the first bytes of the file (decompressed if the whole file is).
+Result<VolumeHeader> parse_nifti(const std::filesystem::path& path, std::string_view head);
+Result<VolumeHeader> parse_nrrd(const std::filesystem::path& path, std::string_view head);
+Result<VolumeHeader> parse_meta(const std::filesystem::path& path, std::string_view head);
+
+/// Largest volume that is read: 2^33 samples.
+constexpr std::int64_t kMaxSamples = std::int64_t{1} << 33;
+/// Checks sizes (positive, small enough together) and components.
+Status check_extent(const std::filesystem::path& path, const VolumeHeader& header);
+
+}  // namespace turgor::io
