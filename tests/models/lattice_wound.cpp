@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 
 #include "block_body.hpp"
 #include "turgor/models/lattice/incision.hpp"
@@ -55,6 +56,7 @@ Settled settle(const Model& model, double seconds) {
 TEST(lattice_wound, area_skin_gapes_as_the_reference_whatever_the_sweeps) {
   for (const int sweeps : {5, 20, 100}) {
     const Settled settled = settle(reference_model(SkinLaw::kArea, 45, 45, sweeps), 3);
+    std::printf("  %3d sweeps: %.2f mm\n", sweeps, settled.largest_gape * 1e3);
     EXPECT_NEAR(settled.largest_gape, 0.0368, 0.02 * 0.0368) << sweeps << " sweeps";
   }
 }
@@ -66,6 +68,7 @@ TEST(lattice_wound, fibre_skin_gapes_as_the_reference_and_least_along_the_lines)
   for (const auto& [along, across, gape] : {Case{45, 45, 0.0120}, {60, 30, 0.0072}, {30, 60, 0.0175}}) {
     for (const int sweeps : {5, 40}) {
       const Settled settled = settle(reference_model(SkinLaw::kFibre, along, across, sweeps), 3);
+      std::printf("  %2.0f / %2.0f N/m, %3d sweeps: %.2f mm\n", along, across, sweeps, settled.largest_gape * 1e3);
       EXPECT_NEAR(settled.largest_gape, gape, 0.02 * gape) << along << "/" << across << " N/m, " << sweeps << " sweeps";
       EXPECT_NEAR(settled.wound.gape_max, gape, 0.03 * gape) << "as measured along the cut";
       EXPECT_GT(settled.wound.opening_area, 0.5 * gape * settled.wound.length);
