@@ -140,7 +140,7 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("labels = \"s.nii\"\ntissue = { labels = { livre = 3e3 } }"),
        "body.torso.tissue.labels.livre: expected a label's number (1 to 65535) or an organ's name; did you "
        "mean liver?"},
-      {small_scene("tissue = { labels = { liver = 3e3 } }"), "stiffness by label needs a segmentation"},
+      {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\ntissue = { labels = { liver = 3e3 } }", "stiffness by label needs a segmentation"},
       {small_scene("skin = { tension = 400 }"),
        "body.torso.skin.tension: expected less than the skin's stiffness, 300 N/m, found 400 N/m"},
       {small_scene("skin = { tension = [1, 2, 3] }"),
@@ -205,7 +205,7 @@ TEST(Scene, OverridesMayReplaceAPhantomByAFileAndAFileByAPhantom) {
   const Result<Scene> phantom =
       parse_scene(kScene, "s.toml", {"body.torso.ct={ phantom = \"leg\", seed = 3 }"});
   ASSERT_TRUE(phantom) << phantom.error().message;
-  EXPECT_EQ(phantom->lattices[0].ct.phantom->anatomy, "leg");
+  EXPECT_EQ(phantom->lattices[0].ct.phantom->kind, PhantomKind::kLeg);
   EXPECT_EQ(phantom->lattices[0].ct.phantom->seed, 3);
 }
 

@@ -202,6 +202,13 @@ void read_output(SceneTable output, Scene& scene) {
                                 {{"none", SkinColor::kNone},
                                  {"displacement", SkinColor::kDisplacement},
                                  {"stretch", SkinColor::kStretch}});
+  if (const toml::node* range = output.find("color_range")) {
+    const std::vector<double> ends = output.numbers("color_range", *range, any_number("m or 1"));
+    if (ends.size() == 2 && ends[0] < ends[1])
+      out.color_range = {ends[0], ends[1]};
+    else
+      output.fail_value("color_range", *range, "[low, high] of the displacement [m] or the stretch [1]");
+  }
   read_choice_or_off(output, "volume_rendering", out.volume_rendering, known_volume_presets());
   output.read("sections", out.sections);
   output.read_choice("window", out.window, known_windows());

@@ -7,27 +7,21 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "turgor/core/result.hpp"
+#include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor {
 
-/// A synthetic CT, so that a scene runs without a patient.
-struct PhantomCt {
-  std::string anatomy;                    // "torso", "head", "leg"
-  Int3 size{256, 256, 150};               // voxels
-  Vec3d spacing{1.56e-3, 1.56e-3, 2e-3};  // [m]
-  int seed = 1;
-};
-
 /// Where a body's CT comes from: a file or folder, or a phantom.
 struct CtSource {
   std::filesystem::path file;
   std::string series;  // DICOM: which series, when a folder holds several
-  std::optional<PhantomCt> phantom;
+  std::optional<PhantomParams> phantom;
 };
 
 /// [body.NAME] with model = "lattice".
@@ -62,7 +56,8 @@ struct OutputScene {
   std::string deformed_ct, displacement, jacobian;
   std::optional<Int3> deformed_size;  // voxels; the CT's own when not given
   bool conserve_mass = false;
-  bool meshes = true;  // .vtu and .pvd
+  std::optional<std::pair<double, double>> color_range;  // ends of the colours [m] or [1]; has a default each
+  bool meshes = true;                                    // .vtu and .pvd
   bool obj = true;
   bool recording = true;
   bool video = true;

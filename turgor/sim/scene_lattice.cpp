@@ -30,14 +30,19 @@ CtSource read_ct_source(SceneTable& body) {
     return source;
   }
   SceneTable table = body.table("ct");
-  PhantomCt phantom;
+  PhantomKind kind = PhantomKind::kTorso;
   table.require({"phantom"}, "which anatomy: \"torso\", \"head\" or \"leg\"");
-  table.read_choice("phantom", phantom.anatomy, {"torso", "head", "leg"});
+  table.read_choice<PhantomKind>(
+      "phantom", kind,
+      {{"torso", PhantomKind::kTorso}, {"head", PhantomKind::kHead}, {"leg", PhantomKind::kLeg}});
+  PhantomParams phantom = default_phantom(kind);
   table.read("size", phantom.size, within(8, 2048, "voxels"));
   Vec3d spacing_mm = phantom.spacing * 1e3;
   table.read("spacing_mm", spacing_mm, within(0.05, 50, "mm"));
   phantom.spacing = spacing_mm / 1e3;
-  table.read("seed", phantom.seed, within(0, 2e9));
+  int seed = int(phantom.seed);
+  table.read("seed", seed, within(0, 2e9));
+  phantom.seed = std::uint64_t(seed);
   table.finish();
   source.phantom = phantom;
   return source;
@@ -113,7 +118,9 @@ void read_tissue(SceneTable& body, lattice::TissueParams& params) {
   if (params.air_max >= params.fat_max || params.fat_max >= params.bone_min)
     tissue.fail("", fmt::format("expected air_max < fat_max < bone_min, found {} < {} < {} HU",
                                 params.air_max, params.fat_max, params.bone_min));
-  if (!params.young_of_label.empty() && !body.has("labels"))
+  const toml::node* ct = body.find("ct");
+  const bool phantom = ct && ct->is_table();  // brings its own labels
+  if (!params.young_of_label.empty() && !body.has("labels") && !phantom)
     tissue.fail("labels", "stiffness by label needs a segmentation: add labels = \"seg.nii.gz\" to the body");
   tissue.finish();
 }

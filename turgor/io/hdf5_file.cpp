@@ -1,0 +1,187 @@
+#include "turgor/io/hdf5_file.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+namespace turgor {
+
+namespace {
+
+/// An HDF5 identifier and how it is given back.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): used where HDF5 wants an id
+  bool valid() const { return id_ >= 0; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+template <class T>
+hid_t type_of();
+template <>
+hid_t type_of<float>() {
+  return H5T_NATIVE_FLOAT;
+}
+template <>
+hid_t type_of<double>() {
+  return H5T_NATIVE_DOUBLE;
+}
+template <>
+hid_t type_of<std::uint8_t>() {
+  return H5T_NATIVE_UINT8;
+}
+template <>
+hid_t type_of<std::int32_t>() {
+  return H5T_NATIVE_INT32;
+}
+template <>
+hid_t type_of<std::uint64_t>() {
+  return H5T_NATIVE_UINT64;
+}
+
+/// Errors become sentences of ours, not HDF5's stack on standard error.
+void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+/// Chunks of about a megabyte, bytes shuffled, lightly compressed, with a checksum.
+void compress(hid_t properties, hsize_t rows, hsize_t columns, std::size_t value_size) {
+  constexpr hsize_t kChunkBytes = 1 << 20;
+  constexpr unsigned kLevel = 3;
+  const hsize_t chunk_rows = std::clamp<hsize_t>(kChunkBytes / (columns * value_size), 1, rows);
+  const hsize_t chunk[2] = {chunk_rows, columns};
+  H5Pset_chunk(properties, 2, chunk);
+  H5Pset_shuffle(properties);
+  H5Pset_deflate(properties, kLevel);
+  H5Pset_fletcher32(properties);
+}
+
+}  // namespace
+
+Hdf5File::Hdf5File(Hdf5File&& other) noexcept
+    : path_(std::move(other.path_)), id_(std::exchange(other.id_, -1)) {}
+
+Hdf5File::~Hdf5File() {
+  if (id_ >= 0) H5Fclose(id_);
+}
+
+Error Hdf5File::error(const std::string& name, const std::string& what) const {
+  return {fmt::format("{}: {}: {}", path_.string(), name, what)};
+}
+
+Result<Hdf5File> Hdf5File::create(const std::filesystem::path& path) {
+  silence();
+  const hid_t id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  if (id < 0) return Error{fmt::format("{}: cannot make the file", path.string())};
+  return Hdf5File(path, id);
+}
+
+Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) {
+  silence();
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored))
+    return Error{fmt::format("{}: expected an HDF5 file, found nothing there", path.string())};
+  if (!std::filesystem::is_regular_file(path, ignored) || H5Fis_hdf5(path.c_str()) <= 0)
+    return Error{fmt::format("{}: expected an HDF5 file, found something else", path.string())};
+  const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (id < 0) return Error{fmt::format("{}: the HDF5 file is damaged or cut short", path.string())};
+  return Hdf5File(path, id);
+}
+
+template <class T>
+Status Hdf5File::write(const std::string& name, std::span<const T> values, std::size_t columns) {
+  const hsize_t shape[2] = {values.size() / columns, columns};
+  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose), layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_create_intermediate_group(links, 1);
+  constexpr std::size_t kSmall = 1024;  // bytes; smaller ones are not worth a chunk
+  if (values.size_bytes() > kSmall) compress(layout, shape[0], shape[1], sizeof(T));
+  const Handle space(H5Screate_simple(2, shape, nullptr), H5Sclose);
+  const Handle set(H5Dcreate2(id_, name.c_str(), type_of<T>(), space, links, layout, H5P_DEFAULT), H5Dclose);
+  const bool written = set.valid() && (values.empty() || H5Dwrite(set, type_of<T>(), H5S_ALL, H5S_ALL,
+                                                                  H5P_DEFAULT, values.data()) >= 0);
+  if (!written) return error(name, "cannot write (is the disk full?)");
+  return Done{};
+}
+
+Status Hdf5File::write_text(const std::string& name, const std::string& text) {
+  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose), type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Pset_create_intermediate_group(links, 1);
+  H5Tset_size(type, text.size() + 1);  // HDF5 knows no empty text
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle set(H5Dcreate2(id_, name.c_str(), type, space, links, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+  if (!set.valid() || H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()) < 0)
+    return error(name, "cannot write (is the disk full?)");
+  return Done{};
+}
+
+Status Hdf5File::flush() {
+  if (H5Fflush(id_, H5F_SCOPE_GLOBAL) < 0) return error("flush", "cannot write (is the disk full?)");
+  return Done{};
+}
+
+bool Hdf5File::has(const std::string& name) const {
+  const Handle set(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  return set.valid();
+}
+
+Result<std::size_t> Hdf5File::count(const std::string& name, std::size_t most) const {
+  const Handle set(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!set.valid()) return error(name, "is missing");
+  const Handle space(H5Dget_space(set), H5Sclose);
+  const hssize_t points = space.valid() ? H5Sget_simple_extent_npoints(space) : -1;
+  if (points < 0 || std::size_t(points) > most)
+    return error(name, fmt::format("expected at most {} values, found {}", most, points));
+  return std::size_t(points);
+}
+
+template <class T>
+Result<std::vector<T>> Hdf5File::read(const std::string& name, std::size_t expected) const {
+  const Result<std::size_t> found = count(name, std::max<std::size_t>(expected, 1) * 1024);
+  if (!found) return found.error();
+  if (*found != expected) return error(name, fmt::format("expected {} values, found {}", expected, *found));
+  const Handle set(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const Handle type(H5Dget_type(set), H5Tclose);
+  const H5T_class_t wanted = H5Tget_class(type_of<T>());
+  if (!type.valid() || H5Tget_class(type) != wanted || H5Tget_size(type) != sizeof(T))
+    return error(name, "the values are of another type than a recording's");
+  std::vector<T> values(expected);
+  if (expected > 0 && H5Dread(set, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    return error(name, "the values are damaged");
+  return values;
+}
+
+Result<std::string> Hdf5File::read_text(const std::string& name) const {
+  constexpr std::size_t kLongest = 1 << 26;  // bytes
+  const Handle set(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!set.valid()) return error(name, "is missing");
+  const Handle type(H5Dget_type(set), H5Tclose), space(H5Dget_space(set), H5Sclose);
+  const bool is_text = type.valid() && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 &&
+                       H5Sget_simple_extent_npoints(space) == 1 && H5Tget_size(type) <= kLongest;
+  if (!is_text) return error(name, "expected a text, found something else");
+  std::string text(H5Tget_size(type), '\0');
+  if (H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
+    return error(name, "the text is damaged");
+  text.resize(std::min(text.size(), text.find('\0')));
+  return text;
+}
+
+#define TURGOR_HDF5_TYPE(T)                                                                \
+  template Status Hdf5File::write<T>(const std::string&, std::span<const T>, std::size_t); \
+  template Result<std::vector<T>> Hdf5File::read<T>(const std::string&, std::size_t) const;
+TURGOR_HDF5_TYPE(float)
+TURGOR_HDF5_TYPE(double)
+TURGOR_HDF5_TYPE(std::uint8_t)
+TURGOR_HDF5_TYPE(std::int32_t)
+TURGOR_HDF5_TYPE(std::uint64_t)
+#undef TURGOR_HDF5_TYPE
+
+}  // namespace turgor

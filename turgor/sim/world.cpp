@@ -1,0 +1,174 @@
+#include "turgor/sim/world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "turgor/core/hash.hpp"
+#include "turgor/core/timing.hpp"
+#include "turgor/io/ct.hpp"
+#include "turgor/sim/load_ct.hpp"
+
+namespace turgor {
+
+namespace {
+
+template <class T>
+T&& moved(Result<T>& result) {
+  return std::move(*result);
+}
+
+Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, const Progress& progress) {
+  LatticeBody body;
+  body.name = scene.name;
+  const Timer reading;
+  Result<LoadedCt> ct = load_ct(exec, scene.ct, progress);  // holds the labels until the body is built
+  if (!ct) return Error{fmt::format("{}: {}", scene.place, ct.error().message)};
+  body.ct = std::move(ct->volume);
+  body.notes = std::move(ct->notes);
+  body.ct_hash = content_hash(body.ct);
+
+  LabelVolume labels;
+  VectorVolume lines;
+  lattice::BodyFields fields;
+  const bool stiffness_by_label = !scene.params.tissue.young_of_label.empty();
+  if (ct->labels && stiffness_by_label) fields.labels = &*ct->labels;
+  if (!scene.labels.empty()) {
+    Result<LabelVolume> read = read_labels(scene.labels);
+    if (!read) return Error{fmt::format("{}: {}", scene.place, read.error().message)};
+    labels = moved(read), fields.labels = &labels;
+  }
+  if (!scene.direction_field.empty()) {
+    Result<VectorVolume> read = read_vectors(scene.direction_field);
+    if (!read) return Error{fmt::format("{}: {}", scene.place, read.error().message)};
+    lines = moved(read), fields.lines = &lines;
+  }
+  body.read_seconds = reading.seconds();
+
+  const Timer building;
+  Result<lattice::Model> model = lattice::build(exec, body.ct, fields, scene.params);
+  if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
+  body.model = moved(model);
+  body.state = lattice::make_state(body.model);
+  body.build_seconds = building.seconds();
+  return body;
+}
+
+/// Where a ray from `point` along an axis of the patient frame first meets the body; `point` when it does
+/// not.
+Vec3d first_body_point(const lattice::Model& model, Vec3d point, Vec3d direction, double length) {
+  const Grid& grid = model.grid;
+  const double stride = 0.5 * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  for (double t = 0; t <= length; t += stride) {
+    const Vec3d index = index_at(grid, point + direction * t);
+    const Int3 node{int(std::lround(index.x)), int(std::lround(index.y)), int(std::lround(index.z))};
+    if (!contains(grid, node)) continue;
+    if (lattice::is_body(model.tissue[std::size_t(node_slot(model.lattice, node))]))
+      return point + direction * t;
+  }
+  return point;
+}
+
+Vec3d placed_point(const lattice::Model& model, const BodyBox& box, Vec3d fraction) {
+  const Vec3d extent = box.high - box.low;
+  Vec3d point = box.low + hadamard(fraction, extent);
+  for (int axis = 0; axis < 3; axis++) {
+    if (fraction[axis] != 0 && fraction[axis] != 1) continue;
+    Vec3d inwards;
+    inwards[axis] = fraction[axis] == 0 ? 1 : -1;
+    return first_body_point(model, point, inwards, extent[axis]);
+  }
+  return point;
+}
+
+/// The part of the path that the blade passes in this frame.
+double blade_fraction(const Cut& cut, double time) {
+  if (time < cut.blade.start || (cut.blade.duration > 0 && time == cut.blade.start)) return 0;
+  return cut.blade.duration > 0 ? std::min(1.0, (time - cut.blade.start) / cut.blade.duration) : 1;
+}
+
+/// Moves the blade of a cut to where it is at the end of this frame.
+Status advance_blade(World& world, std::size_t index) {
+  Cut& cut = world.cuts[index];
+  const double fraction = blade_fraction(cut, (world.frame + 1) * world.dt * (1 + 1e-12));
+  if (fraction <= cut.done) return Done{};
+  LatticeBody& body = world.lattices[std::size_t(cut.body)];
+  if (!cut.path) {
+    Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade);
+    if (!path) return path.error();
+    cut.path = std::move(*path);
+    if (cut.blade.width > 0)
+      cut.edges = lattice::cut_region(body.model, body.state, *cut.path, cut.blade.width, int(index));
+  }
+  if (cut.blade.width == 0)
+    cut.edges += lattice::cut_edges(body.model, body.state, *cut.path, cut.done, fraction, int(index));
+  cut.done = fraction;
+  return Done{};
+}
+
+}  // namespace
+
+BodyBox body_box(const lattice::Model& model) {
+  constexpr double kFar = std::numeric_limits<double>::max();
+  BodyBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+  const Int3 size = model.lattice.size;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        if (!lattice::is_body(model.tissue[std::size_t(node_slot(model.lattice, i, j, k))])) continue;
+        const Vec3d point = point_at(model.grid, {double(i), double(j), double(k)});
+        box = {min(box.low, point), max(box.high, point)};
+      }
+  return box;
+}
+
+lattice::Incision placed_blade(const lattice::Model& model, const lattice::Incision& fractions) {
+  const BodyBox box = body_box(model);
+  lattice::Incision blade = fractions;
+  blade.from = placed_point(model, box, fractions.from);
+  blade.to = placed_point(model, box, fractions.to);
+  return blade;
+}
+
+Result<World> load_world(const Exec& exec, const Scene& scene, const Progress& progress) {
+  World world;
+  world.gravity = scene.gravity;
+  world.dt = 1 / scene.frame_rate;
+  for (const LatticeScene& body_scene : scene.lattices) {
+    Result<LatticeBody> body = load_lattice(exec, body_scene, progress);
+    if (!body) return body.error();
+    world.lattices.push_back(moved(body));
+  }
+  for (const IncisionScene& incision : scene.incisions) {
+    const LatticeBody& body = world.lattices[std::size_t(incision.body)];
+    Cut cut;
+    cut.body = incision.body;
+    cut.blade = incision.by_fraction ? placed_blade(body.model, incision.blade) : incision.blade;
+    const Result<lattice::BladePath> trial = lattice::lay_blade(body.model, body.state, cut.blade);
+    if (!trial) return Error{fmt::format("{}: {}", incision.place, trial.error().message)};
+    world.cuts.push_back(std::move(cut));
+  }
+  return world;
+}
+
+Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) {
+  const Timer timer;
+  FrameReport report;
+  for (std::size_t c = 0; c < world.cuts.size(); c++)
+    if (const Status status = advance_blade(world, c); !status) return status.error();
+  for (LatticeBody& body : world.lattices) {
+    const lattice::Inputs inputs{world.gravity, measure_residual};
+    const lattice::StepReport done = lattice::step(exec, body.model, body.state, inputs, world.dt);
+    report.finite = report.finite && done.finite;
+    report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));
+    report.residual.largest = std::max(report.residual.largest, done.residual.largest);
+    report.residual.rms = std::max(report.residual.rms, done.residual.rms);
+  }
+  world.frame++;
+  report.seconds = timer.seconds();
+  return report;
+}
+
+}  // namespace turgor

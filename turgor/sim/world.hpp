@@ -1,0 +1,69 @@
+// The world: every body and every cut of a scene while they are simulated. load_world makes it from a scene;
+// step moves it by one frame: blades first, then each model in turn.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/core/progress.hpp"
+#include "turgor/core/result.hpp"
+#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/sim/scene.hpp"
+
+namespace turgor {
+
+/// A body of the lattice model, and the CT it comes from.
+struct LatticeBody {
+  std::string name;
+  CtVolume ct;
+  std::uint64_t ct_hash = 0;  // of the CT's samples and grid
+  lattice::Model model;
+  lattice::State state;
+  double read_seconds = 0, build_seconds = 0;
+  std::vector<std::string> notes;  // what was left out while reading
+};
+
+/// An incision of the scene while it happens.
+struct Cut {
+  lattice::Incision blade;
+  int body = 0;                            // index into World::lattices
+  std::optional<lattice::BladePath> path;  // laid when the blade starts
+  double done = 0;                         // fraction of the path that is cut
+  int edges = 0;                           // edges cut, or nodes removed by a static region
+};
+
+struct World {
+  Vec3d gravity;  // patient frame [m/s²]
+  double dt = 0;  // of a frame [s]
+  int frame = 0;  // finished
+  std::vector<LatticeBody> lattices;
+  std::vector<Cut> cuts;
+};
+inline double time_of(const World& world) { return world.frame * world.dt; }
+
+struct FrameReport {
+  bool finite = true;          // false: a model's step was undone
+  double seconds = 0;          // wall time
+  double largest_speed = 0;    // [m/s]
+  lattice::Residual residual;  // when asked for; the largest over all bodies
+};
+
+/// Reads or makes the CTs, builds the bodies, and tries every blade on the body at rest.
+Result<World> load_world(const Exec& exec, const Scene& scene, const Progress& progress = {});
+
+/// One frame. Error: a blade found no skin any more.
+Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual = false);
+
+/// Smallest box around the nodes of a body, along the axes of the patient frame [m].
+struct BodyBox {
+  Vec3d low, high;
+};
+BodyBox body_box(const lattice::Model& model);
+/// A cut given in fractions of the body's box, in metres. A fraction that is exactly 0 or 1 means the body's
+/// own surface seen from that side of the box, not the box's face.
+lattice::Incision placed_blade(const lattice::Model& model, const lattice::Incision& fractions);
+
+}  // namespace turgor
