@@ -115,17 +115,38 @@ TEST_F(MeshView, VerticesMayHaveTheirOwnColors) {
   EXPECT_GT(find(image, is_green).x, kWidth / 2.0);
 }
 
-TEST_F(MeshView, HollowsAreDarkerThanTheOpen) {
-  // A floor with a ball upon it, seen from above: the floor is darkest at the ball's foot.
-  TriMesh floor{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, {}, {}};
-  const TriMesh ball = test::sphere({0, 0, 0.05f}, 0.05f);
-  const Camera above{.eye = {0, -0.25, 0.45}, .target = {}, .up = {0, 0, 1}};
-  const Image with = draw({{.mesh = &floor}, {.mesh = &ball, .color = kRed}}, above),
-              without = draw({{.mesh = &floor}}, above);
-  const Vec3d foot = test::project(above, {0.03, -0.03, 0}, kWidth, kHeight),
-              open = test::project(above, {0.12, 0, 0}, kWidth, kHeight);
-  EXPECT_LT(with.at(int(foot.x), int(foot.y)).g + 10, without.at(int(foot.x), int(foot.y)).g);
-  EXPECT_NEAR(with.at(int(open.x), int(open.y)).g, without.at(int(open.x), int(open.y)).g, 3);
+// A plate at z = 0 with its middle at the origin.
+TriMesh floor_plate() {
+  return {{{-0.3f, -0.3f, 0}, {0.3f, -0.3f, 0}, {0.3f, 0.3f, 0}, {-0.3f, 0.3f, 0}},
+          {{0, 1, 2}, {0, 2, 3}},
+          {},
+          {}};
+}
+constexpr Camera kAbove{.eye = {0, -0.001, 0.5}, .target = {}, .up = {0, 1, 0}};
+
+int brightness(const Image& image, Vec3d point) {
+  const Vec3d seen = test::project(kAbove, point, kWidth, kHeight);
+  return image.at(int(seen.x), int(seen.y)).g;
+}
+
+TEST_F(MeshView, BallCastsAShadowAwayFromTheKeyLight) {
+  const TriMesh floor = floor_plate(), ball = test::sphere({0, 0, 0.03f}, 0.02f);
+  const Image image = draw({{.mesh = &floor}, {.mesh = &ball, .color = kRed}}, kAbove);
+  const int shadow = brightness(image, {0.033, -0.035, 0});  // the light comes from the left and from above
+  for (const Vec3d lit : {Vec3d{-0.033, 0.035, 0}, {-0.033, -0.035, 0}, {0.033, 0.035, 0}})
+    EXPECT_LT(shadow + 40, brightness(image, lit));
+}
+
+TEST_F(MeshView, FootOfAWallIsDarkerThanTheOpenFloorWithoutBeingInItsShadow) {
+  const TriMesh floor = floor_plate();
+  const TriMesh wall{{{0.05f, -0.3f, 0}, {0.05f, 0.3f, 0}, {0.05f, 0.3f, 0.06f}, {0.05f, -0.3f, 0.06f}},
+                     {{0, 1, 2}, {0, 2, 3}},
+                     {},
+                     {}};  // on the side away from the light
+  const Image with = draw({{.mesh = &floor}, {.mesh = &wall}}, kAbove),
+              without = draw({{.mesh = &floor}}, kAbove);
+  EXPECT_LT(brightness(with, {0.047, 0, 0}) + 12, brightness(without, {0.047, 0, 0}));
+  EXPECT_NEAR(brightness(with, {-0.05, 0, 0}), brightness(without, {-0.05, 0, 0}), 2);
 }
 
 TEST_F(MeshView, NothingToSeeIsTheBackdrop) {

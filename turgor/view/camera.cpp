@@ -10,11 +10,6 @@ namespace {
 
 constexpr double kFrameMargin = 1.04;  // room around what frame_box shows
 
-Vec3d corner(const Box& box, int index) {
-  return {index & 1 ? box.high.x : box.low.x, index & 2 ? box.high.y : box.low.y,
-          index & 4 ? box.high.z : box.low.z};
-}
-
 }  // namespace
 
 CameraFrame camera_frame(const Camera& camera) {

@@ -24,6 +24,11 @@ CameraFrame camera_frame(const Camera& camera);
 struct Box {
   Vec3d low, high;  // [m]
 };
+/// Corner 0…7: bit 0 chooses the high x, bit 1 the high y, bit 2 the high z.
+constexpr Vec3d corner(const Box& box, int index) {
+  return {index & 1 ? box.high.x : box.low.x, index & 2 ? box.high.y : box.low.y,
+          index & 4 ? box.high.z : box.low.z};
+}
 /// The zero box for a mesh without vertices.
 Box bounding_box(const TriMesh& mesh);
 /// Whole samples: half a spacing beyond the outermost sample places.

@@ -19,6 +19,13 @@ Result<GLuint> compile(GLenum kind, const char* source) {
   return Error{fmt::format("cannot draw: glCompileShader failed: {}", log)};
 }
 
+// The place of a uniform in the program in use.
+GLint uniform_place(const char* name) {
+  GLint program = 0;
+  glGetIntegerv(GL_CURRENT_PROGRAM, &program);
+  return glGetUniformLocation(GLuint(program), name);
+}
+
 }  // namespace
 
 Result<GLuint> link_program(const char* vertex_source, const char* fragment_source) {
@@ -38,15 +45,13 @@ Result<GLuint> link_program(const char* vertex_source, const char* fragment_sour
   return Error{"cannot draw: glLinkProgram failed"};
 }
 
-GLint uniform_place(const char* name) {
-  GLint program = 0;
-  glGetIntegerv(GL_CURRENT_PROGRAM, &program);
-  return glGetUniformLocation(GLuint(program), name);
-}
 void set_uniform(const char* name, Vec3 v) { glUniform3f(uniform_place(name), v.x, v.y, v.z); }
 void set_uniform(const char* name, float a, float b) { glUniform2f(uniform_place(name), a, b); }
 void set_uniform(const char* name, float a) { glUniform1f(uniform_place(name), a); }
 void set_uniform(const char* name, int a) { glUniform1i(uniform_place(name), a); }
+void set_uniform(const char* name, const std::array<float, 16>& columns) {
+  glUniformMatrix4fv(uniform_place(name), 1, GL_FALSE, columns.data());
+}
 void set_texture(const char* name, int unit, GLuint texture) {
   glActiveTexture(GLenum(GL_TEXTURE0 + unit));
   glBindTexture(GL_TEXTURE_2D, texture);

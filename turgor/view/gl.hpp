@@ -2,6 +2,7 @@
 // name, textures to draw into. The context must be held (gl_context.hpp).
 #pragma once
 
+#include <array>
 #include <initializer_list>
 #include <vector>
 
@@ -39,9 +40,8 @@ void set_uniform(const char* name, Vec3 v);
 void set_uniform(const char* name, float a, float b);
 void set_uniform(const char* name, float a);
 void set_uniform(const char* name, int a);
+void set_uniform(const char* name, const std::array<float, 16>& columns);
 void set_texture(const char* name, int unit, GLuint texture);
-/// The place of a uniform in the program in use.
-GLint uniform_place(const char* name);
 
 /// A texture with one sample a pixel, unfiltered.
 GLuint new_texture(GlObjects& objects, GLint format, GLenum layout, GLenum type, int width, int height);

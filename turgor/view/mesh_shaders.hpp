@@ -5,6 +5,17 @@
 
 namespace turgor {
 
+constexpr const char* kShadowVertexShader = R"(#version 330 core
+layout(location = 0) in vec3 position;
+uniform mat4 to_clip;
+
+void main() { gl_Position = to_clip * vec4(position, 1); }
+)";
+
+constexpr const char* kShadowFragmentShader = R"(#version 330 core
+void main() {}
+)";
+
 constexpr const char* kSurfaceVertexShader = R"(#version 330 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -33,11 +44,26 @@ in vec3 surface_color;
 in float map_fraction;
 uniform sampler2D color_map;
 uniform bool use_map;
-uniform mat3 to_view;
+uniform sampler2DShadow shadow;
+uniform mat4 to_light;
+uniform float shadow_texel;  // [m]
+uniform vec3 eye, right_axis, back_axis;
 uniform vec3 key, fill, rim, up;
 uniform vec3 key_color, fill_color, rim_color, sky_color, floor_color;
 layout(location = 0) out vec4 light;
 layout(location = 1) out vec4 view_normal;
+
+// How much of the key light reaches the place: a mean over a disc, so that shadows have soft rims.
+float key_share(vec3 position, vec3 n) {
+  vec4 place = to_light * vec4(position + 2.5 * shadow_texel * n, 1);
+  vec3 at = 0.5 + 0.5 * place.xyz;
+  float sum = 0.0;
+  for (int i = 0; i < 16; i++) {
+    float radius = 5.0 / 2048.0 * sqrt((float(i) + 0.5) / 16.0), angle = 2.39996 * float(i);
+    sum += texture(shadow, vec3(at.xy + radius * vec2(cos(angle), sin(angle)), at.z));
+  }
+  return sum / 16.0;
+}
 
 void main() {
   vec3 view = normalize(to_eye);
@@ -55,14 +81,16 @@ void main() {
 
   // Light that enters skin leaves it beside: the terminator is soft, and softest in red.
   vec3 wrap = mapped ? vec3(0.25) : vec3(0.32, 0.20, 0.15);
-  vec3 lit = key_color * max(vec3(0), (dot(n, key) + wrap) / (1.0 + wrap));
+  float towards = dot(n, key), share = key_share(eye - to_eye, n);
+  share = mix(1.0, 0.12 + 0.88 * share, smoothstep(0.0, 0.3, towards));  // the terminator is soft already
+  vec3 lit = key_color * share * max(vec3(0), (towards + wrap) / (1.0 + wrap));
   lit += fill_color * max(0.0, dot(n, fill)) + mix(floor_color, sky_color, 0.5 + 0.5 * dot(n, up));
-  float grazing = pow(1.0 - max(0.0, dot(n, view)), 3.0);
-  vec3 shine = rim_color * (grazing * (0.35 + 0.65 * max(0.0, dot(n, rim))));
+  float grazing = pow(1.0 - max(0.0, dot(n, view)), 4.0);
+  vec3 shine = rim_color * (grazing * (0.15 + 0.65 * max(0.0, dot(n, rim))));
   float half_angle = max(0.0, dot(n, normalize(key + view)));
-  shine += key_color * (0.05 * pow(half_angle, 22.0) + 0.035 * pow(half_angle, 90.0));
+  shine += share * key_color * (0.05 * pow(half_angle, 22.0) + 0.035 * pow(half_angle, 90.0));
   light = vec4(albedo * lit * (mapped ? 1.12 : 1.0) + shine * (mapped ? 0.35 : 0.6), 1);
-  view_normal = vec4(0.5 + 0.5 * (to_view * n), 1);
+  view_normal = vec4(0.5 + 0.5 * vec3(dot(right_axis, n), dot(up, n), dot(back_axis, n)), 1);
 }
 )";
 

@@ -11,21 +11,23 @@
 #include "turgor/view/gl_context.hpp"
 #include "turgor/view/lights.hpp"
 #include "turgor/view/mesh_shaders.hpp"
+#include "turgor/view/mesh_targets.hpp"
+#include "turgor/view/projection.hpp"
 
 namespace turgor {
 
 namespace {
 
-constexpr int kSamples = 8;               // a pixel, where the driver has so many
 constexpr float kOcclusionReach = 0.08f;  // of the picture's height
 
 struct Programs {
-  GLuint surface = 0, occlusion = 0, picture = 0;
+  GLuint shadow = 0, surface = 0, occlusion = 0, picture = 0;
 };
 
 Result<Programs> link_programs() {
   Programs programs;
-  const std::array<std::tuple<GLuint*, const char*, const char*>, 3> wanted = {{
+  const std::array<std::tuple<GLuint*, const char*, const char*>, 4> wanted = {{
+      {&programs.shadow, kShadowVertexShader, kShadowFragmentShader},
       {&programs.surface, kSurfaceVertexShader, kSurfaceFragmentShader},
       {&programs.occlusion, kScreenVertexShader, kOcclusionFragmentShader},
       {&programs.picture, kScreenVertexShader, kPictureFragmentShader},
@@ -38,84 +40,6 @@ Result<Programs> link_programs() {
   return programs;
 }
 
-// Several samples a pixel, and the same resolved to one.
-struct Targets {
-  GLuint sampled = 0, resolved = 0, occlusion = 0, picture = 0;  // framebuffers
-  GLuint lights = 0, normals = 0, depths = 0, occlusions = 0;    // textures
-};
-
-Result<Targets> make_targets(GlObjects& objects, int width, int height) {
-  GLint most_samples = 0, most_pixels = 0;
-  glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most_pixels);
-  if (width < 1 || height < 1 || width > most_pixels || height > most_pixels)
-    return Error{fmt::format("cannot draw a picture of {} x {} pixels: OpenGL here draws 1 to {}", width,
-                             height, most_pixels)};
-  const int samples = std::clamp(most_samples, 1, kSamples);
-  Targets t;
-  const GLuint light_samples = new_multisample_texture(objects, GL_RGBA16F, samples, width, height);
-  const GLuint normal_samples = new_multisample_texture(objects, GL_RGBA8, samples, width, height);
-  const GLuint depth_samples = new_multisample_texture(objects, GL_DEPTH_COMPONENT24, samples, width, height);
-  t.lights = new_texture(objects, GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, width, height);
-  t.normals = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
-  t.depths = new_texture(objects, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, width, height);
-  t.occlusions = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
-  const GLuint picture = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
-  for (GLuint* framebuffer : {&t.sampled, &t.resolved, &t.occlusion, &t.picture})
-    *framebuffer = objects.new_framebuffer();
-  const bool complete =
-      attach_textures(t.sampled, GL_TEXTURE_2D_MULTISAMPLE, {light_samples, normal_samples}, depth_samples) &&
-      attach_textures(t.resolved, GL_TEXTURE_2D, {t.lights, t.normals}, t.depths) &&
-      attach_textures(t.occlusion, GL_TEXTURE_2D, {t.occlusions}, 0) &&
-      attach_textures(t.picture, GL_TEXTURE_2D, {picture}, 0);
-  if (!complete) return Error{"cannot draw: glCheckFramebufferStatus found an incomplete framebuffer"};
-  return t;
-}
-
-struct View {
-  CameraFrame frame;
-  Vec3d eye;
-  double aspect, near, far;
-};
-
-// The nearest and farthest depth are taken from what there is to see.
-View make_view(const std::vector<MeshPart>& parts, const Camera& camera, double aspect) {
-  View view{camera_frame(camera), camera.eye, aspect, 1e30, 0};
-  for (const MeshPart& part : parts) {
-    const Box box = bounding_box(*part.mesh);
-    for (int i = 0; i < 8; i++) {
-      const Vec3d x{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
-                    i & 4 ? box.high.z : box.low.z};
-      const double depth = dot(view.eye - x, view.frame.back);
-      view.near = std::min(view.near, depth);
-      view.far = std::max(view.far, depth);
-    }
-  }
-  view.far = view.far > 0 ? 1.01 * view.far : 1;
-  view.near = std::clamp(0.98 * view.near, 2e-3 * view.far, 0.9 * view.far);
-  return view;
-}
-
-// From patient space to clip space, by columns.
-std::array<float, 16> clip_matrix(const View& view) {
-  const auto& [right, up, back, tan_half] = view.frame;
-  const double sx = 1 / (tan_half * view.aspect), sy = 1 / tan_half;
-  const double a = (view.near + view.far) / (view.near - view.far),
-               b = 2 * view.near * view.far / (view.near - view.far);
-  std::array<float, 16> m{};
-  for (int axis = 0; axis < 3; axis++) {
-    m[std::size_t(4 * axis)] = float(sx * right[axis]);
-    m[std::size_t(4 * axis + 1)] = float(sy * up[axis]);
-    m[std::size_t(4 * axis + 2)] = float(a * back[axis]);
-    m[std::size_t(4 * axis + 3)] = float(-back[axis]);
-  }
-  m[12] = float(-sx * dot(right, view.eye));
-  m[13] = float(-sy * dot(up, view.eye));
-  m[14] = float(-a * dot(back, view.eye) + b);
-  m[15] = float(dot(back, view.eye));
-  return m;
-}
-
 template <class T>
 void upload(GlObjects& objects, GLuint attribute, int components, GLenum type, const std::vector<T>& values) {
   glBindBuffer(GL_ARRAY_BUFFER, objects.new_buffer());
@@ -124,13 +48,23 @@ void upload(GlObjects& objects, GLuint attribute, int components, GLenum type, c
   glEnableVertexAttribArray(attribute);
 }
 
-void draw_part(GlObjects& objects, const MeshPart& part) {
+// A part that OpenGL holds.
+struct HeldPart {
+  GLuint array = 0;
+  GLsizei indices = 0;
+  Vec3 color;
+  bool use_map = false;
+};
+
+HeldPart hold_part(GlObjects& objects, const MeshPart& part) {
   const TriMesh& mesh = *part.mesh;
-  if (mesh.triangles.empty()) return;
-  glBindVertexArray(objects.new_array());
+  HeldPart held{.array = objects.new_array(),
+                .indices = GLsizei(3 * mesh.triangles.size()),
+                .color = Vec3{float(part.color.r), float(part.color.g), float(part.color.b)} / 255,
+                .use_map = part.scale != nullptr};
+  glBindVertexArray(held.array);
   upload(objects, 0, 3, GL_FLOAT, mesh.vertices);
   upload(objects, 1, 3, GL_FLOAT, mesh.normals.empty() ? vertex_normals(mesh) : mesh.normals);
-  glVertexAttrib3f(2, float(part.color.r) / 255, float(part.color.g) / 255, float(part.color.b) / 255);
   if (part.colors) upload(objects, 2, 3, GL_UNSIGNED_BYTE, *part.colors);
   if (part.scale) {
     std::vector<float> fractions(mesh.scalars.size());
@@ -138,11 +72,19 @@ void draw_part(GlObjects& objects, const MeshPart& part) {
                    [&part](float scalar) { return scale_fraction(*part.scale, scalar); });
     upload(objects, 3, 1, GL_FLOAT, fractions);
   }
-  set_uniform("use_map", part.scale != nullptr);
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, objects.new_buffer());
   glBufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(mesh.triangles.size() * sizeof(Int3)),
                mesh.triangles.data(), GL_STREAM_DRAW);
-  glDrawElements(GL_TRIANGLES, GLsizei(3 * mesh.triangles.size()), GL_UNSIGNED_INT, nullptr);
+  return held;
+}
+
+void draw_parts(const std::vector<HeldPart>& parts) {
+  for (const HeldPart& part : parts) {
+    glBindVertexArray(part.array);
+    glVertexAttrib3f(2, part.color.x, part.color.y, part.color.z);  // where vertices have no colours
+    set_uniform("use_map", part.use_map);
+    glDrawElements(GL_TRIANGLES, part.indices, GL_UNSIGNED_INT, nullptr);
+  }
 }
 
 GLuint new_color_map(GlObjects& objects) {
@@ -155,38 +97,47 @@ GLuint new_color_map(GlObjects& objects) {
   return texture;
 }
 
-void draw_surfaces(GlObjects& objects, GLuint program, const std::vector<MeshPart>& parts, const View& view) {
+// What the key light sees.
+void draw_shadow(GLuint program, const MeshTargets& targets, const std::vector<HeldPart>& parts,
+                 const LightView& light) {
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.shadow);
+  glViewport(0, 0, kShadowSize, kShadowSize);
   glEnable(GL_DEPTH_TEST);
-  glClearColor(0, 0, 0, 0);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(2.0f, 4.0f);
+  glClear(GL_DEPTH_BUFFER_BIT);
   glUseProgram(program);
-  const std::array<float, 16> to_clip = clip_matrix(view);
-  glUniformMatrix4fv(uniform_place("to_clip"), 1, GL_FALSE, to_clip.data());
-  const Vec3 right(view.frame.right), up(view.frame.up), back(view.frame.back);
-  const float to_view[] = {right.x, right.y, right.z, up.x, up.y, up.z, back.x, back.y, back.z};
-  glUniformMatrix3fv(uniform_place("to_view"), 1, GL_TRUE, to_view);
-  set_uniform("eye", Vec3(view.eye));
+  set_uniform("to_clip", light.matrix);
+  draw_parts(parts);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+void set_lights(const View& view) {
   const Lights lights = camera_lights(view.frame);
   set_uniform("key", lights.key), set_uniform("key_color", lights.key_color);
   set_uniform("fill", lights.fill), set_uniform("fill_color", lights.fill_color);
   set_uniform("rim", lights.rim), set_uniform("rim_color", lights.rim_color);
-  set_uniform("up", lights.up), set_uniform("sky_color", lights.sky_color),
-      set_uniform("floor_color", lights.floor_color);
-  set_texture("color_map", 0, new_color_map(objects));
-  for (const MeshPart& part : parts) draw_part(objects, part);
+  set_uniform("up", lights.up), set_uniform("sky_color", lights.sky_color);
+  set_uniform("floor_color", lights.floor_color);
 }
 
-void resolve(const Targets& targets, int width, int height) {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, targets.sampled);
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets.resolved);
-  for (const GLenum attachment : {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1}) {
-    glReadBuffer(attachment);
-    const GLenum buffers[] = {attachment == GL_COLOR_ATTACHMENT0 ? attachment : GL_NONE,
-                              attachment == GL_COLOR_ATTACHMENT1 ? attachment : GL_NONE};
-    glDrawBuffers(2, buffers);
-    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  }
-  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+void draw_surfaces(GlObjects& objects, GLuint program, const MeshTargets& targets,
+                   const std::vector<HeldPart>& parts, const View& view, const LightView& light) {
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.sampled);
+  glViewport(0, 0, targets.width, targets.height);
+  glEnable(GL_DEPTH_TEST);
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glUseProgram(program);
+  set_uniform("to_clip", camera_matrix(view));
+  set_uniform("to_light", light.matrix);
+  set_uniform("shadow_texel", float(light.width / kShadowSize));
+  set_uniform("right_axis", Vec3(view.frame.right)), set_uniform("back_axis", Vec3(view.frame.back));
+  set_uniform("eye", Vec3(view.eye));
+  set_lights(view);
+  set_texture("color_map", 0, new_color_map(objects));
+  set_texture("shadow", 1, targets.shadow_depths);
+  draw_parts(parts);
 }
 
 void draw_screen(GlObjects& objects) {
@@ -195,7 +146,7 @@ void draw_screen(GlObjects& objects) {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void draw_occlusion(GlObjects& objects, GLuint program, const Targets& targets, const View& view) {
+void draw_occlusion(GlObjects& objects, GLuint program, const MeshTargets& targets, const View& view) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.occlusion);
   glUseProgram(program);
   set_texture("depths", 0, targets.depths);
@@ -206,7 +157,7 @@ void draw_occlusion(GlObjects& objects, GLuint program, const Targets& targets, 
   draw_screen(objects);
 }
 
-void draw_picture(GlObjects& objects, GLuint program, const Targets& targets, const View& view) {
+void draw_picture(GlObjects& objects, GLuint program, const MeshTargets& targets, const View& view) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.picture);
   glUseProgram(program);
   set_texture("lights", 0, targets.lights);
@@ -235,14 +186,21 @@ Result<Image> draw_scene(const std::vector<MeshPart>& parts, const Camera& camer
   while (glGetError() != GL_NO_ERROR) {
   }
   GlObjects objects;
-  const Result<Targets> targets = make_targets(objects, width, height);
+  const Result<MeshTargets> targets = make_mesh_targets(objects, width, height);
   if (!targets) return targets.error();
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glViewport(0, 0, width, height);
-  const View view = make_view(parts, camera, double(width) / height);
-  glBindFramebuffer(GL_FRAMEBUFFER, targets->sampled);
-  draw_surfaces(objects, programs->surface, parts, view);
-  resolve(*targets, width, height);
+  std::vector<Box> boxes;
+  std::vector<HeldPart> held;
+  for (const MeshPart& part : parts) {
+    if (part.mesh->triangles.empty()) continue;
+    boxes.push_back(bounding_box(*part.mesh));
+    held.push_back(hold_part(objects, part));
+  }
+  const View view = make_view(boxes, camera, double(width) / height);
+  const LightView light = make_light_view(boxes, Vec3d(camera_lights(view.frame).key));
+  draw_shadow(programs->shadow, *targets, held, light);
+  draw_surfaces(objects, programs->surface, *targets, held, view, light);
+  resolve_samples(*targets);
   draw_occlusion(objects, programs->occlusion, *targets, view);
   draw_picture(objects, programs->picture, *targets, view);
   Image image = read_pixels(width, height);

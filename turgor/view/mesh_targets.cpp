@@ -1,0 +1,69 @@
+#include "turgor/view/mesh_targets.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace turgor {
+
+namespace {
+
+constexpr int kSamples = 8;  // a pixel, where the driver has so many
+
+// Answers with how much of the texel's neighbourhood is nearer to the light.
+GLuint new_shadow_texture(GlObjects& objects) {
+  const GLuint texture = new_texture(objects, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT,
+                                     kShadowSize, kShadowSize);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  return texture;
+}
+
+}  // namespace
+
+Result<MeshTargets> make_mesh_targets(GlObjects& objects, int width, int height) {
+  GLint most_samples = 0, most_pixels = 0;
+  glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most_pixels);
+  if (width < 1 || height < 1 || width > most_pixels || height > most_pixels)
+    return Error{fmt::format("cannot draw a picture of {} x {} pixels: OpenGL here draws 1 to {}", width,
+                             height, most_pixels)};
+  const int samples = std::clamp(most_samples, 1, kSamples);
+  MeshTargets t{.width = width, .height = height};
+  const GLuint light_samples = new_multisample_texture(objects, GL_RGBA16F, samples, width, height);
+  const GLuint normal_samples = new_multisample_texture(objects, GL_RGBA8, samples, width, height);
+  const GLuint depth_samples = new_multisample_texture(objects, GL_DEPTH_COMPONENT24, samples, width, height);
+  t.lights = new_texture(objects, GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, width, height);
+  t.normals = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+  t.depths = new_texture(objects, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, width, height);
+  t.occlusions = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+  const GLuint picture = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+  t.shadow_depths = new_shadow_texture(objects);
+  for (GLuint* framebuffer : {&t.shadow, &t.sampled, &t.resolved, &t.occlusion, &t.picture})
+    *framebuffer = objects.new_framebuffer();
+  const bool complete =
+      attach_textures(t.shadow, GL_TEXTURE_2D, {}, t.shadow_depths) &&
+      attach_textures(t.sampled, GL_TEXTURE_2D_MULTISAMPLE, {light_samples, normal_samples}, depth_samples) &&
+      attach_textures(t.resolved, GL_TEXTURE_2D, {t.lights, t.normals}, t.depths) &&
+      attach_textures(t.occlusion, GL_TEXTURE_2D, {t.occlusions}, 0) &&
+      attach_textures(t.picture, GL_TEXTURE_2D, {picture}, 0);
+  if (!complete) return Error{"cannot draw: glCheckFramebufferStatus found an incomplete framebuffer"};
+  return t;
+}
+
+void resolve_samples(const MeshTargets& targets) {
+  const int width = targets.width, height = targets.height;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, targets.sampled);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets.resolved);
+  for (const GLenum attachment : {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1}) {
+    glReadBuffer(attachment);
+    const GLenum buffers[] = {attachment == GL_COLOR_ATTACHMENT0 ? attachment : GL_NONE,
+                              attachment == GL_COLOR_ATTACHMENT1 ? attachment : GL_NONE};
+    glDrawBuffers(2, buffers);
+    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  }
+  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+}
+
+}  // namespace turgor
