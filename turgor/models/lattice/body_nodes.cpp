@@ -148,6 +148,10 @@ Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolu
   nodes.grid = node_grid(ct.grid, params.block);
   const Int3 size = nodes.grid.size;
   const std::size_t count = sample_count(nodes.grid);
+  constexpr std::size_t kMostNodes = std::size_t(1) << 29;  // slots are counted in int
+  if (count > kMostNodes)
+    return Error{"a lattice of " + std::to_string(count) + " nodes is too large: expected at most " +
+                 std::to_string(kMostNodes) + ", choose a larger block"};
   nodes.hu.resize(count);
   parallel_for(exec, std::size_t(size.z), AverageLayer{ct, params.block, nodes.grid, nodes.hu.data()});
 
