@@ -140,7 +140,8 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("labels = \"s.nii\"\ntissue = { labels = { livre = 3e3 } }"),
        "body.torso.tissue.labels.livre: expected a label's number (1 to 65535) or an organ's name; did you "
        "mean liver?"},
-      {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\ntissue = { labels = { liver = 3e3 } }", "stiffness by label needs a segmentation"},
+      {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\ntissue = { labels = { liver = 3e3 } }",
+       "stiffness by label needs a segmentation"},
       {small_scene("skin = { tension = 400 }"),
        "body.torso.skin.tension: expected less than the skin's stiffness, 300 N/m, found 400 N/m"},
       {small_scene("skin = { tension = [1, 2, 3] }"),

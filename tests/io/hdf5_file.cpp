@@ -1,0 +1,40 @@
+#include "turgor/io/hdf5_file.hpp"
+
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+namespace turgor {
+namespace {
+
+TEST(Hdf5File, ArraysAndTextsComeBackAsTheyWere) {
+  const std::string path = testing::TempDir() + "/arrays.h5";
+  std::vector<float> many(30000);
+  std::iota(many.begin(), many.end(), 0.5f);
+  const std::vector<std::int32_t> few = {-1, 2, 3};
+  {
+    Result<Hdf5File> file = Hdf5File::create(path);
+    ASSERT_TRUE(file);
+    EXPECT_TRUE(file->write<float>("/deep/in/many", many, 3));
+    EXPECT_TRUE(file->write<std::int32_t>("/few", few));
+    EXPECT_TRUE(file->write<double>("/none", {}));
+    EXPECT_TRUE(file->write_text("/text", "Ü = \"ü\""));
+    EXPECT_TRUE(file->write_text("/empty", ""));
+  }
+  const Result<Hdf5File> file = Hdf5File::open(path);
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->read<float>("/deep/in/many", 30000).value(), many);
+  EXPECT_EQ(file->read<std::int32_t>("/few", 3).value(), few);
+  EXPECT_TRUE(file->read<double>("/none", 0).value().empty());
+  EXPECT_EQ(file->read_text("/text").value(), "Ü = \"ü\"");
+  EXPECT_EQ(file->read_text("/empty").value(), "");
+  EXPECT_EQ(file->read<std::int32_t>("/few", 4).error().message, path + ": /few: expected 4 values, found 3");
+  EXPECT_EQ(file->read<float>("/few", 3).error().message,
+            path + ": /few: the values are of another type than a recording's");
+  EXPECT_EQ(file->read<float>("/gone", 3).error().message, path + ": /gone: is missing");
+  EXPECT_EQ(file->count("/few", 2).error().message, path + ": /few: expected at most 2 values, found 3");
+  EXPECT_EQ(file->read_text("/few").error().message, path + ": /few: expected a text, found something else");
+}
+
+}  // namespace
+}  // namespace turgor

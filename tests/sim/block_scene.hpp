@@ -1,0 +1,60 @@
+// A small world to test with: fat on a slab of bone, under skin, cut across its front.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "turgor/io/ct.hpp"
+#include "turgor/sim/scene.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor::test {
+
+/// A new empty folder.
+inline std::filesystem::path fresh_folder() {
+  std::string path = testing::TempDir() + "/turgor-XXXXXX";
+  return std::filesystem::canonical(mkdtemp(path.data()));
+}
+
+/// 40×24×40 voxels of 4 mm: air around 40 mm of fat on a slab of bone; the front is at y = −20 mm.
+inline CtVolume block_ct() {
+  CtVolume ct;
+  ct.grid.size = {40, 24, 40};
+  ct.grid.spacing = {0.004, 0.004, 0.004};
+  ct.grid.origin = {-0.078, -0.036, -0.078};
+  ct.samples.assign(sample_count(ct.grid), kAirHu);
+  for (int k = 4; k < 36; k++)
+    for (int j = 4; j < 20; j++)
+      for (int i = 4; i < 36; i++) ct.at(i, j, k) = j < 14 ? -100 : 1000;
+  return ct;
+}
+
+inline std::string block_scene_text(const std::string& ct) {
+  return "[world]\nduration = 0.2\nframe_rate = 50\n"
+         "[body.block]\nmodel = \"lattice\"\nct = \"" +
+         ct +
+         "\"\nblock = 2\nfixed = \"bone\"\n"
+         "[incision.cut]\nbody = \"block\"\nfrom = [0.002, -0.02, -0.03]\nto = [0.002, -0.02, 0.03]\ndepth = "
+         "0.012\n"
+         "start = 0.05\nduration = 0.05\n[output]\nsnapshots = { every = 0.1 }\n";
+}
+
+/// The scene, with its CT written beside it.
+inline Scene block_scene(const std::filesystem::path& folder,
+                         const std::vector<std::string>& overrides = {}) {
+  EXPECT_TRUE(write_ct(folder / "block.nii", block_ct()));
+  Result<Scene> scene = parse_scene(block_scene_text("block.nii"), folder / "block.toml", overrides);
+  EXPECT_TRUE(scene) << scene.error().message;
+  return *scene;
+}
+
+inline World block_world(const Exec& exec, const Scene& scene) {
+  Result<World> world = load_world(exec, scene);
+  EXPECT_TRUE(world) << world.error().message;
+  return std::move(*world);
+}
+
+}  // namespace turgor::test
