@@ -29,9 +29,9 @@ constexpr TransferPoint kBone[] = {
     {420, 0.95f, {240, 226, 198}}, {1200, 0.99f, {255, 250, 240}},
 };
 constexpr TransferPoint kLung[] = {
-    {-975, 0.000f, {96, 150, 205}},  {-930, 0.004f, {96, 150, 205}},  {-820, 0.008f, {130, 170, 210}},
-    {-700, 0.035f, {205, 160, 160}}, {-560, 0.055f, {222, 132, 120}}, {-420, 0.000f, {222, 132, 120}},
-    {220, 0.000f, {236, 226, 206}},  {450, 0.060f, {236, 226, 206}},  {1200, 0.150f, {255, 250, 240}},
+    {-945, 0.000f, {150, 176, 214}}, {-890, 0.018f, {176, 168, 196}}, {-820, 0.025f, {214, 160, 166}},
+    {-720, 0.024f, {230, 150, 146}}, {-620, 0.014f, {232, 138, 124}}, {-540, 0.000f, {232, 138, 124}},
+    {300, 0.000f, {236, 226, 206}},  {600, 0.030f, {236, 226, 206}},  {1300, 0.110f, {255, 250, 240}},
 };
 
 struct NamedPoints {
@@ -88,6 +88,7 @@ Transfer::Sum Transfer::sum_at(float hu) const {
 }
 
 Optical Transfer::mean(float a, float b) const {
+  if (!is_visible(int(std::min(a, b)) - 1, int(std::max(a, b)) + 1)) return {};
   constexpr float kLeast = 1;  // [HU] narrower ranges are widened: the tables hold no more detail
   const float middle = std::clamp(0.5f * (a + b), float(kLow) + kLeast, float(kLow + kCount - 1) - kLeast);
   const float half = std::max(0.5f * std::abs(b - a), 0.5f * kLeast);
