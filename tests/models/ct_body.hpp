@@ -1,0 +1,87 @@
+// Small CTs with a body in air, and cuts and moves made by hand, for tests of what is drawn and resampled.
+#pragma once
+
+#include <cmath>
+#include <functional>
+
+#include "turgor/models/lattice/body_nodes.hpp"
+
+namespace turgor::lattice {
+
+constexpr double kVoxel = 0.001;  // [m]
+
+/// A CT of 1 mm voxels: textured tissue where `inside(voxel index)`, air elsewhere.
+inline CtVolume make_ct(Int3 size, const std::function<bool(Vec3d)>& inside) {
+  CtVolume ct;
+  ct.grid = {.size = size, .spacing = {kVoxel, kVoxel, kVoxel}, .origin = {-0.1, 0.05, 0.3}, .axes = {}};
+  ct.samples.resize(sample_count(ct.grid));
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++)
+        ct.at(i, j, k) = inside({double(i), double(j), double(k)})
+                             ? std::int16_t((i * 37 + j * 91 + k * 53) % 101 - 40)
+                             : kAirHu;
+  return ct;
+}
+
+/// A ball in the middle of a cube of n³ voxels.
+inline CtVolume ball_ct(int n, double radius) {
+  const double middle = 0.5 * (n - 1);
+  return make_ct({n, n, n}, [=](Vec3d p) { return norm(p - Vec3d{middle, middle, middle}) < radius; });
+}
+
+/// A body from a CT: no skin, for what moves it is the test.
+inline Model body_of(const CtVolume& ct, Int3 block) {
+  Params params;
+  params.block = block;
+  params.skin.enabled = false;
+  return build(Exec(1), ct, {}, params).value();
+}
+
+/// Moves every node by `displacement(rest place in the lattice frame [m])`.
+inline void move(const Model& model, State& state, const std::function<Vec3d(Vec3d)>& displacement) {
+  const Int3 size = model.lattice.size;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
+        if (!is_body(model.tissue[slot])) continue;
+        state.u.set(slot, Vec3(displacement(hadamard(Vec3d(Int3{i, j, k}), model.grid.spacing))));
+      }
+}
+
+/// Cuts the edges that cross the plane y = `at` where `reaches(crossing)`; places in the lattice frame [m].
+inline int cut_across_y(const Model& model, State& state, double at,
+                        const std::function<bool(Vec3d)>& reaches) {
+  const Lattice& l = model.lattice;
+  int count = 0;
+  for (int k = 0; k < l.size.z; k++)
+    for (int j = 0; j < l.size.y; j++)
+      for (int i = 0; i < l.size.x; i++)
+        for (std::size_t f = 0; f < kFamilyCount; f++) {
+          const Int3 a{i, j, k}, b = a + kFamilies[f];
+          const int slot = node_slot(l, a);
+          if (!contains(l, b) || !is_body(model.tissue[std::size_t(slot)])) continue;
+          if (!is_body(model.tissue[std::size_t(node_slot(l, b))])) continue;
+          const Vec3d x = hadamard(Vec3d(a), model.grid.spacing), y = hadamard(Vec3d(b), model.grid.spacing);
+          if ((x.y >= at) == (y.y >= at)) continue;
+          const double fraction = (at - x.y) / (y.y - x.y);
+          if (!reaches(x + (y - x) * fraction)) continue;
+          state.cut[std::size_t(slot)] |= std::uint8_t(1u << f);
+          state.cut_edges.push_back({slot, std::uint8_t(f), 0, Real(fraction)});
+          count++;
+        }
+  return count;
+}
+
+/// A smooth displacement of about `size` [m] that folds nothing over while it is below about an eighth of
+/// `wave` [m].
+inline Vec3d wobble(Vec3d p, double size, double wave, double phase) {
+  const double w = 6.283185307179586 / wave;
+  return Vec3d{std::sin(w * p.y + phase) + 0.5 * std::cos(w * p.x + 2 * phase),
+               std::cos(w * p.z - phase) + 0.5 * std::sin(w * p.x),
+               std::sin(w * p.x + 0.7 * w * p.y + phase)} *
+         (0.5 * size);
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,167 @@
+// A deformed body among the voxels of a grid: where every node lies, which cells hold tissue, which of them
+// need care near a cut; and the walk over all tetrahedra of a slab of voxel layers. Slabs are independent and
+// always the same, and within one the order is the lattice's, so that results do not depend on the number of
+// threads. Air nodes beside the body follow it, so that the outermost half step of tissue is not lost.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "turgor/geometry/grid.hpp"
+#include "turgor/models/lattice/cut_tet.hpp"
+#include "turgor/models/lattice/raster.hpp"
+
+namespace turgor::lattice {
+
+/// Whether a cell has a node of tissue in the CT; special: near a cut, or with removed nodes.
+enum class Cell : std::uint8_t { kEmpty, kPlain, kSpecial };
+
+struct PlacedBody {
+  CutBody cut;
+  Grid out;
+  RasterWindow window;                 // all of `out`
+  Mat3d to_out;                        // lattice frame [m] to voxels of `out`
+  Vec3d out_origin;                    // the first node [voxels]
+  std::vector<Int3> place;             // by slot, where there is tissue or tissue beside [units]
+  std::vector<Cell> cells;             // by slot of the lower corner
+  std::vector<std::uint8_t> near_cut;  // by slot: 1 = air here follows each side of the cut on its own
+  struct Bounds {
+    int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();
+  };
+  std::vector<Bounds> rows;  // of cells, j fastest: along k [units]
+};
+
+PlacedBody place_body(const Exec& exec, const Model& model, const State& state, const Grid& out);
+
+constexpr int kSlabLayers = 8;
+inline int slab_count(const PlacedBody& body) { return (body.out.size.z + kSlabLayers - 1) / kSlabLayers; }
+
+/// Coordinates of the CT that a raster walk speaks of: first node and cell size, in whatever unit the visitor
+/// wants.
+struct RestFrame {
+  Vec3d first_node, cell_size;
+};
+
+/// Which of a cell's tetrahedra holds a point, from its coordinates in the cell; ties as the rasteriser
+/// breaks them.
+template <class T>
+constexpr int kuhn_tet_at(Vec<T> p) {
+  if (p.x >= p.y) return p.y >= p.z ? 0 : p.x >= p.z ? 1 : 4;
+  return p.x >= p.z ? 2 : p.y >= p.z ? 3 : 5;
+}
+/// Barycentric weights, in the order of the path, of a point in the cell.
+inline std::array<float, 4> path_weights(int tet, Vec3 p) {
+  const Int3 path = kKuhnPaths[std::size_t(tet)];
+  return {1 - p[path.x], p[path.x] - p[path.y], p[path.y] - p[path.z], p[path.z]};
+}
+
+namespace detail {
+
+struct SlabWalk {
+  const PlacedBody& body;
+  const RestFrame& rest;
+  RasterWindow window;
+  int begin, end;   // the slab along k [units]; open at the ends of the grid
+  double to_ratio;  // volume now over volume in the CT = det · to_ratio
+  long folds = 0;
+};
+
+/// Corners of a special tetrahedron as one of its sides carries them [units].
+std::array<Int3, 4> side_places(const PlacedBody& body, const TetNodes& nodes, const TetSides& sides,
+                                int side);
+
+/// Visits one placed tetrahedron; `keep(place)` chooses among its voxels. A fold is counted in the slab where
+/// it begins.
+template <int Tet, class Visit, class Keep>
+void walk_placed(SlabWalk& walk, Int3 cell, const std::array<Int3, 4>& place, const Visit& visit,
+                 const Keep& keep) {
+  const PlacedTet tet = place_tet<Tet>(place, walk.window.handed);
+  if (tet.high.z < walk.begin || tet.low.z >= walk.end) return;
+  if (!(tet.det > 0)) {
+    walk.folds += tet.low.z >= walk.begin;
+    return;
+  }
+  const Vec3d first = walk.rest.first_node + hadamard(Vec3d(cell), walk.rest.cell_size);
+  const auto ratio = float(tet.det * walk.to_ratio);
+  visit_voxels<Tet>(tet, walk.window, first, walk.rest.cell_size, [&](Int3 voxel, Vec3 at) {
+    if (keep(at)) visit(voxel, at, ratio);
+  });
+}
+
+template <int Tet, class Visit>
+void walk_plain(SlabWalk& walk, Int3 cell, const std::array<int, 8>& slots, const Visit& visit) {
+  constexpr auto corners = kuhn_corners({0, 0, 0}, Tet);
+  std::array<Int3, 4> place;
+  bool solid = false;
+  for (std::size_t n = 0; n < 4; n++) {
+    const Int3 c = corners[n];
+    const auto slot = std::size_t(slots[std::size_t(c.x + 2 * c.y + 4 * c.z)]);
+    place[n] = walk.body.place[slot];
+    solid |= walk.body.cut.solid[slot] != 0;
+  }
+  if (solid) walk_placed<Tet>(walk, cell, place, visit, [](Vec3) { return true; });
+}
+
+template <int Tet, class Visit>
+void walk_special(SlabWalk& walk, Int3 cell, const Visit& visit) {
+  const TetNodes nodes = kuhn_corners(cell, Tet);
+  const TetSides sides = split_tet(walk.body.cut, nodes);
+  const Vec3d first = walk.rest.first_node + hadamard(Vec3d(cell), walk.rest.cell_size);
+  for (int side = 0; side < sides.count; side++) {
+    const auto keep = [&](Vec3 at) {
+      const Vec3d d = Vec3d(at) - first, size = walk.rest.cell_size;
+      return side_at(sides, path_weights(Tet, Vec3(Vec3d{d.x / size.x, d.y / size.y, d.z / size.z}))) == side;
+    };
+    walk_placed<Tet>(walk, cell, side_places(walk.body, nodes, sides, side), visit, keep);
+  }
+}
+
+template <class Visit>
+void walk_cell(SlabWalk& walk, Int3 cell, const Visit& visit) {
+  const Lattice& l = walk.body.cut.model.lattice;
+  const int parity = cell.x & 1, lower = node_slot(l, cell);
+  if (walk.body.cells[std::size_t(lower)] == Cell::kSpecial) {
+    [&]<std::size_t... T>(std::index_sequence<T...>) { (walk_special<int(T)>(walk, cell, visit), ...); }
+    (std::make_index_sequence<6>());
+    return;
+  }
+  std::array<int, 8> slots;
+  for (int c = 0; c < 8; c++)
+    slots[std::size_t(c)] = lower + slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, parity);
+  [&]<std::size_t... T>(std::index_sequence<T...>) { (walk_plain<int(T)>(walk, cell, slots, visit), ...); }
+  (std::make_index_sequence<6>());
+}
+
+}  // namespace detail
+
+/// Calls visit(voxel, place in the CT, volume ratio) for every voxel centre of one slab that lies in tissue,
+/// once for every tetrahedron it lies in: once, but where the body folds over itself. Returns the number of
+/// tetrahedra turned inside out.
+template <class Visit>
+long walk_slab(const PlacedBody& body, int slab, const RestFrame& rest, const Visit& visit) {
+  const int layers = body.out.size.z, bits = body.window.bits;
+  const int low = slab * kSlabLayers, high = std::min(low + kSlabLayers, layers);
+  const double units = double(1 << bits);
+  detail::SlabWalk walk{
+      .body = body,
+      .rest = rest,
+      .window = body.window,
+      .begin = slab == 0 ? std::numeric_limits<int>::min() : low << bits,
+      .end = high == layers ? std::numeric_limits<int>::max() : high << bits,
+      .to_ratio = sample_volume(body.out) / sample_volume(body.cut.model.grid) / (units * units * units)};
+  walk.window.low.z = low, walk.window.high.z = high;
+  const Int3 size = body.cut.model.lattice.size;
+  for (int k = 0; k + 1 < size.z; k++)
+    for (int j = 0; j + 1 < size.y; j++) {
+      const PlacedBody::Bounds row = body.rows[std::size_t(k) * std::size_t(size.y - 1) + std::size_t(j)];
+      if (row.low > row.high || row.high < walk.begin || row.low >= walk.end) continue;
+      for (int i = 0; i + 1 < size.x; i++)
+        if (body.cells[std::size_t(node_slot(body.cut.model.lattice, i, j, k))] != Cell::kEmpty)
+          detail::walk_cell(walk, {i, j, k}, visit);
+    }
+  return walk.folds;
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,116 @@
+// Rasterising tetrahedra into voxels, each voxel centre exactly once. Corners are whole numbers (fractions of
+// a voxel), so that the planes of all faces are exact in double; a centre on a face belongs to the
+// tetrahedron whose inside a step by (ε, ε², ε³) reaches. Tetrahedra that share faces therefore leave no hole
+// and share no voxel.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "turgor/core/vec.hpp"
+
+namespace turgor::lattice {
+
+/// The axes along which the six Kuhn tetrahedra walk from (0,0,0) to (1,1,1).
+constexpr std::array<Int3, 6> kKuhnPaths = {
+    {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
+constexpr Int3 unit_step(int axis) { return {axis == 0, axis == 1, axis == 2}; }
+/// The corners of a tetrahedron in the order of its path.
+constexpr std::array<Int3, 4> kuhn_corners(Int3 cell, int tet) {
+  const Int3 path = kKuhnPaths[std::size_t(tet)];
+  const Int3 first = cell + unit_step(path.x), second = first + unit_step(path.y);
+  return {cell, first, second, second + unit_step(path.z)};
+}
+
+/// The voxels that may be visited, and the fixed point: 1 << bits units a voxel. Corners of one tetrahedron
+/// must be less than kLargestExtent units apart along each axis.
+struct RasterWindow {
+  Int3 low, high;  // voxels, half open
+  int bits = 10;
+  double handed = 1;  // -1 when voxel axes are mirrored against the lattice's
+};
+constexpr double kLargestExtent = 1 << 16;  // products of three differences stay below 2⁵³
+
+/// A tetrahedron placed among the voxels: the way from a voxel to the cell's own coordinates.
+struct PlacedTet {
+  Vec3d rows[3];   // rows · (v − first) / det = coordinates in the cell, in [0, 1]
+  double det = 0;  // six times the volume [units³]; not positive when turned inside out
+  Int3 first;      // place of the first corner [units]
+  Int3 low, high;  // bounds [units]
+};
+
+template <int Tet>
+PlacedTet place_tet(const std::array<Int3, 4>& place, double handed) {
+  constexpr Int3 path = kKuhnPaths[Tet];
+  PlacedTet tet{.rows = {}, .det = 0, .first = place[0], .low = {}, .high = {}};
+  tet.low = min(min(place[0], place[1]), min(place[2], place[3]));
+  tet.high = max(max(place[0], place[1]), max(place[2], place[3]));
+  Vec3d edge[3];  // images of the cell's three axes
+  edge[path.x] = Vec3d(place[1] - place[0]);
+  edge[path.y] = Vec3d(place[2] - place[1]);
+  edge[path.z] = Vec3d(place[3] - place[2]);
+  tet.rows[0] = cross(edge[1], edge[2]) * handed;
+  tet.rows[1] = cross(edge[2], edge[0]) * handed;
+  tet.rows[2] = cross(edge[0], edge[1]) * handed;
+  tet.det = dot(edge[0], tet.rows[0]);
+  return tet;
+}
+
+/// A linear function that is not negative inside: `value` at the voxel in hand, `slope` a voxel.
+struct Halfspace {
+  Vec3d slope;
+  double least;  // 0 when centres on the face belong to this side, else 1: values are whole numbers
+};
+constexpr Halfspace halfspace(Vec3d inward) {
+  const bool owns_face = inward.x > 0 || (inward.x == 0 && (inward.y > 0 || (inward.y == 0 && inward.z > 0)));
+  return {inward, owns_face ? 0.0 : 1.0};
+}
+
+/// Calls visit(voxel, place) for every voxel of the window whose centre is inside; `place` = first_place +
+/// the voxel's coordinates in the cell · cell_size.
+template <int Tet, class Visit>
+void visit_voxels(const PlacedTet& tet, const RasterWindow& window, Vec3d first_place, Vec3d cell_size,
+                  const Visit& visit) {
+  constexpr Int3 path = kKuhnPaths[Tet];
+  const int up = (1 << window.bits) - 1, bits = window.bits;
+  const Int3 low =
+      max(window.low, Int3{(tet.low.x + up) >> bits, (tet.low.y + up) >> bits, (tet.low.z + up) >> bits});
+  const Int3 high =
+      min(window.high - Int3{1, 1, 1}, Int3{tet.high.x >> bits, tet.high.y >> bits, tet.high.z >> bits});
+  if (low.x > high.x || low.y > high.y || low.z > high.z) return;
+
+  // Inside: 1 ≥ a ≥ b ≥ c ≥ 0 for the cell's coordinates a, b, c in the order of the path, all times det.
+  const Vec3d &a = tet.rows[path.x], &b = tet.rows[path.y], &c = tet.rows[path.z];
+  const Halfspace faces[4] = {halfspace(-a), halfspace(a - b), halfspace(b - c), halfspace(c)};
+  const double unit = double(1 << bits), width = high.x - low.x;
+  const double step[4] = {faces[0].slope.x * unit, faces[1].slope.x * unit, faces[2].slope.x * unit,
+                          faces[3].slope.x * unit};
+
+  Vec3 to_place[3];  // rows, in steps of voxels
+  const double inverse = unit / tet.det;
+  for (int axis = 0; axis < 3; axis++) to_place[axis] = Vec3(tet.rows[axis] * (cell_size[axis] * inverse));
+  const Vec3 base(first_place);
+  const Vec3 first = Vec3(tet.first) / Real(unit);
+
+  for (int k = low.z; k <= high.z; k++)
+    for (int j = low.y; j <= high.y; j++) {
+      const Vec3d away = Vec3d(Int3{low.x << bits, j << bits, k << bits} - tet.first);
+      double value[4] = {dot(faces[0].slope, away) + tet.det, dot(faces[1].slope, away),
+                         dot(faces[2].slope, away), dot(faces[3].slope, away)};
+      bool reached = true;
+      for (int f = 0; f < 4; f++) {
+        value[f] -= faces[f].least;
+        reached &= std::max(value[f], value[f] + step[f] * width) >= 0;
+      }
+      if (!reached) continue;
+      for (int i = low.x; i <= high.x; i++) {
+        if ((value[0] >= 0) & (value[1] >= 0) & (value[2] >= 0) & (value[3] >= 0)) {
+          const Vec3 d = Vec3(Int3{i, j, k}) - first;
+          visit(Int3{i, j, k}, base + Vec3{dot(to_place[0], d), dot(to_place[1], d), dot(to_place[2], d)});
+        }
+        for (int f = 0; f < 4; f++) value[f] += step[f];
+      }
+    }
+}
+
+}  // namespace turgor::lattice
