@@ -23,14 +23,21 @@ constexpr double kSweepBytes = 32;  // a slot of the lattice: read u, w, root; w
 struct DataSet {
   const char* name;
   PhantomKind kind;
-  Int3 voxels;
+  int slices;
   SkinTensionTimes paper;
 };
 constexpr DataSet kDataSets[] = {
-    {"A abdomen", PhantomKind::kTorso, {512, 512, 300}, {1447, 1493, 74.06, 79.73}},
-    {"B head", PhantomKind::kHead, {512, 512, 544}, {2753, 2773, 126.52, 131.89}},
-    {"C leg", PhantomKind::kLeg, {512, 512, 1152}, {5384, 5438, 257.75, 266.08}},
+    {"A abdomen", PhantomKind::kTorso, 300, {1447, 1493, 74.06, 79.73}},
+    {"B head", PhantomKind::kHead, 544, {2753, 2773, 126.52, 131.89}},
+    {"C leg", PhantomKind::kLeg, 1152, {5384, 5438, 257.75, 266.08}},
 };
+
+CtVolume shrunken_phantom(const Exec& exec, PhantomKind kind, int shrink) {
+  PhantomParams params = default_phantom(kind);
+  params.size = {params.size.x / shrink, params.size.y / shrink, params.size.z / shrink};
+  params.spacing *= double(shrink);
+  return make_phantom(exec, params);
+}
 
 template <class Work>
 double median_ms(int runs, const Work& work) {
@@ -103,9 +110,9 @@ double residual_after_frame(const Exec& exec, const Model& solver, const Model& 
 SkinTensionRow measure(const Exec& exec, double bandwidth, const DataSet& data, int shrink, const Progress& progress) {
   SkinTensionRow row{.name = data.name, .paper = data.paper};
   const Exec one(1);
-  row.voxels = {data.voxels.x / shrink, data.voxels.y / shrink, data.voxels.z / shrink};
-  const double s = shrink;
-  const CtVolume ct = make_phantom(exec, data.kind, row.voxels, {0.78e-3 * s, 0.78e-3 * s, 1e-3 * s}, 1);
+
+  const CtVolume ct = shrunken_phantom(exec, data.kind, shrink);
+  row.voxels = ct.grid.size;
   progress(0.4);
   const Params pbd = solver_params(Method::kPbd, true), descent = solver_params(Method::kDescent, true);
   row.body_seconds = 1e-3 * median_ms(3, [&] { (void)lattice::build(exec, ct, {}, pbd); });
@@ -167,12 +174,12 @@ SkinTensionBench bench_skin_tension(const Exec& exec, int shrink, const std::opt
   double done = 0, all = 0;
   const auto wanted = [&](const DataSet& data) { return !only || data.name[0] == only->front(); };
   for (const DataSet& data : kDataSets)
-    if (wanted(data)) all += data.voxels.z;
+    if (wanted(data)) all += data.slices;
   for (const DataSet& data : kDataSets) {
     if (!wanted(data)) continue;
-    const auto part = [&](double fraction) { progress((done + fraction * data.voxels.z) / all); };
+    const auto part = [&](double fraction) { progress((done + fraction * data.slices) / all); };
     bench.rows.push_back(measure(exec, bench.copy_bandwidth, data, shrink, part));
-    done += data.voxels.z;
+    done += data.slices;
   }
   return bench;
 }

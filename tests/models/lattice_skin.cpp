@@ -50,6 +50,21 @@ TEST(lattice_skin, the_skin_of_a_ball_is_closed_and_faces_outward) {
   EXPECT_LT(six_volumes / 6, ball);
 }
 
+TEST(lattice_skin, batches_hold_every_triangle_once_and_no_two_that_share_a_node) {
+  const BodyNodes nodes = shape_nodes({41, 37, 31}, [](Vec3d p) { return norm(p) < 0.0142 && std::abs(p.x) > 0.001; });
+  const Model model = assemble(kExec, nodes, nullptr, {}).value();
+  const Skin& skin = model.skin;
+  ASSERT_EQ(std::size_t(skin.batch_begin.back()), skin.triangles.size());
+  ASSERT_EQ(std::size_t(skin.layer_begin.back()) + 1, skin.batch_begin.size());
+  for (std::size_t b = 0; b + 1 < skin.batch_begin.size(); b++) {
+    EXPECT_LE(skin.batch_begin[b + 1] - skin.batch_begin[b], kSkinLanes);
+    std::set<int> seen;
+    for (int t = skin.batch_begin[b]; t < skin.batch_begin[b + 1]; t++)
+      for (int c = 0; c < 3; c++) EXPECT_TRUE(seen.insert(skin.triangles[std::size_t(t)].vertex[c]).second) << "batch " << b;
+  }
+  EXPECT_GT(double(skin.triangles.size()) / double(skin.batch_begin.size() - 1), 0.7 * kSkinLanes) << "mean fill";
+}
+
 TEST(lattice_skin, a_sheet_one_node_thick_is_covered_once) {
   const BodyNodes nodes = shape_nodes({9, 9, 5}, [](Vec3d p) { return std::abs(p.z) < 1e-4; });
   const Model model = assemble(kExec, nodes, nullptr, {}).value();

@@ -1,5 +1,6 @@
 #include "turgor/core/exec.hpp"
 
+#include <algorithm>
 #include <thread>
 
 #include <oneapi/tbb/blocked_range.h>
@@ -9,17 +10,25 @@
 
 namespace turgor {
 
-// global_control lets an arena have more threads than the machine has cores (tests of determinism do that).
+// Lets arenas have more threads than the machine has cores, as tests of determinism do. One for the process: of several, the
+// smallest would count.
+namespace {
+void allow_many_threads() {
+  static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                         std::max(64u, std::thread::hardware_concurrency()));
+}
+}  // namespace
+
 struct Exec::Arena {
-  explicit Arena(int threads)
-      : limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)), arena(threads) {}
-  tbb::global_control limit;
+  explicit Arena(int threads) : arena(threads) {}
   tbb::task_arena arena;
 };
 
 Exec::Exec(int threads)
     : threads_(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
-  if (threads_ > 1) arena_ = std::make_shared<Arena>(threads_);
+  if (threads_ == 1) return;
+  allow_many_threads();
+  arena_ = std::make_shared<Arena>(threads_);
 }
 
 void Exec::run_ranges(std::size_t count, std::size_t grain,

@@ -200,7 +200,7 @@ struct Inertia {
         fall(lattice_gravity(model, inputs) * Real(step * step)), dt(Real(step)) {}
 
   Vec3 operator()(int s) const {
-    const Real moves = (w[s] > 0) & (removed[s] == 0) ? Real(1) : Real(0);
+    const Real moves = ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0);
     return {bx[s] + moves * (dt * vx[s] + fall.x), by[s] + moves * (dt * vy[s] + fall.y),
             bz[s] + moves * (dt * vz[s] + fall.z)};
   }

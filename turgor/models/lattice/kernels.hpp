@@ -38,17 +38,23 @@ TURGOR_HD inline Real project_volume(Vec3 e1, const VolumeGradients& g, Real res
   return -stiffness * change / nonzero(sum);
 }
 
-/// The skin tension constraint C = A − A_rest, k·F_amp at most 1. Moves the three corners. [STC Algorithm 1, corrected]
+/// How far the three corners of a triangle move.
+struct SkinShift {
+  Vec3 a, b, c;
+};
+
+/// The skin tension constraint C = A − A_rest, k·F_amp at most 1; w are the inverse masses. [STC Algorithm 1, corrected]
 /// A gradient is the opposite side times the normal, half; so |∇i|² is a quarter of that side squared.
-TURGOR_HD inline void project_skin(Vec3 (&x)[3], const Real (&w)[3], Real rest_area, Real stiffness, Real amplification) {
-  const Vec3 side[3] = {x[1] - x[2], x[2] - x[0], x[0] - x[1]};
-  const Vec3 n = cross(side[1], side[2]);  // (x1 − x0) × (x2 − x0)
+TURGOR_HD inline SkinShift project_skin(Vec3 a, Vec3 b, Vec3 c, Vec3 w, Real rest_area, Real stiffness, Real amplification) {
+  const Vec3 side_a = b - c, side_b = c - a, side_c = a - b;
+  const Vec3 n = cross(side_b, side_c);  // (b − a) × (c − a)
   const Real twice_area = square_root(dot(n, n)), change = Real(0.5) * twice_area - rest_area;
-  const Real sum = w[0] * dot(side[0], side[0]) + w[1] * dot(side[1], side[1]) + w[2] * dot(side[2], side[2]);
-  if (!(twice_area > Real(1e-6) * rest_area) || !(sum > 0)) return;
-  const Real amplified = stiffness * (1 + amplification * positive(change) / rest_area);
-  const Real s = -2 * (amplified < 1 ? amplified : 1) * change / (sum * twice_area);
-  for (int c = 0; c < 3; c++) x[c] += cross(side[c], n) * (s * w[c]);
+  const Real sum = w.x * dot(side_a, side_a) + w.y * dot(side_b, side_b) + w.z * dot(side_c, side_c);
+  const Real amplified = stiffness * (1 + amplification * positive(change) / nonzero(rest_area));
+  const bool degenerate = !(twice_area > Real(1e-6) * rest_area);
+  const Real k = degenerate ? 0 : amplified < 1 ? amplified : 1;
+  const Real s = -2 * k * change / nonzero(sum * twice_area);
+  return {cross(side_a, n) * (s * w.x), cross(side_b, n) * (s * w.y), cross(side_c, n) * (s * w.z)};
 }
 
 // ---------------------------------------------------------------- descent: force and stiffness at one node --------

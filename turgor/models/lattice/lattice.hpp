@@ -81,10 +81,13 @@ struct SkinTriangle {
   Real stiffness;    // pbd only, from the nodes' density, in [0, 1]
 };
 
-/// All skin, sorted by cell layer; triangles of layer k are [layer_begin[k], layer_begin[k + 1]).
+constexpr int kSkinLanes = 16;
+
+/// All skin, sorted by cell layer, and within a layer in batches whose triangles share no node. Batch b is triangles
+/// [batch_begin[b], batch_begin[b + 1]); the batches of layer k are [layer_begin[k], layer_begin[k + 1]).
 struct Skin {
   std::vector<SkinTriangle> triangles;
-  std::vector<int> layer_begin;  // empty without skin
+  std::vector<int> batch_begin, layer_begin;  // empty without skin
   // Which triangles meet at which node: nodes in slot order; row_begin has one entry per half row of the storage.
   struct Corner {
     int triangle, corner;

@@ -119,18 +119,49 @@ struct SweepRow {
   }
 };
 
+/// A batch of skin triangles on its way through the projection: one lane each. Unused lanes hold a triangle that cannot move.
+struct SkinLanes {
+  alignas(64) Real x[9][kSkinLanes];  // corner c, axis a: x[3 c + a]
+  alignas(64) Real w[3][kSkinLanes];
+  alignas(64) Real rest_area[kSkinLanes], stiffness[kSkinLanes];
+
+  void project(Real amplification) {
+    TURGOR_LANES
+    for (int i = 0; i < kSkinLanes; i++) {
+      const SkinShift shift = project_skin({x[0][i], x[1][i], x[2][i]}, {x[3][i], x[4][i], x[5][i]},
+                                           {x[6][i], x[7][i], x[8][i]}, {w[0][i], w[1][i], w[2][i]}, rest_area[i],
+                                           stiffness[i], amplification);
+      x[0][i] = shift.a.x, x[1][i] = shift.a.y, x[2][i] = shift.a.z;
+      x[3][i] = shift.b.x, x[4][i] = shift.b.y, x[5][i] = shift.b.z;
+      x[6][i] = shift.c.x, x[7][i] = shift.c.y, x[8][i] = shift.c.z;
+    }
+  }
+};
+
+/// Projects batch after batch of a layer: corners into lanes, all lanes at once, shifts back to the corners.
 void project_skin_layer(const Model& model, const State& state, const NodeArrays& n, int k) {
   const Real ratio = rest_area_ratio(model.params.skin), amplification = Real(model.params.skin.amplification);
-  for (int t = model.skin.layer_begin[std::size_t(k)]; t < model.skin.layer_begin[std::size_t(k) + 1]; t++) {
-    if (state.skin_cut[std::size_t(t)]) continue;
-    const SkinTriangle& triangle = model.skin.triangles[std::size_t(t)];
-    const Int3 v = triangle.vertex;
-    const Vec3 before[3] = {n.u(v.x), n.u(v.y), n.u(v.z)};
-    Vec3 x[3] = {before[0], before[1] + triangle.edge1, before[2] + triangle.edge2};
-    const Real w[3] = {n.w[v.x], n.w[v.y], n.w[v.z]};
-    project_skin(x, w, ratio * triangle.area, triangle.stiffness, amplification);
-    const Vec3 after[3] = {x[0], x[1] - triangle.edge1, x[2] - triangle.edge2};
-    for (int c = 0; c < 3; c++) n.ux[v[c]] = after[c].x, n.uy[v[c]] = after[c].y, n.uz[v[c]] = after[c].z;
+  const Skin& skin = model.skin;
+  SkinLanes lanes{};
+  for (int batch = skin.layer_begin[std::size_t(k)]; batch < skin.layer_begin[std::size_t(k) + 1]; batch++) {
+    const int begin = skin.batch_begin[std::size_t(batch)], count = skin.batch_begin[std::size_t(batch) + 1] - begin;
+    const SkinTriangle* triangles = &skin.triangles[std::size_t(begin)];
+    for (int i = 0; i < count; i++) {
+      const SkinTriangle& t = triangles[i];
+      const Vec3 origin = n.u(t.vertex.x), b = t.edge1 + (n.u(t.vertex.y) - origin), c = t.edge2 + (n.u(t.vertex.z) - origin);
+      lanes.x[0][i] = 0, lanes.x[1][i] = 0, lanes.x[2][i] = 0;
+      lanes.x[3][i] = b.x, lanes.x[4][i] = b.y, lanes.x[5][i] = b.z;
+      lanes.x[6][i] = c.x, lanes.x[7][i] = c.y, lanes.x[8][i] = c.z;
+      for (int q = 0; q < 3; q++) lanes.w[q][i] = n.w[t.vertex[q]];
+      lanes.rest_area[i] = ratio * t.area;
+      lanes.stiffness[i] = state.skin_cut[std::size_t(begin + i)] ? 0 : t.stiffness;
+    }
+    lanes.project(amplification);
+    for (int i = 0; i < count; i++)
+      for (int q = 0; q < 3; q++) {
+        const int slot = triangles[i].vertex[q];
+        n.ux[slot] += lanes.x[3 * q][i], n.uy[slot] += lanes.x[3 * q + 1][i], n.uz[slot] += lanes.x[3 * q + 2][i];
+      }
   }
 }
 

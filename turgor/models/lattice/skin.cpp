@@ -1,7 +1,6 @@
 #include "turgor/models/lattice/skin.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <tuple>
 
@@ -63,21 +62,33 @@ void drop_doubles(std::vector<std::vector<Int3>>& layers) {
   for (auto& layer : layers) std::erase_if(layer, [](Int3 t) { return t.x < 0; });
 }
 
-/// Orders the triangles of layer `k` so that those in a row share no node where possible: a processor works on several at once
-/// only when none waits for another's corners. Greedy colouring; in the paper's words, grouping. [STC 4.3]
-void order_by_color(const Lattice& l, int k, std::vector<Int3>& triangles) {
+/// Orders the triangles of layer `k` in batches of up to kSkinLanes that share no node, each from near the front of what is left, so
+/// that its nodes are still in the cache. In the paper's words, grouping. [STC 4.3]
+std::vector<int> order_in_batches(const Lattice& l, int k, std::vector<Int3>& triangles) {
+  constexpr std::size_t kLookAhead = 128;
   const int first = row_slot(l, -1, k);
-  std::vector<std::uint32_t> used(std::size_t(2 * layer_stride(l)), 0);  // colours taken at the nodes of layers k and k + 1
-  std::array<std::vector<Int3>, 32> by_color;
-  for (const Int3 t : triangles) {
-    std::uint32_t taken = 0;
-    for (int c = 0; c < 3; c++) taken |= used[std::size_t(t[c] - first)];
-    const int color = std::min(std::countr_one(taken), 31);
-    for (int c = 0; c < 3; c++) used[std::size_t(t[c] - first)] |= 1u << color;
-    by_color[std::size_t(color)].push_back(t);
-  }
+  std::vector<int> taken(std::size_t(2 * layer_stride(l)), 0);  // by node of layers k and k + 1: the batch that has it
+  std::vector<Int3> left = std::move(triangles), skipped;
+  std::vector<int> sizes;
   triangles.clear();
-  for (const auto& group : by_color) triangles.insert(triangles.end(), group.begin(), group.end());
+  std::size_t at = 0;
+  while (at < left.size() || !skipped.empty()) {
+    const int batch = int(sizes.size()) + 1;
+    int size = 0;
+    const auto take = [&](Int3 t) {
+      for (int c = 0; c < 3; c++)
+        if (taken[std::size_t(t[c] - first)] == batch) return false;
+      for (int c = 0; c < 3; c++) taken[std::size_t(t[c] - first)] = batch;
+      triangles.push_back(t);
+      size++;
+      return true;
+    };
+    std::erase_if(skipped, [&](Int3 t) { return size < kSkinLanes && take(t); });
+    for (; at < left.size() && size < kSkinLanes && skipped.size() < kLookAhead; at++)
+      if (!take(left[at])) skipped.push_back(left[at]);
+    sizes.push_back(size);
+  }
+  return sizes;
 }
 
 Vec3d lines_at(const VectorVolume& lines, Vec3d point) {
@@ -160,12 +171,15 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
   std::vector<std::vector<Int3>> layers(std::size_t(model.lattice.size.z - 1));
   parallel_for(exec, layers.size(), [&](std::size_t k) { detect_layer(model, int(k), layers[k]); });
   drop_doubles(layers);
-  parallel_for(exec, layers.size(), [&](std::size_t k) { order_by_color(model.lattice, int(k), layers[k]); });
-  for (const auto& layer : layers) {
-    skin.layer_begin.push_back(int(skin.triangles.size()));
-    for (const Int3 vertex : layer) skin.triangles.push_back({.vertex = vertex});
+  std::vector<std::vector<int>> sizes(layers.size());
+  parallel_for(exec, layers.size(), [&](std::size_t k) { sizes[k] = order_in_batches(model.lattice, int(k), layers[k]); });
+  skin.batch_begin = {0};
+  for (std::size_t k = 0; k < layers.size(); k++) {
+    skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
+    for (const int size : sizes[k]) skin.batch_begin.push_back(skin.batch_begin.back() + size);
+    for (const Int3 vertex : layers[k]) skin.triangles.push_back({.vertex = vertex});
   }
-  skin.layer_begin.push_back(int(skin.triangles.size()));
+  skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
   parallel_for(exec, skin.triangles.size(), MeasureTriangle{model, lines, skin.triangles.data()}, 1024);
   collect_corners(model.lattice, skin);
 }
