@@ -31,11 +31,15 @@ struct Painter {
     const int end = std::min(count, int(std::floor((shape.high.x - first.x) / step.x)) + 1);
     if (begin >= end) return;
     shape.distance(Row{first.x + float(begin) * step.x, step.x, y, z, end - begin}, to.distance.data());
-    for (int i = begin; i < end; i++) {
-      const float cover = std::clamp(0.5f - to.distance[std::size_t(i - begin)] / edge, 0.0f, 1.0f);
-      to.hu[std::size_t(i)] += cover * (shape.hu - to.hu[std::size_t(i)]);
-      if (shape.label != phantom::kKeepLabel && cover >= 0.5f) to.label[std::size_t(i)] = shape.label;
-    }
+    const float* distance = to.distance.data();
+    for (const auto [inset, density] : shape.layers)
+      for (int i = 0; i < end - begin; i++) {
+        const float cover = std::clamp(0.5f - (distance[i] + inset) / edge, 0.0f, 1.0f);
+        to.hu[std::size_t(begin + i)] += cover * (density - to.hu[std::size_t(begin + i)]);
+      }
+    if (shape.label == phantom::kKeepLabel) return;
+    for (int i = 0; i < end - begin; i++)
+      if (distance[i] <= 0) to.label[std::size_t(begin + i)] = shape.label;
   }
 };
 

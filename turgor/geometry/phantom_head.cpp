@@ -18,9 +18,9 @@ float head_distance(Vec3 p) {
   return smooth_min(d, ellipsoid_distance(q - Vec3{73, 16, 6}, {8, 15, 29}), 8);
 }
 
-void paint_layer(Anatomy& anatomy, float inset, float hu) {
-  paint(anatomy, {-90, -112, -kEndless}, {90, 108, 135}, hu, 0, [=](float y, float z) {
-    return [=](float x) { return head_distance({x, y, z}) + inset; };
+void paint_outside(Anatomy& anatomy) {
+  paint(anatomy, {-90, -112, -kEndless}, {90, 108, 135}, {{0, kSkin}, {2, kFat}, {5, kMuscle}}, 0, [](float y, float z) {
+    return [=](float x) { return head_distance({x, y, z}); };
   });
 }
 
@@ -49,7 +49,7 @@ void paint_brain(Anatomy& anatomy) {
   for (const float side : {-1.0f, 1.0f}) {
     paint_capsule(anatomy, {side * 9, -16, 60}, {side * 13, 42, 62}, 6, 8, 90);
     paint_capsule(anatomy, {side * 13, 42, 62}, {side * 24, 26, 40}, 5, 8, 90);
-    paint_ellipsoid(anatomy, {side * 24, 58, 4}, {26, 22, 18}, 36, 90);
+    paint_ellipsoid(anatomy, {side * 20, 44, 8}, {23, 21, 17}, 36, 90);
   }
   paint_capsule(anatomy, {0, 30, 20}, {0, 34, -30}, 11, 32, 90);
 }
@@ -115,9 +115,7 @@ void paint_neck(Anatomy& anatomy) {
 Anatomy make_head(std::uint64_t) {
   Anatomy anatomy;
   paint_table(anatomy, 116, 108);
-  paint_layer(anatomy, 0, kSkin);
-  paint_layer(anatomy, 2, kFat);
-  paint_layer(anatomy, 5, kMuscle);
+  paint_outside(anatomy);
   paint_skull(anatomy);
   paint_brain(anatomy);
   paint_neck(anatomy);

@@ -10,14 +10,14 @@ struct Leg {
   Profile centre{{-440, 10}, {-330, 12}, {-200, 18}, {-100, 14}, {0, 4}, {200, 6}, {460, 8}};  // y
 };
 
-void paint_layer(Anatomy& anatomy, const Leg& leg, float inset, float hu) {
-  paint(anatomy, {-100, -102, -460}, {100, 102, 1e4f}, hu, 0, [=](float y, float z) {
+void paint_outside(Anatomy& anatomy, const Leg& leg) {
+  paint(anatomy, {-100, -102, -460}, {100, 102, 1e4f}, {{0, kSkin}, {2, kFat}}, 0, [=](float y, float z) {
     const float r = leg.radius(z), c = leg.centre(z);
     return [=](float x) {
       const float column = std::max(ellipsoid_distance({x, y - c, 0}, {0.95f * r, r, 1e6f}), -445 - z);
       const float sole = capsule_distance({x * 0.85f, y, z * 1.15f}, {0, 26, -480}, {0, -62, -488}, 31);
       const float knee = ellipsoid_distance({x, y + 44, z - 8}, {28, 20, 32});
-      return smooth_min(smooth_min(column, sole, 30), knee, 20) + inset;
+      return smooth_min(smooth_min(column, sole, 30), knee, 20);
     };
   });
 }
@@ -81,8 +81,7 @@ Anatomy make_leg(std::uint64_t) {
   const Leg leg;
   Anatomy anatomy;
   paint_table(anatomy, 101, 98);
-  paint_layer(anatomy, leg, 0, kSkin);
-  paint_layer(anatomy, leg, 2, kFat);
+  paint_outside(anatomy, leg);
   paint_muscles(anatomy, leg);
   paint_vessels(anatomy);
   paint_bones(anatomy);

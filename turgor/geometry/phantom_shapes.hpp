@@ -21,10 +21,15 @@ struct Row {
 
 constexpr std::uint16_t kKeepLabel = 65535;
 
-/// What is painted: density and label, where distance(row) is below zero.
+/// A density from `inset` below a surface inwards.
+struct Layer {
+  float inset, hu;  // [mm], [HU]
+};
+
+/// What is painted: layers from outside to inside, and a label, where distance(row) is below zero.
 struct Shape {
   Vec3 low, high;  // bounds [mm]
-  float hu;
+  std::vector<Layer> layers;
   std::uint16_t label;
   std::function<void(const Row&, float*)> distance;
 };
@@ -34,11 +39,15 @@ using Anatomy = std::vector<Shape>;
 
 /// `surface(y, z)` gives a function of x: the distance to the surface [mm].
 template <class Surface>
-void paint(Anatomy& anatomy, Vec3 low, Vec3 high, float hu, std::uint16_t label, Surface surface) {
-  anatomy.push_back({low, high, hu, label, [surface](const Row& row, float* out) {
+void paint(Anatomy& anatomy, Vec3 low, Vec3 high, std::vector<Layer> layers, std::uint16_t label, Surface surface) {
+  anatomy.push_back({low, high, std::move(layers), label, [surface](const Row& row, float* out) {
                        const auto distance = surface(row.y, row.z);
                        for (int i = 0; i < row.count; i++) out[i] = distance(row.x + float(i) * row.dx);
                      }});
+}
+template <class Surface>
+void paint(Anatomy& anatomy, Vec3 low, Vec3 high, float hu, std::uint16_t label, Surface surface) {
+  paint(anatomy, low, high, std::vector<Layer>{{0, hu}}, label, surface);
 }
 
 /// A quantity that changes smoothly with z: cubic through points of rising z, constant beyond them.
