@@ -7,6 +7,7 @@
 
 #include "turgor/core/exec.hpp"
 #include "turgor/core/progress.hpp"
+#include "turgor/core/vec.hpp"
 
 namespace turgor {
 
