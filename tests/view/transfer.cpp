@@ -39,6 +39,18 @@ TEST(Transfer, RangesAreVisibleWhenTheyReachAVisibleValue) {
   EXPECT_FALSE(transfer.is_visible(-32768, -30000));
 }
 
+TEST(Transfer, MostExtinctionIsTheLargestOfARange) {
+  for (const std::string& preset : volume_presets()) {
+    const Transfer transfer(transfer_points(preset));
+    for (const auto& [low, high] :
+         {std::pair{-1000, -990}, {-960, -400}, {-500, 200}, {-30000, 30000}, {7, 7}}) {
+      float most = 0;
+      for (int hu = low; hu <= high; hu++) most = std::max(most, transfer.extinction(hu));
+      EXPECT_EQ(transfer.most_extinction(low, high), most) << preset << " " << low << " " << high;
+    }
+  }
+}
+
 TEST(Transfer, PresetsHaveRisingValuesAndOpacitiesBelowOne) {
   ASSERT_EQ(volume_presets(), (std::vector<std::string>{"skin", "soft tissue", "muscle", "bone", "lung"}));
   for (const std::string& preset : volume_presets()) {

@@ -20,6 +20,7 @@ struct ClassifyRow {
   const CtVolume& ct;
   const Transfer& transfer;
   const std::vector<float>& opacity;  // of one sample, by HU + 32768
+  float faint_extinction;             // [1/m]
   OpacityBlocks& blocks;
 
   void operator()(std::size_t row) const {
@@ -43,6 +44,7 @@ struct ClassifyRow {
       const bool visible = transfer.is_visible(least, most);
       const std::size_t index = row * std::size_t(blocks.size.x) + std::size_t(b);
       blocks.distance[index] = visible ? 0 : UINT8_MAX;
+      blocks.faint[index] = transfer.most_extinction(least, most) < faint_extinction;
       blocks.levels[0].opaque[index] = visible ? mean_opacity({i0, j0, k0}) : 0;
     }
   }
@@ -100,14 +102,18 @@ OpacityBlocks build_opacity_blocks(const Exec& exec, const CtVolume& ct, const T
   blocks.size = {block_count(n.x, kBlock), block_count(n.y, kBlock), block_count(n.z, kBlock)};
   const std::size_t count = block_index(blocks.size, 0, 0, blocks.size.z);
   blocks.distance.resize(count);
+  blocks.faint.resize(count);
   blocks.levels.push_back({blocks.size, std::vector<float>(count)});
 
+  const Vec3d spacing = ct.grid.spacing;
+  const auto faint_extinction =
+      float(-std::log(1 - double(kFaint)) / std::min({spacing.x, spacing.y, spacing.z}));
   const double sample = std::cbrt(sample_volume(ct.grid));
   std::vector<float> opacity(65536);
   for (int hu = -32768; hu < 32768; hu++)
     opacity[std::size_t(hu + 32768)] = float(1 - std::exp(-transfer.extinction(hu) * kBlock * sample));
   parallel_for(exec, std::size_t(blocks.size.y) * std::size_t(blocks.size.z),
-               ClassifyRow{ct, transfer, opacity, blocks});
+               ClassifyRow{ct, transfer, opacity, faint_extinction, blocks});
   spread_distance(blocks.size, blocks.distance);
   while (int(blocks.levels.size()) < kLevels) blocks.levels.push_back(half_resolution(blocks.levels.back()));
   return blocks;

@@ -12,7 +12,8 @@
 
 namespace turgor {
 
-constexpr int kBlock = 4;  // samples along a block's edge
+constexpr int kBlock = 4;         // samples along a block's edge
+constexpr float kFaint = 0.024f;  // what hides less within the smallest spacing is a cloud
 
 /// One value a block of the level; level 0 has blocks of kBlock samples, every further one of twice the edge.
 struct OccupancyLevel {
@@ -24,6 +25,7 @@ struct OpacityBlocks {
   Int3 size;
   std::vector<std::uint8_t>
       distance;  // blocks to the nearest visible one, in the largest of three directions; 0 = visible
+  std::vector<std::uint8_t> faint;  // 1 = nothing in the block is more than a cloud
   std::vector<OccupancyLevel> levels;
 };
 

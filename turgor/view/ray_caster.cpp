@@ -16,8 +16,8 @@ namespace {
 
 constexpr float kLeastTransmittance = 0.004f;
 constexpr float kSolid = 0.12f;  // a step that hides more than this belongs to a surface
-constexpr float kFaint = 0.02f;  // one that hides less belongs to a cloud
-constexpr int kLongStep = 2;     // steps at once through clouds
+constexpr int kLongStep =
+    2;  // steps at once through clouds: blocks share their borders, so none is leapt over
 constexpr float kNoise =
     12;  // smoothed neighbours that differ by much less are noise, by much more a surface [HU]
 
@@ -131,10 +131,10 @@ Vec3 RayCaster::cloud(Vec3 color) const {
   return hadamard(color, (lights.sky_color + lights.floor_color) * 0.5f + lights.key_color * 0.45f);
 }
 
-int RayCaster::distance_at(Vec3 index) const {
+std::size_t RayCaster::block_at(Vec3 index) const {
   const std::size_t i = std::size_t(index.x) / kBlock, j = std::size_t(index.y) / kBlock,
                     k = std::size_t(index.z) / kBlock;
-  return blocks.distance[(k * std::size_t(blocks.size.y) + j) * std::size_t(blocks.size.x) + i];
+  return (k * std::size_t(blocks.size.y) + j) * std::size_t(blocks.size.x) + i;
 }
 
 Vec3 RayCaster::segment_light(const Ray& ray, const Segment& segment, const Optical& optical,
@@ -156,7 +156,8 @@ Vec3 RayCaster::pixel(float x, float y) const {
   bool is_near = false;  // the segment starts where something may be visible
   while (segment.end <= ray.last && transmittance > kLeastTransmittance) {
     const Vec3 index = place(segment.end);
-    const int distance = distance_at(index);
+    const std::size_t block = block_at(index);
+    const int distance = blocks.distance[block];
     if (distance > 0 && !is_near) {
       segment = {.end = segment.end + leap(ray, index, distance)};
       continue;
@@ -173,7 +174,7 @@ Vec3 RayCaster::pixel(float x, float y) const {
     if (alpha > 0) light += segment_light(ray, segment, optical, alpha) * (alpha * transmittance);
     transmittance *= 1 - alpha;
     is_near = distance == 0;
-    const int steps = alpha > 0 && alpha < kFaint ? kLongStep : 1;  // none: thin surfaces may come
+    const int steps = distance == 0 && blocks.faint[block] ? kLongStep : 1;
     segment = {.end = segment.end + steps, .steps = steps, .before = segment.here};
   }
   return light + backdrop(x / float(width), y / float(height)) * transmittance;

@@ -48,7 +48,7 @@ struct RayCaster {
   Vec3 cloud(Vec3 color) const;
   float openness(Vec3 index, Vec3 normal) const;
   float surface_place(float before, float here, int steps) const;
-  int distance_at(Vec3 index) const;
+  std::size_t block_at(Vec3 index) const;
   Vec3 segment_light(const Ray& ray, const Segment& segment, const Optical& optical, float alpha) const;
   int leap(const Ray& ray, Vec3 index, int distance) const;
 };

@@ -71,6 +71,7 @@ bool rasterize(FT_Face face, std::string_view text, int size, TextMask& mask) {
   pen = 64;
   for (const char32_t point : points) {
     if (FT_Load_Char(face, point, FT_LOAD_RENDER)) return false;
+    if (face->glyph->bitmap.pixel_mode != FT_PIXEL_MODE_GRAY) return false;  // a font of dots, eight a byte
     add_bitmap(face->glyph->bitmap, int(pen / 64) + face->glyph->bitmap_left,
                baseline - face->glyph->bitmap_top, mask);
     pen += face->glyph->advance.x;

@@ -1,6 +1,7 @@
 #include "turgor/view/transfer.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "turgor/view/color.hpp"
@@ -76,6 +77,19 @@ Transfer::Transfer(std::span<const TransferPoint> points)
     }
     before = here;
   }
+  most_.push_back(extinction_);
+  for (std::size_t width = 1; 2 * width <= kCount; width *= 2) {
+    std::vector<float> most(kCount - 2 * width + 1);
+    for (std::size_t i = 0; i < most.size(); i++)
+      most[i] = std::max(most_.back()[i], most_.back()[i + width]);
+    most_.push_back(std::move(most));
+  }
+}
+
+float Transfer::most_extinction(int low, int high) const {
+  const std::size_t first = entry(low), count = entry(high) - first + 1;
+  const auto row = std::size_t(std::bit_width(count) - 1);
+  return std::max(most_[row][first], most_[row][first + count - (std::size_t(1) << row)]);
 }
 
 Transfer::Sum Transfer::sum_at(float hu) const {

@@ -34,6 +34,8 @@ class Transfer {
   Optical mean(float a, float b) const;
   /// Whether some value in [low, high] absorbs.
   bool is_visible(int low, int high) const { return visible_[entry(high) + 1] > visible_[entry(low)]; }
+  /// The strongest absorption of any value in [low, high] [1/m].
+  float most_extinction(int low, int high) const;
   float extinction(int hu) const { return extinction_[entry(hu)]; }
 
  private:
@@ -45,9 +47,10 @@ class Transfer {
   };
   Sum sum_at(float hu) const;
 
-  std::vector<float> extinction_;  // at each entry [1/m]
-  std::vector<Sum> sums_;          // integrals from the first entry up to each
-  std::vector<int> visible_;       // absorbing entries before each
+  std::vector<float> extinction_;         // at each entry [1/m]
+  std::vector<Sum> sums_;                 // integrals from the first entry up to each
+  std::vector<std::vector<float>> most_;  // row r: the largest of 2^r entries from each on
+  std::vector<int> visible_;              // absorbing entries before each
 };
 
 /// The points of a tissue preset; empty when there is none of this name.
