@@ -48,7 +48,8 @@ std::int16_t to_hu(double value) {
 std::vector<std::int16_t> hounsfield(const Exec& exec, const RawVolume& raw) {
   std::vector<std::int16_t> hu(raw.value_count());
   visit_samples(raw, [&](const auto* stored) {
-    parallel_for(exec, hu.size(), [&](std::size_t i) { hu[i] = to_hu(double(stored[i])); }, std::size_t{1} << 16);
+    const auto convert = [&](std::size_t i) { hu[i] = to_hu(raw.slope * double(stored[i]) + raw.intercept); };
+    parallel_for(exec, hu.size(), convert, std::size_t{1} << 16);
   });
   return hu;
 }
@@ -57,7 +58,7 @@ std::vector<std::int16_t> hounsfield(const Exec& exec, const RawVolume& raw) {
 std::optional<std::size_t> first_without_label(const RawVolume& raw) {
   return visit_samples(raw, [&](const auto* stored) -> std::optional<std::size_t> {
     for (std::size_t i = 0; i < raw.value_count(); i++) {
-      const double value = double(stored[i]);
+      const double value = raw.slope * double(stored[i]) + raw.intercept;
       if (!(value >= 0 && value <= 65535) || value != std::floor(value)) return i;
     }
     return std::nullopt;
@@ -66,7 +67,7 @@ std::optional<std::size_t> first_without_label(const RawVolume& raw) {
 
 Error no_label(const fs::path& path, const RawVolume& raw, std::size_t at) {
   const std::size_t nx = std::size_t(raw.grid.size.x), ny = std::size_t(raw.grid.size.y);
-  const double value = visit_samples(raw, [&](const auto* stored) { return double(stored[at]); });
+  const double value = raw.slope * visit_samples(raw, [&](const auto* stored) { return double(stored[at]); }) + raw.intercept;
   return {fmt::format("{}: sample ({}, {}, {}) is {}; expected labels: whole numbers from 0 to 65535", path.string(), at % nx,
                       at / nx % ny, at / nx / ny, value)};
 }
@@ -94,7 +95,8 @@ Result<LabelVolume> read_labels(const fs::path& path) {
   if (const auto at = first_without_label(*raw)) return no_label(path, *raw, *at);
   LabelVolume labels{raw->grid, std::vector<std::uint16_t>(raw->value_count())};
   visit_samples(*raw, [&](const auto* stored) {
-    std::transform(stored, stored + labels.samples.size(), labels.samples.begin(), [](auto v) { return std::uint16_t(v); });
+    std::transform(stored, stored + labels.samples.size(), labels.samples.begin(),
+                   [&](auto v) { return std::uint16_t(raw->slope * double(v) + raw->intercept); });
   });
   return right_handed(std::move(labels));
 }
@@ -104,8 +106,8 @@ Result<VectorVolume> read_vectors(const fs::path& path) {
   if (!raw) return raw.error();
   VectorVolume vectors{raw->grid, std::vector<Vec3>(raw->value_count() / 3)};
   visit_samples(*raw, [&](const auto* stored) {
-    for (std::size_t i = 0; i < vectors.samples.size(); i++)
-      vectors.samples[i] = {Real(stored[3 * i]), Real(stored[3 * i + 1]), Real(stored[3 * i + 2])};
+    const auto value = [&](std::size_t at) { return Real(raw->slope * double(stored[at]) + raw->intercept); };
+    for (std::size_t i = 0; i < vectors.samples.size(); i++) vectors.samples[i] = {value(3 * i), value(3 * i + 1), value(3 * i + 2)};
   });
   return right_handed(std::move(vectors));
 }

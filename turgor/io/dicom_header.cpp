@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <set>
 
 #include <fmt/format.h>
 #include <gdcmReader.h>
@@ -19,7 +20,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const gdcm::Tag kPixels(0x7fe0, 0x0010);
+/// What describe() reads; GDCM stops behind the last.
+const std::set<gdcm::Tag> kTags = {
+    {0x0008, 0x0008}, {0x0008, 0x0060}, {0x0008, 0x1030}, {0x0008, 0x103e}, {0x0010, 0x0010}, {0x0018, 0x0050},
+    {0x0020, 0x000e}, {0x0020, 0x0032}, {0x0020, 0x0037}, {0x0028, 0x0002}, {0x0028, 0x0004}, {0x0028, 0x0008},
+    {0x0028, 0x0010}, {0x0028, 0x0011}, {0x0028, 0x0030}, {0x0028, 0x0100}, {0x0028, 0x0101}, {0x0028, 0x0103},
+    {0x0028, 0x0120}, {0x0028, 0x0121}, {0x0028, 0x1052}, {0x0028, 0x1053}};
 
 std::string_view bytes(const gdcm::DataSet& set, std::uint16_t group, std::uint16_t element) {
   const gdcm::Tag tag(group, element);
@@ -155,7 +161,7 @@ Result<std::optional<DicomSlice>> read_dicom_header(const fs::path& file) {
   try {
     gdcm::Reader reader;
     reader.SetFileName(file.c_str());
-    if (!reader.ReadUpToTag(kPixels)) return Error{fmt::format("{}: damaged or truncated DICOM file", file.string())};
+    if (!reader.ReadSelectedTags(kTags)) return Error{fmt::format("{}: damaged or truncated DICOM file", file.string())};
     DicomSlice slice = describe(file, reader.GetFile().GetDataSet());
     slice.is_compressed = !is_plain(reader.GetFile().GetHeader().GetDataSetTransferSyntax());
     slice.file_size = fs::file_size(file);

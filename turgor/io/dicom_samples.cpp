@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <istream>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -10,6 +11,8 @@
 #include <gdcmReader.h>
 
 #include "turgor/io/dicom.hpp"
+#include "turgor/io/dicom_stream.hpp"
+#include "turgor/io/file.hpp"
 
 namespace turgor::io {
 
@@ -47,12 +50,19 @@ void convert_any(const DicomSlice& slice, const char* stored, std::span<std::int
   }
 }
 
-Status read_plain(const DicomSlice& slice, std::span<std::int16_t> hu) {
+Error cut_short(const DicomSlice& slice) {
+  return {fmt::format("{}: truncated or corrupt: {} bytes end before the pixels do", slice.file.string(), slice.file_size)};
+}
+
+Status read_plain(const DicomSlice& slice, WholeFile& bytes_of_file, std::span<std::int16_t> hu) {
   const std::size_t wanted = hu.size() * std::size_t(slice.bits_allocated) / 8;
   const gdcm::Tag pixels(0x7fe0, 0x0010);
+  std::istream stream(&bytes_of_file);
   gdcm::Reader reader;
-  reader.SetFileName(slice.file.c_str());
-  if (!reader.Read()) return damaged(slice, 0, wanted);
+  reader.SetStream(stream);
+  const bool is_read = reader.Read();
+  if (bytes_of_file.is_cut_short()) return cut_short(slice);
+  if (!is_read) return damaged(slice, 0, wanted);
   const gdcm::DataSet& set = reader.GetFile().GetDataSet();
   const gdcm::ByteValue* bytes = set.FindDataElement(pixels) ? set.GetDataElement(pixels).GetByteValue() : nullptr;
   if (!bytes || bytes->GetLength() < wanted) return damaged(slice, bytes ? std::size_t(bytes->GetLength()) : 0, wanted);
@@ -60,10 +70,13 @@ Status read_plain(const DicomSlice& slice, std::span<std::int16_t> hu) {
   return Done{};
 }
 
-Status decode(const DicomSlice& slice, std::span<std::int16_t> hu) {
+Status decode(const DicomSlice& slice, WholeFile& bytes_of_file, std::span<std::int16_t> hu) {
+  std::istream stream(&bytes_of_file);
   gdcm::ImageReader reader;
-  reader.SetFileName(slice.file.c_str());
-  if (!reader.Read()) return Error{fmt::format("{}: the pixels cannot be decoded: damaged, or compressed in an unknown way", slice.file.string())};
+  reader.SetStream(stream);
+  const bool is_read = reader.Read();
+  if (bytes_of_file.is_cut_short()) return cut_short(slice);
+  if (!is_read) return Error{fmt::format("{}: the pixels cannot be decoded: damaged, or compressed in an unknown way", slice.file.string())};
   const gdcm::Image& image = reader.GetImage();
   const gdcm::PixelFormat format = image.GetPixelFormat();
   DicomSlice decoded = slice;
@@ -83,7 +96,10 @@ Status decode(const DicomSlice& slice, std::span<std::int16_t> hu) {
 
 Status read_dicom_samples(const DicomSlice& slice, std::span<std::int16_t> hu) {
   try {
-    return slice.is_compressed ? decode(slice, hu) : read_plain(slice, hu);
+    Result<std::string> bytes = read_file(slice.file);
+    if (!bytes) return bytes.error();
+    WholeFile file(std::move(*bytes));
+    return slice.is_compressed ? decode(slice, file, hu) : read_plain(slice, file, hu);
   } catch (const std::exception& error) {
     return Error{fmt::format("{}: damaged DICOM file: {}", slice.file.string(), error.what())};
   }

@@ -105,26 +105,36 @@ Status check_tilt(const fs::path& folder, const Slices& slices, Vec3d normal) {
   return Done{};
 }
 
+/// The distance that slices should have: the smallest gap if all others are multiples of it, as when slices are missing;
+/// otherwise the usual one.
+double expected_gap(const std::vector<double>& gaps) {
+  const double smallest = *std::min_element(gaps.begin(), gaps.end());
+  const auto is_multiple = [&](double gap) { return std::abs(gap / smallest - std::round(gap / smallest)) < 0.05; };
+  return smallest > 0 && std::all_of(gaps.begin(), gaps.end(), is_multiple) ? smallest : median(gaps);
+}
+
 /// The distance of slices, which must be the same everywhere [mm].
 Result<double> even_spacing(const fs::path& folder, const Slices& slices, Vec3d normal) {
-  std::vector<double> place, gap;
+  std::vector<double> place, gaps;
   for (const DicomSlice& s : slices) place.push_back(dot(*s.position, normal));
-  for (std::size_t i = 1; i < place.size(); i++) gap.push_back(place[i] - place[i - 1]);
-  const double usual = median(gap);
-  for (std::size_t i = 0; i < gap.size(); i++) {
-    const std::string before = name_of(slices[i]), after = name_of(slices[i + 1]);
-    if (gap[i] < 0.01 * usual || gap[i] < 1e-6)
-      return Error{fmt::format("{}: {} and {} lie at the same position ({:.2f} mm along the normal); expected one slice a position "
-                               "(several phases or reconstructions in one series?)", folder.string(), before, after, place[i])};
-    if (std::abs(gap[i] - usual) <= std::max(0.02 * usual, 0.05)) continue;
-    const double missing = gap[i] / usual - 1;
-    const bool whole = missing > 0.5 && std::abs(missing - std::round(missing)) < 0.1;
-    return Error{fmt::format("{}: {} between {} (at {:.2f} mm along the normal) and {} (at {:.2f} mm): a gap of {:.2f} mm, expected {:.2f} mm",
-                             folder.string(),
-                             whole ? fmt::format("missing slices: {}", std::lround(missing)) : std::string("uneven distance of slices"),
-                             before, place[i], after, place[i + 1], gap[i], usual)};
+  for (std::size_t i = 1; i < place.size(); i++) gaps.push_back(place[i] - place[i - 1]);
+  const double usual = median(gaps);
+  const auto at = [&](std::size_t i) { return fmt::format("{} (at {:.2f} mm along the normal)", name_of(slices[i]), place[i]); };
+  for (std::size_t i = 0; i < gaps.size(); i++)
+    if (gaps[i] < 0.01 * usual || gaps[i] < 1e-6)
+      return Error{fmt::format("{}: {} and {} lie at the same position; expected one slice a position (several phases or "
+                               "reconstructions in one series?)", folder.string(), at(i), at(i + 1))};
+  const double expected = expected_gap(gaps);
+  const long missing = std::lround((place.back() - place.front()) / expected) - long(gaps.size());
+  for (std::size_t i = 0; i < gaps.size(); i++) {
+    if (std::abs(gaps[i] - expected) <= std::max(0.02 * expected, 0.05)) continue;
+    const bool is_whole = std::abs(gaps[i] / expected - std::round(gaps[i] / expected)) < 0.1 && gaps[i] > 1.5 * expected;
+    return Error{fmt::format("{}: {}, first between {} and {}: a gap of {:.2f} mm, expected {:.2f} mm", folder.string(),
+                             is_whole ? fmt::format("missing slices: {} of {}", missing, missing + long(slices.size()))
+                                      : std::string("uneven distance of slices"),
+                             at(i), at(i + 1), gaps[i], expected)};
   }
-  return (place.back() - place.front()) / double(gap.size());
+  return (place.back() - place.front()) / double(gaps.size());
 }
 
 Result<double> slice_spacing(const fs::path& folder, const Slices& slices, Vec3d normal) {

@@ -24,6 +24,7 @@ class Fields {
     return get<T>(at, swap_);
   }
   bool is_nifti1() const { return get<std::int32_t>(0) == 348; }
+  bool is_swapped() const { return swap_; }
 
  private:
   template <class T>
@@ -37,11 +38,9 @@ class Fields {
   bool swap_;
 };
 
-bool sample_type(int code, SampleType& type, int& components) {
-  components = code == 128 ? 3 : 1;  // 128: red, green, blue
+bool sample_type(int code, SampleType& type) {
   switch (code) {
-    case 2:
-    case 128: type = SampleType::kUint8; return true;
+    case 2: type = SampleType::kUint8; return true;
     case 4: type = SampleType::kInt16; return true;
     case 8: type = SampleType::kInt32; return true;
     case 16: type = SampleType::kFloat; return true;
@@ -99,7 +98,7 @@ Status place(const fs::path& path, const Fields& f, VolumeHeader& header) {
     header.grid.axes.column[axis] = Vec3d{-ras.x, -ras.y, ras.z} / length;
   }
   header.grid.origin = Vec3d{-a.origin.x, -a.origin.y, a.origin.z} * unit;
-  header.has_grid = true;
+  header.grid.size = {int(header.size[0]), int(header.size[1]), int(header.size[2])};
   return Done{};
 }
 
@@ -129,11 +128,11 @@ Result<VolumeHeader> parse_nifti(const fs::path& path, std::string_view head) {
     return Error{fmt::format("{}: an Analyze or two-file NIfTI header; expected a single file (.nii or .nii.gz)", path.string())};
   if (!path.string().ends_with(".nii") && !path.string().ends_with(".nii.gz"))
     return Error{fmt::format("{}: holds NIfTI; expected its name to end in .nii or .nii.gz", path.string())};
-  VolumeHeader header{.format = VolumeFormat::kNifti, .data_file = path};
+  VolumeHeader header{.format = VolumeFormat::kNifti, .is_swapped = f.is_swapped(), .data_file = path};
   const int code = f.get<std::int16_t>(70);
-  if (!sample_type(code, header.type, header.components))
+  if (!sample_type(code, header.type))
     return Error{fmt::format("{}: NIfTI sample type {} is not read; expected whole or real numbers", path.string(), code)};
-  const int expected_bits = int(byte_size(header.type)) * 8 * header.components;
+  const int expected_bits = int(byte_size(header.type)) * 8;
   if (f.get<std::int16_t>(72) != expected_bits)
     return Error{fmt::format("{}: corrupt: {} bits a sample, type {} has {}", path.string(), f.get<std::int16_t>(72), code, expected_bits)};
   if (Status sizes = read_sizes(path, f, header); !sizes) return sizes.error();

@@ -45,11 +45,10 @@ Component component(SampleType type) {
 }
 
 Grid itk_grid(const itk::ImageIOBase& io, const VolumeHeader& header) {
-  Grid grid = header.grid;
+  Grid grid;
   for (unsigned axis = 0; axis < 3; axis++) {
     const int a = int(axis);
     grid.size[a] = int(header.size[axis]);
-    if (header.has_grid) continue;
     grid.spacing[a] = io.GetSpacing(axis) * 1e-3;
     grid.origin[a] = io.GetOrigin(axis) * 1e-3;
     const std::vector<double> direction = io.GetDirection(axis);
@@ -110,10 +109,9 @@ Result<RawVolume> read_samples(const fs::path& path, const VolumeHeader& header)
   io->SetIORegion(region);
   const Result<SampleType> type = sample_type(path, io->GetComponentType());
   if (!type) return type.error();
-  RawVolume raw{header.format, itk_grid(*io, header), *type, int(io->GetNumberOfComponents()), {}};
+  RawVolume raw{header.format, itk_grid(*io, header), *type, int(io->GetNumberOfComponents()), 1, 0, {}};
   if (raw.components != header.components)
     return Error{fmt::format("{}: corrupt: {} components, expected {}", path.string(), raw.components, header.components)};
-  if (Status placed = check_grid(path, raw.grid); !placed) return placed.error();
   raw.bytes.resize(sample_count(raw.grid) * std::size_t(raw.components) * byte_size(raw.type));
   io->Read(raw.bytes.data());
   return raw;
@@ -157,7 +155,12 @@ Status write_samples(const fs::path& path, VolumeFormat format, const SamplesToW
 Result<RawVolume> read_volume_file(const fs::path& path) {
   const Result<VolumeHeader> header = read_volume_header(path);
   if (!header) return header.error();
-  return guarded(path, "read", [&] { return read_samples(path, *header); });
+  Result<RawVolume> raw = guarded(path, "read", [&] {
+    return header->format == VolumeFormat::kNifti ? read_nifti_samples(path, *header) : read_samples(path, *header);
+  });
+  if (!raw) return raw;
+  if (Status placed = check_grid(path, raw->grid); !placed) return placed.error();
+  return raw;
 }
 
 Status write_volume_file(const fs::path& path, const SamplesToWrite& samples) {

@@ -1,4 +1,5 @@
-// NIfTI, NRRD and MetaImage files in and out through ITK, as bytes of one sample type. Internal to io/.
+// NRRD and MetaImage files in and out through ITK, NIfTI in by itself and out through ITK, as bytes of one sample type.
+// Internal to io/.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +14,8 @@ struct RawVolume {
   Grid grid;
   SampleType type{};
   int components = 1;
-  std::vector<std::byte> bytes;  // components fastest, then i
+  double slope = 1, intercept = 0;  // value = slope · stored + intercept
+  std::vector<std::byte> bytes;     // components fastest, then i
 
   std::size_t value_count() const { return bytes.size() / byte_size(type); }
 };
@@ -28,6 +30,9 @@ struct SamplesToWrite {
 };
 /// The format follows from the name. Written beside and renamed.
 Status write_volume_file(const std::filesystem::path& path, const SamplesToWrite& samples);
+
+/// The samples of a NIfTI file whose header is known. (ITK's reader turns samples that are no number into 0 HU: water.)
+Result<RawVolume> read_nifti_samples(const std::filesystem::path& path, const VolumeHeader& header);
 
 /// Calls f with a pointer to the samples in their own type.
 template <class F>

@@ -65,10 +65,9 @@ std::int64_t available_bytes(const VolumeHeader& header, std::int64_t wanted) {
   const auto on_disk = static_cast<std::int64_t>(fs::file_size(header.data_file, failed));
   if (failed) return 0;
   if (header.packing == Packing::kRaw) return on_disk - header.data_offset;
-  const bool whole_file = header.packing == Packing::kGzipFile;
-  const std::int64_t end = wanted + (whole_file ? header.data_offset : 0);
-  if (end > on_disk * 1100 + 1024) return on_disk * 1100;  // deflate packs a thousandfold at best: do not even try
-  return inflated_size(header.data_file, whole_file ? 0 : header.data_offset, end) - (end - wanted);
+  if (wanted > on_disk * 1100 + 1024) return on_disk * 1100;  // deflate packs a thousandfold at best: do not even try
+  if (header.packing == Packing::kGzipFile) return wanted;    // whoever reads the file finds its end
+  return inflated_size(header.data_file, header.data_offset, wanted);
 }
 
 Status check_data(const fs::path& path, const VolumeHeader& header) {

@@ -25,8 +25,8 @@ struct VolumeHeader {
   std::array<std::int64_t, 3> size{};  // samples along i, j, k
   int components = 1;
   double slope = 1, intercept = 0;  // value = slope · stored + intercept (NIfTI)
-  bool has_grid = false;            // NIfTI: `grid` is placed; the others leave that to ITK
-  Grid grid{};
+  bool is_swapped = false;          // NIfTI: of the other byte order than this machine
+  Grid grid{};                      // NIfTI; the others leave that to ITK
   std::filesystem::path data_file;  // where the samples are: the file itself, or the one it names
   std::int64_t data_offset = 0;     // in data_file, after decompression where the whole file is compressed
   enum class Packing { kRaw, kGzip, kZlib, kGzipFile } packing = Packing::kRaw;

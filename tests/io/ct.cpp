@@ -1,0 +1,297 @@
+#include "turgor/io/ct.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "io/temp_folder.hpp"
+
+namespace turgor {
+namespace {
+
+using testing::slurp;
+using testing::spill;
+using testing::TempFolder;
+
+const Exec kExec(2);
+
+/// Axes turned about all three directions.
+Mat3d oblique_axes() {
+  const Vec3d i = normalized(Vec3d{0.9, 0.3, -0.1}), k = normalized(cross(i, Vec3d{0.1, 0.95, 0.2}));
+  return {{i, cross(k, i), k}};
+}
+
+CtVolume make_ct() {
+  CtVolume ct{{.size = {7, 5, 4}, .spacing = {0.7e-3, 1.1e-3, 2.5e-3}, .origin = {-0.12, 0.034, -0.785}, .axes = oblique_axes()}, {}};
+  for (std::size_t n = 0; n < sample_count(ct.grid); n++) ct.samples.push_back(std::int16_t(int(n * 487 % 4000) - 1024));
+  ct.samples[3] = std::numeric_limits<std::int16_t>::min();
+  ct.samples[9] = std::numeric_limits<std::int16_t>::max();
+  return ct;
+}
+
+double largest_shift(const Grid& a, const Grid& b) {
+  double shift = 0;
+  for (const Vec3d corner : {Vec3d{0, 0, 0}, Vec3d{6, 0, 0}, Vec3d{0, 4, 0}, Vec3d{0, 0, 3}, Vec3d{6, 4, 3}})
+    shift = std::max(shift, norm(point_at(a, corner) - point_at(b, corner)));
+  return shift;
+}
+
+class EveryFormat : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Ct, EveryFormat, ::testing::Values("a.nii", "a.nii.gz", "a.nrrd", "a.mha"));
+
+TEST_P(EveryFormat, GivesBackAnObliqueAnisotropicCt) {
+  const TempFolder folder;
+  const CtVolume ct = make_ct();
+  const Status written = write_ct(folder / GetParam(), ct);
+  ASSERT_TRUE(written) << written.error().message;
+  const auto read = read_ct(kExec, folder / GetParam());
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->ct.grid.size, ct.grid.size);
+  EXPECT_LT(largest_shift(read->ct.grid, ct.grid), 1e-7);
+  EXPECT_TRUE(same_grid(read->ct.grid, ct.grid));
+  EXPECT_EQ(read->ct.samples, ct.samples);
+}
+
+TEST_P(EveryFormat, GivesBackLabels) {
+  const TempFolder folder;
+  LabelVolume labels{make_ct().grid, {}};
+  for (std::size_t n = 0; n < sample_count(labels.grid); n++) labels.samples.push_back(std::uint16_t(n * 521));
+  ASSERT_TRUE(write_labels(folder / GetParam(), labels));
+  const auto read = read_labels(folder / GetParam());
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->samples, labels.samples);
+}
+
+TEST_P(EveryFormat, GivesBackDisplacementsInMillimetres) {
+  const TempFolder folder;
+  VectorVolume field{make_ct().grid, {}};
+  for (std::size_t n = 0; n < sample_count(field.grid); n++) field.samples.push_back({float(n) * 1e-3f, -2e-3f, 0.5e-3f * float(n % 3)});
+  const Status written = write_displacement(folder / GetParam(), field);
+  ASSERT_TRUE(written) << written.error().message;
+  const auto read = read_vectors(folder / GetParam());
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->samples.size(), field.samples.size());
+  EXPECT_LT(largest_shift(read->grid, field.grid), 1e-7);
+  for (std::size_t n = 0; n < field.samples.size(); n++) EXPECT_LT(norm(read->samples[n] - field.samples[n] * 1000.0f), 1e-4f) << n;
+}
+
+TEST_P(EveryFormat, RefusesAFileCutShort) {
+  const TempFolder folder;
+  ASSERT_TRUE(write_ct(folder / GetParam(), make_ct()));
+  const std::string whole = slurp(folder / GetParam());
+  for (const std::size_t kept : {whole.size() - 40, whole.size() / 2, std::size_t{100}, std::size_t{3}, std::size_t{0}}) {
+    spill(folder / GetParam(), whole.substr(0, kept));
+    EXPECT_REFUSED(read_ct(kExec, folder / GetParam()), GetParam());
+  }
+}
+
+TEST_P(EveryFormat, LeavesNothingBehindWhenTheFolderIsMissing) {
+  const TempFolder folder;
+  EXPECT_REFUSED(write_ct(folder / "nowhere" / GetParam(), make_ct()), "nowhere", "does not exist");
+}
+
+TEST_P(EveryFormat, RefusesVectorsAndFractionsWhereTheyMeanNothing) {
+  const TempFolder folder;
+  const Grid grid = make_ct().grid;
+  ASSERT_TRUE(write_displacement(folder / GetParam(), {grid, std::vector<Vec3>(sample_count(grid))}));
+  EXPECT_REFUSED(read_ct(kExec, folder / GetParam()), "3 components", "expected 1");
+  ASSERT_TRUE(write_scalars(folder / GetParam(), {grid, std::vector<float>(sample_count(grid), 1.5f)}));
+  EXPECT_REFUSED(read_labels(folder / GetParam()), "1.5", "whole numbers");
+  EXPECT_REFUSED(read_vectors(folder / GetParam()), "1 components", "expected 3");
+}
+
+TEST(Ct, LeftHandedAxesBecomeRightHandedInTheSamePlace) {
+  const TempFolder folder;
+  CtVolume ct = make_ct();
+  ct.grid.axes.column[0] = -ct.grid.axes.column[0];
+  ASSERT_TRUE(write_ct(folder / "a.nii.gz", ct));
+  const auto read = read_ct(kExec, folder / "a.nii.gz");
+  ASSERT_TRUE(read);
+  EXPECT_GT(determinant(read->ct.grid.axes), 0.99);
+  for (int i = 0; i < 7; i++) {
+    const Vec3d at = index_at(read->ct.grid, point_at(ct.grid, {double(i), 2, 1}));
+    EXPECT_EQ(read->ct.at(int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z))), ct.at(i, 2, 1));
+  }
+}
+
+/// A NIfTI-1 file of 3 x 2 x 2 samples, one byte order, placed by the spacing alone.
+struct Nifti {
+  std::string bytes = std::string(352, '\0');
+
+  template <class T>
+  void put(std::size_t at, T value) {
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+  }
+  template <class T>
+  Nifti(std::int16_t type, std::initializer_list<T> samples, std::array<std::int16_t, 8> dim = {3, 3, 2, 2, 1, 1, 1, 1}) {
+    put<std::int32_t>(0, 348);
+    for (std::size_t axis = 0; axis < 8; axis++) put(40 + 2 * axis, dim[axis]);
+    put<std::int16_t>(70, type);
+    put<std::int16_t>(72, sizeof(T) * 8);
+    for (std::size_t axis = 0; axis < 8; axis++) put<float>(76 + 4 * axis, 1);
+    put<float>(108, 352);
+    put<float>(112, 1);
+    std::memcpy(bytes.data() + 344, "n+1", 4);
+    for (const T sample : samples) bytes.append(reinterpret_cast<const char*>(&sample), sizeof sample);
+  }
+};
+
+Nifti int32_file() { return Nifti(8, {-1000, 0, 60, 3000, 5, 6, 7, 8, 9, 10, 11, 12}); }
+
+Result<CtFile> read_bytes(const std::string& bytes) {
+  const TempFolder folder;
+  spill(folder / "a.nii", bytes);
+  return read_ct(kExec, folder / "a.nii");
+}
+
+TEST(Ct, NiftiSlopeThatIsNanOrZeroMeansNoScaling) {
+  for (const float slope : {std::nanf(""), 0.0f, 1.0f}) {
+    Nifti file = int32_file();
+    file.put<float>(112, slope);
+    file.put<float>(116, slope == 1 ? 0 : slope);
+    const auto read = read_bytes(file.bytes);
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->ct.samples[0], -1000) << slope;
+    EXPECT_EQ(read->ct.samples[3], 3000) << slope;
+  }
+}
+
+TEST(Ct, NiftiSlopeAndInterceptScale) {
+  Nifti file = int32_file();
+  file.put<float>(112, 0.5f);
+  file.put<float>(116, -1024);
+  const auto read = read_bytes(file.bytes);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->ct.samples[2], -994);
+  EXPECT_EQ(read->ct.samples[3], 476);
+}
+
+TEST(Ct, ValuesAreRoundedAndKeptWithinSixteenBits) {
+  const auto read = read_bytes(Nifti(16, {1e9f, -1e9f, 0.6f, -0.6f, std::nanf(""), 0.f, 0.f, 0.f, 0.f, 0.f, 0.f, 0.f}).bytes);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->ct.samples[0], 32767);
+  EXPECT_EQ(read->ct.samples[1], -32768);
+  EXPECT_EQ(read->ct.samples[2], 1);
+  EXPECT_EQ(read->ct.samples[3], -1);
+  EXPECT_EQ(read->ct.samples[4], kAirHu);
+}
+
+TEST(Ct, NiftiOfTheOtherByteOrderIsRead) {
+  std::string bytes = int32_file().bytes;
+  const auto swap = [&](std::size_t at, std::size_t size) { std::reverse(bytes.begin() + std::ptrdiff_t(at), bytes.begin() + std::ptrdiff_t(at + size)); };
+  swap(0, 4);
+  for (std::size_t at = 40; at < 56; at += 2) swap(at, 2);
+  for (const std::size_t at : {68, 70, 72, 74, 252, 254}) swap(at, 2);
+  for (std::size_t at = 76; at < 120; at += 4) swap(at, 4);
+  for (std::size_t at = 352; at < bytes.size(); at += 4) swap(at, 4);
+  const auto read = read_bytes(bytes);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->ct.samples[0], -1000);
+  EXPECT_EQ(read->ct.samples[11], 12);
+}
+
+TEST(Ct, NiftiIsPlacedByItsSformFirst) {
+  Nifti file = int32_file();
+  file.put<std::int16_t>(252, 1);
+  file.put<std::int16_t>(254, 2);
+  const float rows[3][4] = {{0, 0, 2, 10}, {3, 0, 0, 20}, {0, 4, 0, 30}};  // i to the front, j to the head, k to the right
+  for (std::size_t row = 0; row < 3; row++)
+    for (std::size_t column = 0; column < 4; column++) file.put(280 + 16 * row + 4 * column, rows[row][column]);
+  const auto read = read_bytes(file.bytes);
+  ASSERT_TRUE(read) << read.error().message;
+  const Vec3d first = point_at(read->ct.grid, {}), last = point_at(read->ct.grid, {2, 1, 1});
+  EXPECT_NEAR(norm(first - Vec3d{-0.010, -0.020, 0.030}), 0, 1e-9);
+  EXPECT_NEAR(norm(last - Vec3d{-0.012, -0.026, 0.034}), 0, 1e-9);
+}
+
+TEST(Ct, CorruptNiftiHeadersAreRefusedBeforeMemoryIsTaken) {
+  const auto refused = [](const char* word, auto change) {
+    Nifti file = int32_file();
+    change(file);
+    EXPECT_REFUSED(read_bytes(file.bytes), word);
+  };
+  refused("truncated", [](Nifti& f) { f.put<std::int16_t>(42, 30000), f.put<std::int16_t>(44, 30000); });
+  refused("2^33", [](Nifti& f) { for (std::size_t a : {42, 44, 46}) f.put<std::int16_t>(a, 32767); });
+  refused("samples", [](Nifti& f) { f.put<std::int16_t>(42, -3); });
+  refused("dimension 4", [](Nifti& f) { f.put<std::int16_t>(40, 4), f.put<std::int16_t>(48, 2); });
+  refused("dimensions", [](Nifti& f) { f.put<std::int16_t>(40, 9); });
+  refused("spacing", [](Nifti& f) { f.put<float>(84, 0); });
+  refused("spacing", [](Nifti& f) { f.put<float>(84, std::nanf("")); });
+  refused("type", [](Nifti& f) { f.put<std::int16_t>(70, 1792); });
+  refused("bits", [](Nifti& f) { f.put<std::int16_t>(72, 8); });
+  refused("byte", [](Nifti& f) { f.put<float>(108, 1e30f); });
+  refused("two-file", [](Nifti& f) { std::memcpy(f.bytes.data() + 344, "ni1", 4); });
+  refused("NIfTI-2", [](Nifti& f) { f.put<std::int32_t>(0, 540); });
+}
+
+TEST(Ct, ShearedAxesAreRefused) {
+  Nifti file = int32_file();
+  file.put<std::int16_t>(254, 2);
+  const float rows[3][4] = {{1, 0.4f, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+  for (std::size_t row = 0; row < 3; row++)
+    for (std::size_t column = 0; column < 4; column++) file.put(280 + 16 * row + 4 * column, rows[row][column]);
+  EXPECT_FALSE(read_bytes(file.bytes));
+  const TempFolder folder;
+  spill(folder / "a.nrrd",
+        "NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\nspace directions: (1,0,0) (0.5,1,0) "
+        "(0,0,1)\nendian: little\nencoding: raw\nspace origin: (0,0,0)\n\n" + std::string(16, '\0'));
+  EXPECT_REFUSED(read_ct(kExec, folder / "a.nrrd"), "degrees", "right angles");
+}
+
+TEST(Ct, BadTextHeadersAreRefusedByTheirField) {
+  const TempFolder folder;
+  const std::string nrrd = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nendian: little\nencoding: raw\n\n";
+  const auto refused = [&](std::string text, const std::string& from, const std::string& to, const char* word) {
+    text.replace(text.find(from), from.size(), to);
+    const auto file = folder / (text.starts_with("NRRD") ? "a.nrrd" : "a.mha");
+    spill(file, text + std::string(16, '\0'));
+    EXPECT_REFUSED(read_ct(kExec, file), word);
+  };
+  spill(folder / "a.nrrd", nrrd + std::string(16, '\0'));
+  EXPECT_TRUE(read_ct(kExec, folder / "a.nrrd"));
+  refused(nrrd, "sizes: 2 2 2", "sizes: 2 2 60000", "truncated");
+  refused(nrrd, "sizes: 2 2 2", "sizes: 60000 60000 60000", "2^33");
+  refused(nrrd, "sizes: 2 2 2", "sizes: 2 2", "dimension");
+  refused(nrrd, "sizes: 2 2 2", "sizes: 2 2 -2", "65535");
+  refused(nrrd, "type: short", "type: block", "block");
+  refused(nrrd, "encoding: raw", "encoding: bzip2", "bzip2");
+  refused(nrrd, "encoding: raw", "data file: nowhere.raw\nencoding: raw", "nowhere.raw");
+  refused(nrrd, "encoding: raw", "encoding: raw\nencoding: gzip", "twice");
+  refused(nrrd, "spacings: 1 1 1", "spacings: 1 nan 1", "finite");
+  refused(nrrd, "spacings: 1 1 1", "spacings: 1 0 1", "a.nrrd");
+  const std::string mha = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nElementSpacing = 1 1 1\n"
+                          "DimSize = 2 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n";
+  spill(folder / "a.mha", mha + std::string(16, '\0'));
+  EXPECT_TRUE(read_ct(kExec, folder / "a.mha"));
+  refused(mha, "DimSize = 2 2 2", "DimSize = 2 2 3", "truncated");
+  refused(mha, "NDims = 3", "NDims = 4", "expected one volume");
+  refused(mha, "MET_SHORT", "MET_ARRAY", "MET_ARRAY");
+  refused(mha, "LOCAL", "LIST", "LIST");
+  refused(mha, "BinaryData = True", "BinaryData = False", "text");
+  refused(mha, "ElementSpacing = 1 1 1", "ElementSpacing = 1 1 0", "spacing");
+  refused(mha, "BinaryData = True", "BinaryData = True\nCompressedData = True\nCompressedDataSize = 99999999999", "CompressedDataSize");
+}
+
+TEST(Ct, AMissingFileIsAnsweredWithTheNearestNames) {
+  const TempFolder folder;
+  spill(folder / "patient.nii.gz", "x");
+  EXPECT_REFUSED(read_ct(kExec, folder / "patent.nii.gz"), "does not exist", "did you mean patient.nii.gz");
+  EXPECT_REFUSED(read_ct(kExec, folder / "patient"), "did you mean patient.nii.gz");
+  EXPECT_REFUSED(read_labels(folder / "no" / "such.nii"), "neither does the folder");
+  EXPECT_REFUSED(read_ct(kExec, folder / "patient.nii.gz"), "not a volume");
+  EXPECT_REFUSED(write_ct(folder / "a.stl", make_ct()), ".nii.gz", ".nrrd");
+}
+
+TEST(Ct, AFileIsReplacedAsAWhole) {
+  const TempFolder folder;
+  spill(folder / "a.nrrd", "an older file");
+  ASSERT_TRUE(write_ct(folder / "a.nrrd", make_ct()));
+  EXPECT_TRUE(read_ct(kExec, folder / "a.nrrd"));
+  std::size_t count = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder / "")) count++;
+  EXPECT_EQ(count, 1u);
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,247 @@
+#include "turgor/io/dicom.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/temp_folder.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::slurp;
+using testing::spill;
+using testing::TempFolder;
+
+const Exec kExec(2);
+
+CtVolume make_ct(int slices = 6) {
+  const Vec3d i = normalized(Vec3d{1, 0.1, 0.05}), k = normalized(cross(i, Vec3d{-0.1, 1, 0.02}));
+  CtVolume ct{{.size = {9, 7, slices}, .spacing = {0.75e-3, 0.5e-3, 1.25e-3}, .origin = {0.1, -0.2, 0.3}, .axes = {{i, cross(k, i), k}}}, {}};
+  for (std::size_t n = 0; n < sample_count(ct.grid); n++) ct.samples.push_back(std::int16_t(int(n * 7919 % 5000) - 2000));
+  return ct;
+}
+
+/// Replaces the value of an element in an explicit little-endian file, its length included.
+void set_value(const fs::path& file, std::uint16_t group, std::uint16_t element, std::string value) {
+  std::string bytes = slurp(file);
+  const std::string tag{char(group & 255), char(group >> 8), char(element & 255), char(element >> 8)};
+  const std::size_t at = bytes.find(tag, 132);
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t length = std::size_t((unsigned char)bytes[at + 6]) + 256 * std::size_t((unsigned char)bytes[at + 7]);
+  if (value.size() % 2) value += ' ';
+  bytes.replace(at + 8, length, value);
+  bytes[at + 6] = char(value.size() & 255);
+  bytes[at + 7] = char(value.size() >> 8);
+  spill(file, bytes);
+}
+
+struct Series {
+  TempFolder folder;
+  CtVolume ct;
+  fs::path path = folder / "ct";
+
+  explicit Series(int slices = 6) : ct(make_ct(slices)) {
+    const Status written = write_dicom(kExec, path, ct, "Test^Patient");
+    EXPECT_TRUE(written) << written.error().message;
+  }
+  fs::path slice(int number) const { return path / ("slice-0000" + std::to_string(number) + ".dcm"); }
+  void set_every(std::uint16_t group, std::uint16_t element, const std::string& value) const {
+    for (const auto& entry : fs::directory_iterator(path)) set_value(entry.path(), group, element, value);
+  }
+  Result<CtFile> read(const std::string& series = "") const { return read_ct(kExec, path, {series, {}}); }
+};
+
+TEST(Dicom, GivesBackAnObliqueAnisotropicCt) {
+  const Series s;
+  double last = 0;
+  const auto read = read_ct(kExec, s.path, {"", [&](double fraction) { last = std::max(last, fraction); }});
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->ct.samples, s.ct.samples);
+  EXPECT_EQ(read->ct.grid.size, s.ct.grid.size);
+  EXPECT_LT(norm(point_at(read->ct.grid, {8, 6, 5}) - point_at(s.ct.grid, {8, 6, 5})), 1e-8);
+  EXPECT_EQ(read->patient, "Test^Patient");
+  EXPECT_EQ(read->files, 6);
+  EXPECT_DOUBLE_EQ(last, 1);
+}
+
+TEST(Dicom, TheSameVolumeGivesTheSameFiles) {
+  const Series a, b;
+  for (int number = 1; number <= 6; number++) EXPECT_EQ(slurp(a.slice(number)), slurp(b.slice(number)));
+}
+
+TEST(Dicom, ReadsTheSameBitsOnAnyNumberOfThreads) {
+  const Series s;
+  const auto one = read_ct(Exec(1), s.path), eight = read_ct(Exec(8), s.path);
+  ASSERT_TRUE(one && eight);
+  EXPECT_EQ(one->ct.samples, eight->ct.samples);
+  EXPECT_EQ(one->ct.grid, eight->ct.grid);
+}
+
+TEST(Dicom, OneFileStandsForItsSeries) {
+  const Series s;
+  const Series other(4);
+  fs::copy(other.slice(2), s.path / "other.dcm");
+  const auto read = read_ct(kExec, s.slice(3));
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->ct.samples, s.ct.samples);
+}
+
+TEST(Dicom, SlopeAndInterceptScaleAndNanOrZeroDoNot) {
+  const Series s;
+  s.set_every(0x28, 0x1053, "2");
+  s.set_every(0x28, 0x1052, "-1024");
+  auto read = s.read();
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->ct.samples[5], 2 * s.ct.samples[5] - 1024);
+  for (const char* slope : {"NaN", "0", "nonsense"}) {
+    s.set_every(0x28, 0x1053, slope);
+    read = s.read();
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->ct.samples, s.ct.samples) << slope;
+  }
+}
+
+TEST(Dicom, EmptySeriesIdentifiersAreOneSeries) {
+  const Series s;
+  s.set_every(0x20, 0x0e, "");
+  const auto read = s.read();
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->ct.samples, s.ct.samples);
+}
+
+TEST(Dicom, SeveralSeriesAreListedAndChosen) {
+  const Series s;
+  ASSERT_TRUE(write_dicom(kExec, s.path / "second", make_ct(3), "Test^Patient"));
+  EXPECT_REFUSED(s.read(), "2 series", "--series", "6 slices of 9 x 7", "3 slices of 9 x 7", "Turgor volume", "2.25.");
+  EXPECT_EQ(s.read("1")->files + s.read("2")->files, 9);
+  const std::string message = s.read().error().message, uid = message.substr(message.find("2.25."), message.find('\n', message.find("2.25.")) - message.find("2.25."));
+  EXPECT_EQ(s.read(uid)->files, s.read("1")->files);
+  EXPECT_REFUSED(s.read("3"), "no series \"3\"", "2.25.");
+}
+
+TEST(Dicom, MissingSlicesAreNamedByGapAndPlace) {
+  const Series s;
+  fs::remove(s.slice(4));
+  EXPECT_REFUSED(s.read(), "missing slices: 1", "slice-00003.dcm", "slice-00005.dcm", "2.50 mm", "1.25 mm");
+  fs::remove(s.slice(3));
+  EXPECT_REFUSED(s.read(), "missing slices: 2", "slice-00002.dcm", "slice-00005.dcm", "3.75 mm");
+}
+
+TEST(Dicom, DoubledPositionsAreRefused) {
+  const Series s;
+  fs::copy(s.slice(4), s.path / "again.dcm");
+  EXPECT_REFUSED(s.read(), "same position", "slice-00004.dcm", "again.dcm");
+}
+
+TEST(Dicom, AUnevenDistanceIsRefused) {
+  const Series s;
+  const Vec3d moved = point_at(s.ct.grid, {0, 0, 2.4}) * 1e3;
+  set_value(s.slice(3), 0x20, 0x32, std::to_string(moved.x) + "\\" + std::to_string(moved.y) + "\\" + std::to_string(moved.z));
+  EXPECT_REFUSED(s.read(), "uneven distance", "slice-00003.dcm", "1.25 mm");
+}
+
+TEST(Dicom, GantryTiltIsRefusedWithItsAngle) {
+  const Series s;
+  for (int number = 1; number <= 6; number++) {
+    const Vec3d p = (point_at(s.ct.grid, {0, 0, number - 1.0}) + s.ct.grid.axes.column[1] * ((number - 1) * 1.25e-3 * std::tan(18.5 * M_PI / 180))) * 1e3;
+    set_value(s.slice(number), 0x20, 0x32, std::to_string(p.x) + "\\" + std::to_string(p.y) + "\\" + std::to_string(p.z));
+  }
+  EXPECT_REFUSED(s.read(), "gantry tilt of 18.5 degrees");
+}
+
+TEST(Dicom, ASliceOfAnotherOrientationSizeOrPixelIsRefusedByName) {
+  {
+    const Series s;
+    set_value(s.slice(5), 0x20, 0x37, "1\\0\\0\\0\\1\\0");
+    EXPECT_REFUSED(s.read(), "slice-00005.dcm", "orientation");
+  }
+  {
+    const Series s;
+    set_value(s.slice(5), 0x28, 0x10, std::string("\x05\0", 2));
+    EXPECT_REFUSED(s.read(), "slice-00005.dcm", "9 x 5");
+  }
+  {
+    const Series s;
+    set_value(s.slice(5), 0x28, 0x30, "0.6\\0.75");
+    EXPECT_REFUSED(s.read(), "slice-00005.dcm", "0.6 mm");
+  }
+}
+
+TEST(Dicom, LocalizersOfTheSeriesAreLeftOutAndNoted) {
+  const Series s;
+  fs::copy(s.slice(1), s.path / "scout.dcm");
+  set_value(s.path / "scout.dcm", 0x20, 0x37, "1\\0\\0\\0\\0\\-1");
+  set_value(s.path / "scout.dcm", 0x08, 0x08, "ORIGINAL\\PRIMARY\\LOCALIZER");
+  const auto read = s.read();
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->ct.samples, s.ct.samples);
+  ASSERT_EQ(read->notes.size(), 1u);
+  EXPECT_NE(read->notes[0].find("1 localizer"), std::string::npos);
+}
+
+TEST(Dicom, WhatIsNoCtIsRefused) {
+  const struct {
+    std::uint16_t group, element;
+    const char* value;
+    const char* word;
+  } cases[] = {{0x08, 0x60, "MR", "Modality is \"MR\""}, {0x28, 0x04, "RGB", "colour"}, {0x20, 0x32, "", "ImagePositionPatient"},
+               {0x20, 0x32, "1\\2\\nan", "ImagePositionPatient"}, {0x20, 0x37, "1\\0\\0\\1\\0\\0", "ImageOrientationPatient"},
+               {0x28, 0x30, "0\\0", "PixelSpacing"}};
+  for (const auto& c : cases) {
+    const Series s;
+    s.set_every(c.group, c.element, c.value);
+    EXPECT_REFUSED(s.read(), c.word, "slice-0000");
+  }
+}
+
+TEST(Dicom, TruncatedAndCorruptFilesAreNamed) {
+  const Series s;
+  const std::string whole = slurp(s.slice(2));
+  for (const std::size_t kept : {whole.size() - 1, whole.size() - 100, std::size_t{400}, std::size_t{200}}) {
+    spill(s.slice(2), whole.substr(0, kept));
+    EXPECT_REFUSED(s.read(), "slice-00002.dcm", "truncated");
+  }
+}
+
+TEST(Dicom, PaddingBecomesAir) {
+  const Series s;
+  // PixelPaddingValue behind PixelRepresentation (0028,0103), which is the last of its group below (0028,1050)
+  const std::int16_t pad = s.ct.samples[4];
+  for (int number = 1; number <= 6; number++) {
+    std::string bytes = slurp(s.slice(number));
+    const std::size_t at = bytes.find(std::string("\x28\0\x03\x01US", 6), 132);
+    ASSERT_NE(at, std::string::npos);
+    bytes.insert(at + 10, std::string("\x28\0\x20\x01SS\x02\0", 8) + char(pad & 255) + char(pad >> 8));
+    spill(s.slice(number), bytes);
+  }
+  const auto read = s.read();
+  ASSERT_TRUE(read) << read.error().message;
+  for (std::size_t n = 0; n < s.ct.samples.size(); n++)
+    EXPECT_EQ(read->ct.samples[n], s.ct.samples[n] == pad ? kAirHu : s.ct.samples[n]);
+}
+
+TEST(Dicom, AFolderWithoutImagesIsRefused) {
+  const TempFolder folder;
+  spill(folder / "notes.txt", "nothing to see");
+  EXPECT_REFUSED(read_ct(kExec, folder / ""), "no DICOM images among 1 files");
+}
+
+TEST(Dicom, OtherFilesBesideTheSlicesDoNotMatter) {
+  const Series s;
+  spill(s.path / "README.txt", "a CT");
+  spill(s.path / "DICOMDIR", "");
+  EXPECT_TRUE(s.read());
+}
+
+TEST(Dicom, AFolderThatIsNotEmptyIsNotWrittenInto) {
+  const Series s;
+  EXPECT_REFUSED(write_dicom(kExec, s.path, s.ct, ""), "not an empty folder");
+  fs::create_directory(s.folder / "empty");
+  EXPECT_TRUE(write_dicom(kExec, s.folder / "empty", s.ct, ""));
+  EXPECT_REFUSED(write_dicom(kExec, s.folder / "a" / "b", s.ct, ""), "does not exist");
+  EXPECT_FALSE(fs::exists(s.folder / "a"));
+}
+
+}  // namespace
+}  // namespace turgor

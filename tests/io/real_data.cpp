@@ -1,0 +1,71 @@
+// What is known about real CTs: sizes and places of organs, whatever the format.
+#include "turgor/geometry/label_measures.hpp"
+#include "turgor/geometry/reorient.hpp"
+#include "turgor/io/ct.hpp"
+
+#include <gtest/gtest.h>
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kData = fs::path(TURGOR_SOURCE_DIR) / ".." / "shared" / "data" / "ct";
+
+#define SKIP_WITHOUT(path) \
+  if (!fs::exists(path)) GTEST_SKIP() << (path).string() << " is absent: real data is not part of the project"
+
+struct Known {
+  int label;
+  std::size_t voxels;
+  double volume_ml;
+  Vec3d centroid_ras_mm;
+  double mean_hu;
+};
+
+void expect_known(const char* ct_name, const char* labels_name, const std::vector<Known>& table) {
+  const auto ct = read_ct(Exec(2), kData / ct_name);
+  ASSERT_TRUE(ct) << ct.error().message;
+  const auto stored = read_labels(kData / labels_name);
+  ASSERT_TRUE(stored) << stored.error().message;
+  const auto labels = on_grid(*stored, ct->ct.grid);
+  ASSERT_TRUE(labels) << "the segmentation lies on the CT";
+  const auto measures = measure_labels(*labels, &ct->ct);
+  for (const Known& known : table) {
+    const auto found = std::find_if(measures.begin(), measures.end(), [&](const auto& m) { return m.label == known.label; });
+    ASSERT_NE(found, measures.end()) << known.label;
+    EXPECT_EQ(found->voxels, known.voxels);
+    EXPECT_NEAR(found->volume * 1e6, known.volume_ml, 1e-3 * known.volume_ml);
+    if (norm(known.centroid_ras_mm) > 0) {
+      const Vec3d ras = Vec3d{-found->centroid.x, -found->centroid.y, found->centroid.z} * 1e3;
+      EXPECT_LT(norm(ras - known.centroid_ras_mm), 0.1);
+    }
+    if (known.mean_hu != 0) {
+      EXPECT_NEAR(found->mean_hu, known.mean_hu, 0.05);
+    }
+  }
+}
+
+TEST(RealData, OrgansOfANiftiSlabHaveTheirVolumesAndPlaces) {
+  SKIP_WITHOUT(kData / "abdomen-slab.nii.gz");
+  expect_known("abdomen-slab.nii.gz", "abdomen-slab-labels.nii.gz",
+               {{5, 38634, 1043.118, {64.35, 185.03, 150.14}, 45.29}, {1, 9452, 255.204, {}, 0}, {2, 3947, 106.569, {}, 0}});
+}
+
+TEST(RealData, TheLiverOfAJpeg2000SeriesLiesWhereItsMirroredLabelsSay) {
+  SKIP_WITHOUT(kData / "dicom-jpeg2000");
+  expect_known("dicom-jpeg2000", "dicom-jpeg2000-labels.nii.gz", {{5, 366708, 699.440, {76.00, 165.93, -784.98}, 89.30}});
+}
+
+TEST(RealData, TheTorsoHasItsRangeOfDensities) {
+  SKIP_WITHOUT(kData / "torso-3mm.nii.gz");
+  const auto ct = read_ct(Exec(2), kData / "torso-3mm.nii.gz");
+  ASSERT_TRUE(ct) << ct.error().message;
+  EXPECT_EQ(ct->ct.grid.size, (Int3{122, 101, 112}));
+  const HuSummary hu = summarize(ct->ct);
+  EXPECT_EQ(hu.lowest, -1207);
+  EXPECT_EQ(hu.highest, 3382);
+}
+
+}  // namespace
+}  // namespace turgor
