@@ -18,45 +18,20 @@ constexpr bool is_negative(Int3 d) { return d.x < 0 || d.y < 0 || d.z < 0; }
 
 std::uint64_t edge_key(int slot, int family) { return std::uint64_t(slot) * 8 + std::uint64_t(family); }
 
-/// Barycentric weights of a point (in lattice indices) with respect to a tetrahedron.
-Eigen::Vector4d weights_of(const Eigen::Matrix4d& to_weights, Vec3d point) {
-  return to_weights * Eigen::Vector4d(point.x, point.y, point.z, 1);
-}
-
-Eigen::Matrix4d to_weights(const TetNodes& nodes) {
-  Eigen::Matrix4d corners;
-  for (int n = 0; n < 4; n++) {
-    const Int3 p = nodes[std::size_t(n)];
-    corners.col(n) << p.x, p.y, p.z, 1;
+/// On which side each corner's share of a tetrahedron with two sides lies; what fits no plane is shared
+/// evenly.
+std::array<float, 4> corner_levels(const CutBody& body, const TetNodes& nodes, const TetSides& sides) {
+  std::array<int, 4> signs{};
+  for (std::size_t n = 0; n < 4; n++)
+    if (sides.side[n] >= 0) signs[n] = sides.side[n] == 0 ? 1 : -1;
+  const CutLevel level = fit_level(body, nodes, signs);
+  std::array<float, 4> result{};
+  bool separates = true;
+  for (std::size_t n = 0; n < 4; n++) {
+    result[n] = float(level.at(Vec3d(nodes[n])));
+    separates &= result[n] * float(signs[n]) >= 0;
   }
-  return corners.inverse();
-}
-
-/// A linear function that vanishes at the crossings in and around a tetrahedron and is positive on side 0:
-/// the weighted least squares fit (AᵀA + ε) level ∝ signs. Crossings of edges that only touch the tetrahedron
-/// weigh little: they speak where its own leave the plane open, beside air.
-std::array<float, 4> fit_level(const CutBody& body, const TetNodes& nodes, const TetSides& sides) {
-  const Eigen::Matrix4d weights = to_weights(nodes);
-  Eigen::Matrix4d normal = 1e-9 * Eigen::Matrix4d::Identity();
-  Eigen::Vector4d signs = Eigen::Vector4d::Zero();
-  for (int n = 0; n < 4; n++) {
-    if (sides.side[std::size_t(n)] < 0) continue;
-    signs[n] = sides.side[std::size_t(n)] == 0 ? 1 : -1;
-    const Int3 a = nodes[std::size_t(n)];
-    for (int m = 0; m < kNeighbours; m++) {
-      const Int3 b = a + neighbour_offset(m);
-      if (!is_cut(body, a, b)) continue;
-      const bool own = std::find(nodes.begin(), nodes.end(), b) != nodes.end();
-      const Vec3d point = Vec3d(a) + Vec3d(b - a) * double(crossing(body, a, b));
-      const Eigen::Vector4d row = weights_of(weights, point);
-      normal += (own ? 1.0 : 1e-4) * row * row.transpose();
-    }
-  }
-  const Eigen::Vector4d level = normal.ldlt().solve(signs);
-  const double scale = level.cwiseAbs().maxCoeff();
-  const bool separates = scale > 0 && (level.array() * signs.array() >= 0).all();
-  std::array<float, 4> result;
-  for (int n = 0; n < 4; n++) result[std::size_t(n)] = float(separates ? level[n] / scale : signs[n]);
+  for (std::size_t n = 0; n < 4 && !separates; n++) result[n] = float(signs[n]);
   return result;
 }
 
@@ -94,6 +69,33 @@ Real crossing(const CutBody& body, Int3 a, Int3 b) {
   return swapped ? 1 - fraction : fraction;
 }
 
+CutLevel fit_level(const CutBody& body, std::span<const Int3> nodes, std::span<const int> signs) {
+  CutLevel level{.origin = Vec3d(nodes[0]), .gradient = {}, .offset = 0};
+  const auto row_of = [&](Vec3d point) {
+    const Vec3d d = point - level.origin;
+    return Eigen::Vector4d(d.x, d.y, d.z, 1);
+  };
+  Eigen::Matrix4d normal = 1e-9 * Eigen::Matrix4d::Identity();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  for (std::size_t n = 0; n < nodes.size(); n++) {
+    if (signs[n] == 0) continue;
+    right += signs[n] * row_of(Vec3d(nodes[n]));
+    for (int m = 0; m < kNeighbours; m++) {
+      const Int3 other = nodes[n] + neighbour_offset(m);
+      if (!is_cut(body, nodes[n], other)) continue;
+      const bool own = std::find(nodes.begin(), nodes.end(), other) != nodes.end();
+      const Vec3d point = Vec3d(nodes[n]) + Vec3d(other - nodes[n]) * double(crossing(body, nodes[n], other));
+      normal += (own ? 1.0 : 1e-4) * row_of(point) * row_of(point).transpose();
+    }
+  }
+  const Eigen::Vector4d solution = normal.ldlt().solve(right);
+  const double scale = solution.head<3>().norm();
+  if (!(scale > 0)) return level;
+  level.gradient = {solution[0] / scale, solution[1] / scale, solution[2] / scale};
+  level.offset = solution[3] / scale;
+  return level;
+}
+
 TetSides split_tet(const CutBody& body, const TetNodes& nodes) {
   TetSides sides;
   sides.side.fill(-1);
@@ -116,7 +118,7 @@ TetSides split_tet(const CutBody& body, const TetNodes& nodes) {
     if (known < 0) known = sides.count++;
     side = known;
   }
-  if (sides.count == 2) sides.level = fit_level(body, nodes, sides);
+  if (sides.count == 2) sides.level = corner_levels(body, nodes, sides);
   return sides;
 }
 

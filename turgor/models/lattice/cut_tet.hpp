@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,19 @@ inline bool is_solid(const CutBody& body, Int3 node) {
 bool is_cut(const CutBody& body, Int3 a, Int3 b);
 /// Where the blade crossed a cut edge, as a fraction of the way from `a` to `b`.
 Real crossing(const CutBody& body, Int3 a, Int3 b);
+
+/// A linear function of lattice indices that vanishes where the blade went; its gradient has length 1, or 0
+/// when there is none.
+struct CutLevel {
+  Vec3d origin, gradient;
+  double offset = 0;
+
+  double at(Vec3d index) const { return dot(gradient, index - origin) + offset; }
+};
+/// The blade near some neighbouring nodes, with given signs there (0 = unknown): the least squares fit
+/// through the crossings of their edges, (AᵀA + ε) x = Σ sign · row. Edges to other nodes weigh little: they
+/// speak where those between the nodes leave the plane open, as beside air.
+CutLevel fit_level(const CutBody& body, std::span<const Int3> nodes, std::span<const int> signs);
 
 using TetNodes = std::array<Int3, 4>;
 
