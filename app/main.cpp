@@ -1,31 +1,73 @@
-// The program `turgor`: reads the command line, lets a command work, and turns failures into a sentence and an exit code
-// (1: wrong usage, 2: the world was not as expected).
+// The program `turgor`: reads the command line, lets a command work, and turns failures into a sentence and
+// an exit code: 2 when the command line or the world was not as expected, 130 when interrupted.
 #include <cstdio>
 #include <exception>
+#include <new>
+#include <string>
+#include <vector>
 
 #include "app/commands.hpp"
+#include "turgor/sim/nearest_name.hpp"
+#include "turgor/sim/output_folder.hpp"
+#include "turgor/sim/report.hpp"
+
+namespace {
+
+int fail(const std::string& message) {
+  std::fprintf(stderr, "turgor: %s\n", message.c_str());
+  return 2;
+}
+
+/// A word where a command should be, which is none; empty when that is not what is wrong.
+std::string unknown_command(const CLI::App& program, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return "";
+  std::vector<std::string> names;
+  for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  const std::string word = argv[1];
+  for (const std::string& name : names)
+    if (name == word) return "";
+  return word + " is not a command" + turgor::suggestion(word, names);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App program{"Turgor: tissue you can touch. CT volumes become bodies that deform, are cut and are measured."};
+  turgor::remove_partial_folders_when_interrupted();
+  CLI::App program{
+      "Turgor: tissue you can touch. CT volumes become bodies that deform, are cut and are measured."};
   program.name("turgor");
-  program.require_subcommand(1);
+  program.footer(
+      "Examples:\n"
+      "  turgor run scenes/incision.toml --out out/incision\n"
+      "  turgor info patient.nii.gz\n"
+      "turgor COMMAND --help tells more.");
+  program.set_version_flag("--version", "turgor " + turgor::program_version());
   program.set_help_all_flag("--help-all", "Help of all commands");
   turgor::Global global;
-  program.add_option("--threads", global.threads, "Threads to use; 0 = one per core")->check(CLI::NonNegativeNumber);
+  program.add_option("--threads", global.threads, "Threads to use; 0 = one per core")
+      ->check(CLI::Range(0, 1024));
   program.fallthrough();
+  turgor::add_run_command(program, global);
   turgor::add_info_command(program, global);
   turgor::add_import_command(program, global);
   turgor::add_phantom_command(program, global);
+  turgor::add_bench_command(program, global);
+  if (argc < 2) return std::fputs(program.help().c_str(), stdout), 0;
+  if (const std::string message = unknown_command(program, argc, argv); !message.empty())
+    return fail(message);
   try {
     program.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? 0 : 1;
+    if (error.get_exit_code() == 0) return program.exit(error);  // --help and --version
+    return fail(std::string(error.what()) + "; see turgor --help");
   } catch (const turgor::Failure& failure) {
-    std::fprintf(stderr, "turgor: %s\n", failure.message.c_str());
+    fail(failure.message);
     return failure.exit_code;
+  } catch (const std::bad_alloc&) {
+    return fail("not enough memory for this; a larger block or a smaller CT needs less");
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "turgor: %s\n", error.what());
-    return 2;
+    return fail(error.what());
   }
 }

@@ -62,7 +62,8 @@ TEST(Report, ThePageIsOneFileWithPicturesAndCurvesInside) {
   EXPECT_NE(html.find("Gape over time"), std::string::npos);
   EXPECT_NE(html.find("prefers-color-scheme: dark"), std::string::npos);
   EXPECT_EQ(html.find("src=\"http"), std::string::npos);
-  EXPECT_EQ(html.find("href="), std::string::npos);
+  EXPECT_EQ(html.find("href=\"http"), std::string::npos);
+  EXPECT_EQ(html.find("url(http"), std::string::npos);
 }
 
 TEST(Report, WithoutGnuplotCurvesAreTables) {

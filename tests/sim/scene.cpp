@@ -129,6 +129,7 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {"[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"leg\", size = [2, 9, 9] }\n",
        "body.torso.ct.size: expected numbers from 8 to 2048 [voxels], found 2"},
       {small_scene("block = 0"), "body.torso.block: expected a whole number from 1 to 64 [voxels], found 0"},
+      {small_scene("block = 2\nstep = 0.004"), "body.torso.step: a body has either step or block, not both"},
       {small_scene("block = 2.5"),
        "body.torso.block: expected a whole number from 1 to 64 [voxels], found 2.5"},
       {small_scene("fixed = \"bones\""),

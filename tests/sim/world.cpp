@@ -68,6 +68,15 @@ TEST(World, FractionsOfTheBodysBoxFindItsSurface) {
   EXPECT_TRUE(lattice::lay_blade(model, world.lattices[0].state, blade));
 }
 
+TEST(World, AStepInMetresBecomesWholeVoxels) {
+  const std::filesystem::path folder = fresh_folder();
+  std::string text = test::block_scene_text("block.nii");
+  text.replace(text.find("block = 2"), 9, "step = 0.0115");
+  ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  const World world = block_world(Exec(1), parse_scene(text, folder / "block.toml").value());
+  EXPECT_EQ(world.lattices[0].model.params.block, (Int3{3, 3, 3}));
+}
+
 TEST(World, MistakesAreFoundBeforeTheFirstFrameAndNameTheirPlace) {
   const Exec exec(1);
   const std::filesystem::path folder = fresh_folder();

@@ -25,7 +25,7 @@ constexpr const char* kColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "
 
 std::string script_of(const Plot& plot) {
   std::string text = fmt::format(
-      "set terminal svg size 720,360 dynamic noenhanced font 'sans-serif,13' background 'none'\n"
+      "set terminal svg size 720,360 dynamic noenhanced font 'sans-serif,13'\n"
       "set output '{}'\nset border 3 lc rgb '#888888'\nset tics nomirror textcolor rgb '#888888'\n"
       "set grid lc rgb '#888888' lw 0.3\nset key textcolor rgb '#888888' top left\n"
       "set title '{}' textcolor rgb '#888888'\nset xlabel '{}' textcolor rgb '#888888'\n"

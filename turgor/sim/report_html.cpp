@@ -159,7 +159,7 @@ Curve curve_of(const std::string& label, const Json& rows, std::size_t x, std::s
 
 /// The curves as a table of at most a dozen rows each, where there is no gnuplot.
 std::string curve_table(const Plot& plot) {
-  std::string html = fmt::format("<h3>{}</h3>\n", plot.title);
+  std::string html = fmt::format("<div><h3>{}</h3>\n", plot.title);
   for (const Curve& curve : plot.curves) {
     if (curve.points.empty()) continue;
     html +=
@@ -172,7 +172,7 @@ std::string curve_table(const Plot& plot) {
           "td");
     html += "</table></div>\n";
   }
-  return html;
+  return html + "</div>\n";
 }
 
 std::string drawn(const Plot& plot, const fs::path& folder) {

@@ -31,6 +31,7 @@ struct LatticeScene {
   CtSource ct;
   std::filesystem::path labels;           // a segmentation of the same patient; may be empty
   std::filesystem::path direction_field;  // Langer's lines as a vector volume; may be empty
+  double step = 0;  // lattice step to come near to, instead of params.block; 0 = not given [m]
   lattice::Params params;
 };
 

@@ -48,7 +48,9 @@ CtSource read_ct_source(SceneTable& body) {
   return source;
 }
 
-void read_block(SceneTable& body, Int3& block) {
+void read_block(SceneTable& body, Int3& block, double& step) {
+  body.read("step", step, within(1e-4, 0.1, "m"));
+  if (body.has("step") && body.has("block")) body.fail("step", "a body has either step or block, not both");
   const toml::node* node = body.find("block");
   if (node && node->is_array()) return body.read("block", block, within(1, 64, "voxels"));
   int side = block.x;
@@ -177,7 +179,7 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name) {
   scene.name = name, scene.place = body.place();
   scene.ct = read_ct_source(body);
   body.read_path("labels", scene.labels);
-  read_block(body, scene.params.block);
+  read_block(body, scene.params.block, scene.step);
   read_fixed(body, scene.params);
   read_tissue(body, scene.params.tissue);
   read_skin(body, scene.params.skin, scene.direction_field);

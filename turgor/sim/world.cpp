@@ -20,6 +20,14 @@ T&& moved(Result<T>& result) {
   return std::move(*result);
 }
 
+/// Whole voxels that come nearest to a lattice step.
+Int3 block_of(const Grid& ct, double step) {
+  const auto voxels = [step](double spacing) {
+    return int(std::clamp(std::round(step / spacing), 1.0, 64.0));
+  };
+  return {voxels(ct.spacing.x), voxels(ct.spacing.y), voxels(ct.spacing.z)};
+}
+
 Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, const Progress& progress) {
   LatticeBody body;
   body.name = scene.name;
@@ -48,7 +56,9 @@ Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, co
   body.read_seconds = reading.seconds();
 
   const Timer building;
-  Result<lattice::Model> model = lattice::build(exec, body.ct, fields, scene.params);
+  lattice::Params params = scene.params;
+  if (scene.step > 0) params.block = block_of(body.ct.grid, scene.step);
+  Result<lattice::Model> model = lattice::build(exec, body.ct, fields, params);
   if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
   body.model = moved(model);
   body.state = lattice::make_state(body.model);

@@ -1,0 +1,219 @@
+// `turgor run`: simulates a scene, or draws a recording again, into a folder that appears when it is
+// complete.
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "app/commands.hpp"
+#include "app/outputs.hpp"
+#include "turgor/core/progress.hpp"
+#include "turgor/core/timing.hpp"
+#include "turgor/io/file.hpp"
+#include "turgor/sim/output_folder.hpp"
+#include "turgor/sim/recording.hpp"
+
+namespace turgor {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RunOptions {
+  fs::path scene, out, replay;
+  std::vector<std::string> overrides;
+  bool quiet = false;
+};
+
+/// The value, or the end of the command.
+template <class T>
+T required(Result<T> result) {
+  if (!result) throw Failure{2, result.error().message};
+  return std::move(*result);
+}
+
+/// A bar that a quiet run does not show.
+class OptionalBar {
+ public:
+  OptionalBar(const RunOptions& options, const char* label) {
+    if (!options.quiet) bar_.emplace(label);
+  }
+  Progress callback() { return bar_ ? bar_->callback() : Progress(); }
+  void update(double fraction) {
+    if (bar_) bar_->update(fraction);
+  }
+
+ private:
+  std::optional<ProgressBar> bar_;
+};
+
+World load(const Exec& exec, const Scene& scene, const RunOptions& options) {
+  OptionalBar bar(options, "reading");
+  World world = required(load_world(exec, scene, bar.callback()));
+  return world;
+}
+
+/// A snapshot goes into pictures and meshes, and into the recording when there is one.
+void snapshot(const World& world, Outputs& outputs, std::optional<RecordingWriter>& recording) {
+  required(add_snapshot(world, outputs));
+  if (recording) required(recording->add_snapshot(world));
+}
+
+/// Returns the seconds spent in the frames themselves.
+Measures simulate(const Exec& exec, const Scene& scene, World& world, Outputs& outputs,
+                  std::optional<RecordingWriter>& recording, const RunOptions& options) {
+  Measures measures = make_measures(world);
+  OptionalBar bar(options, "simulating");
+  const int frames = frame_count(scene), interval = video_interval(outputs);
+  snapshot(world, outputs, recording);
+  for (int frame = 1; frame <= frames; frame++) {
+    const bool shown = is_snapshot(scene, frame);
+    const FrameReport report = required(step(exec, world, shown));
+    measure_frame(exec, world, report, shown || !report.finite, measures);
+    if (!report.finite) {
+      outputs.facts.warnings.push_back(fmt::format(
+          "stopped after {:.3f} s of {} s: the numbers of the next step were not finite, the state before it "
+          "was kept; a smaller skin tension or a higher frame rate may help",
+          time_of(world), scene.duration));
+      snapshot(world, outputs, recording);
+      break;
+    }
+    if (interval > 0 && frame % interval == 0) required(add_video_frame(world, outputs));
+    if (shown) snapshot(world, outputs, recording);
+    bar.update(double(frame) / frames);
+  }
+  return measures;
+}
+
+void write_report(const Json& report, const fs::path& folder) {
+  required(write_file(folder / "report.html", report_html(report, folder)));
+  required(write_file(folder / kReportFile, report.dump(1) + "\n"));
+}
+
+void print_row(const std::string& what, const std::string& value) { fmt::print("  {:<34}{}\n", what, value); }
+
+void print_summary(const Json& report, const fs::path& goal) {
+  const auto number = [](const Json& value) {
+    return value.is_number() ? value.get<double>() : std::nan("");
+  };
+  for (const Json& body : report.at("bodies"))
+    fmt::print("{}: {} nodes, {} skin triangles, {:.0f} bytes a node\n", body.at("name").get<std::string>(),
+               body.at("body_nodes").get<long>(), body.at("skin_triangles").get<long>(),
+               number(body.at("memory_bytes_per_node")));
+  for (const Json& wound : report.at("wounds")) {
+    fmt::print("{}\n", wound.at("name").get<std::string>());
+    print_row("gape, largest and mean", fmt::format("{:.1f} mm, {:.1f} mm", number(wound.at("gape_max_mm")),
+                                                    number(wound.at("gape_mean_mm"))));
+    print_row("opening area",
+              fmt::format("{:.0f} mm² over {:.0f} mm of skin", number(wound.at("opening_area_mm2")),
+                          number(wound.at("length_mm"))));
+    print_row("angle to Langer's lines",
+              fmt::format("{:.0f}°, {:.0f} N/m across the cut", number(wound.at("angle_to_lines_deg")),
+                          number(wound.at("tension_across_cut_N_per_m"))));
+  }
+  const Json& timing = report.at("timing");
+  fmt::print("time\n");
+  print_row("a frame (median, 99 of 100)",
+            fmt::format("{:.1f} ms, {:.1f} ms", number(timing.at("frame_p50_ms")),
+                        number(timing.at("frame_p99_ms"))));
+  print_row("reading and building", fmt::format("{:.1f} s", number(timing.at("load_s"))));
+  print_row("in all, with pictures and files", fmt::format("{:.1f} s", number(timing.at("total_s"))));
+  for (const Json& warning : report.at("warnings")) fmt::print("warning: {}\n", warning.get<std::string>());
+  fmt::print("pictures and files   {}\nreport               {}\n", goal.string(),
+             (goal / "report.html").string());
+}
+
+void finish(const Timer& total, const Timer& output, const World& world, Outputs& outputs, Json& report,
+            OutputFolder& folder, const RunOptions& options) {
+  required(finish_outputs(world, outputs));
+  outputs.facts.output_seconds = output.seconds();
+  outputs.facts.total_seconds = total.seconds();
+  add_outputs(report, outputs.facts);
+  write_report(report, folder.path());
+  required(folder.commit());
+  if (!options.quiet) print_summary(report, folder.goal());
+}
+
+fs::path default_folder(const Scene& scene, const char* ending) {
+  return fs::path("out") / (scene.file.stem().string() + ending);
+}
+
+void run(const Exec& exec, const RunOptions& options) {
+  const Timer total;
+  const Scene scene = required(read_scene(options.scene, options.overrides));
+  OutputFolder folder =
+      required(OutputFolder::create(options.out.empty() ? default_folder(scene, "") : options.out));
+  World world = load(exec, scene, options);
+  Outputs outputs = required(make_outputs(exec, scene, world, folder.path()));
+  outputs.facts.load_seconds = total.seconds();
+  for (const LatticeBody& body : world.lattices)
+    for (const std::string& note : body.notes) outputs.facts.warnings.push_back(body.name + ": " + note);
+
+  std::optional<RecordingWriter> recording;
+  if (scene.output.recording)
+    recording.emplace(required(RecordingWriter::create(folder.path() / "recording.h5", scene, world)));
+  const Timer simulation;
+  const Measures measures = simulate(exec, scene, world, outputs, recording, options);
+  outputs.facts.simulation_seconds = simulation.seconds();
+  Json report = simulation_report(exec, scene, world, measures, outputs.facts);
+  if (recording) {
+    required(recording->finish(report.dump()));
+    recording.reset();
+    outputs.facts.files.push_back("recording.h5");
+  }
+  finish(total, Timer(), world, outputs, report, folder, options);
+}
+
+void replay(const Exec& exec, const RunOptions& options) {
+  const Timer total;
+  const Recording recording = required(Recording::open(options.replay));
+  const Scene scene = required(recording.scene(options.overrides));
+  OutputFolder folder =
+      required(OutputFolder::create(options.out.empty() ? default_folder(scene, "-replay") : options.out));
+  World world = load(exec, scene, options);
+  required(recording.check_world(world));
+  Json report = Json::parse(recording.report(), nullptr, false);
+  if (!report.is_object() || !report.contains("timing"))
+    throw Failure{2, options.replay.string() + ": the recorded report is damaged"};
+  Outputs outputs = required(make_outputs(exec, scene, world, folder.path()));
+  OptionalBar bar(options, "drawing");
+  for (int s = 0; s < recording.snapshot_count(); s++) {
+    required(recording.restore(s, world));
+    required(add_snapshot(world, outputs));
+    bar.update(double(s + 1) / recording.snapshot_count());
+  }
+  report["replayed_from"] = options.replay.string();
+  finish(total, Timer(), world, outputs, report, folder, options);
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& program, Global& global) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command =
+      program.add_subcommand("run", "Simulate a scene without a window: pictures, measures, a report");
+  command->footer(
+      "Examples:\n"
+      "  turgor run scenes/incision.toml --out out/incision\n"
+      "  turgor run scenes/incision.toml --set body.torso.ct=patient.nii.gz --set "
+      "body.torso.skin.tension=60\n"
+      "  turgor run --replay out/incision/recording.h5 --set output.color=stretch --out out/again\n"
+      "All keys of a scene are listed in docs/scene.md.");
+  command->add_option("scene", options->scene, "The scene, a TOML file");
+  command->add_option("-o,--out", options->out, "Folder for the results (default: out/SCENE)");
+  command->add_option("--set", options->overrides, "key=value: overrides a key of the scene; may be repeated")
+      ->type_size(1)
+      ->allow_extra_args(false);
+  command->add_option("--replay", options->replay, "Draw this recording.h5 again instead of simulating");
+  command->add_flag("-q,--quiet", options->quiet, "No progress bar and no table");
+  command->callback([options, &global] {
+    if (options->scene.empty() == options->replay.empty())
+      throw Failure{2, "run: expected either a scene or --replay FILE; see turgor run --help"};
+    const Exec exec(global.threads);
+    options->replay.empty() ? run(exec, *options) : replay(exec, *options);
+  });
+}
+
+}  // namespace turgor

@@ -1,0 +1,64 @@
+// Runs the built program as people do: a command line in, an exit code and what it printed out.
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace turgor::test {
+
+/// A new empty folder.
+inline std::filesystem::path fresh_folder() {
+  std::string path = testing::TempDir() + "/turgor-XXXXXX";
+  return std::filesystem::canonical(mkdtemp(path.data()));
+}
+
+inline void write(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+/// Names in a folder, hidden ones too.
+inline std::set<std::string> names_in(const std::filesystem::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.insert(entry.path().filename().string());
+  return names;
+}
+
+struct Ended {
+  int code = 0;
+  std::string printed;  // standard output and standard error together
+};
+
+/// Arguments as a shell reads them.
+inline Ended run_program(const std::string& arguments, const std::filesystem::path& folder) {
+  const std::string command = "cd '" + folder.string() + "' && '" TURGOR_PROGRAM "' " + arguments + " 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  Ended ended;
+  char buffer[4096];
+  while (const std::size_t size = fread(buffer, 1, sizeof buffer, pipe)) ended.printed.append(buffer, size);
+  const int status = pclose(pipe);
+  ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return ended;
+}
+
+/// A scene that runs in about a second: a small phantom, small pictures.
+inline std::string small_scene(const std::string& body = "", const std::string& rest = "") {
+  return "[world]\nduration = 0.2\nframe_rate = 50\n[body.torso]\nmodel = \"lattice\"\n"
+         "ct = { phantom = \"torso\", size = [64, 48, 40], spacing_mm = [6.5, 6.5, 6.5] }\nblock = 2\n"
+         "fixed = [\"bone\", \"ends\"]\ntissue = { volume = 2 }\n" +
+         body +
+         "\n[incision.midline]\nbody = \"torso\"\nfrom_fraction = [0.5, 0.0, 0.7]\nto_fraction = [0.5, 0.0, "
+         "0.3]\n"
+         "depth = 0.02\nstart = 0.02\nduration = 0.05\n"
+         "[output]\nsnapshots = { every = 0.1, size = [200, 160] }\ndeformed_ct = \"deformed.nii.gz\"\n" +
+         rest;
+}
+
+}  // namespace turgor::test

@@ -1,0 +1,143 @@
+#include <csignal>
+
+#include <nlohmann/json.hpp>
+
+#include "app/program.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::Ended;
+using test::fresh_folder;
+using test::names_in;
+using test::run_program;
+using test::small_scene;
+using test::write;
+
+json report_in(const fs::path& folder) {
+  std::ifstream stream(folder / "report.json");
+  return json::parse(stream);
+}
+
+TEST(Run, LeavesPicturesMeshesTheCtARecordingAndAReport) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", small_scene("", "displacement = \"u.nrrd\"\njacobian = \"j.nrrd\"\n"));
+  const Ended ended = run_program("run s.toml --out results/first", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_NE(ended.printed.find("gape, largest and mean"), std::string::npos) << ended.printed;
+  const fs::path out = folder / "results" / "first";
+  EXPECT_EQ(names_in(folder / "results"), std::set<std::string>{"first"});
+  for (const char* name :
+       {"report.json", "report.html", "recording.h5", "deformed.nii.gz", "u.nrrd", "j.nrrd", "torso.obj",
+        "meshes.pvd", "meshes/torso-0000.vtu", "meshes/torso-0010.vtu", "torso-volume.png",
+        "midline-across.png", "midline-sections-after.png"})
+    EXPECT_TRUE(fs::exists(out / name)) << name;
+  const json report = report_in(out);
+  EXPECT_EQ(report["wounds"][0]["name"], "midline");
+  EXPECT_GT(report["wounds"][0]["edges_cut"].get<int>(), 0);
+  EXPECT_EQ(report["timing"]["frames"], 10);
+  EXPECT_LT(std::abs(report["deformed_ct"][0]["mass_error"].get<double>()), 0.05);
+  for (const json& picture : report["pictures"])
+    EXPECT_TRUE(fs::exists(out / picture["file"].get<std::string>()));
+}
+
+TEST(Run, TheStateHashIsTheSameOnOneTwoAndEightThreads) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", small_scene());
+  std::set<std::string> hashes;
+  for (const char* threads : {"1", "2", "8"}) {
+    const std::string out = std::string("out") + threads;
+    const Ended ended = run_program(std::string("run s.toml -q --threads ") + threads + " --out " + out +
+                                        " --set output.video=false --set output.volume_rendering=false",
+                                    folder);
+    ASSERT_EQ(ended.code, 0) << ended.printed;
+    EXPECT_EQ(ended.printed, "");
+    hashes.insert(report_in(folder / out)["state_hash"].get<std::string>());
+  }
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST(Run, AReplayDrawsTheSamePicturesWithoutSimulating) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", small_scene());
+  ASSERT_EQ(run_program("run s.toml --out first", folder).code, 0);
+  const Ended ended = run_program("run --replay first/recording.h5 --out again", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  const json first = report_in(folder / "first"), again = report_in(folder / "again");
+  EXPECT_EQ(first["wounds"], again["wounds"]);
+  EXPECT_EQ(first["state_hash"], again["state_hash"]);
+  int compared = 0;
+  for (const json& picture : first["pictures"]) {
+    const std::string name = picture["file"].get<std::string>();
+    EXPECT_EQ(system(("cmp -s '" + (folder / "first" / name).string() + "' '" +
+                      (folder / "again" / name).string() + "'")
+                         .c_str()),
+              0)
+        << name;
+    compared++;
+  }
+  EXPECT_GE(compared, 4);
+  const Ended other =
+      run_program("run --replay first/recording.h5 --out third --set body.torso.ct.seed=9", folder);
+  EXPECT_EQ(other.code, 2);
+  EXPECT_NE(other.printed.find("a replay may only change output.*"), std::string::npos) << other.printed;
+}
+
+/// Starts a long run, waits until it writes, and sends a signal; returns how it ended.
+int signal_run(const fs::path& folder, int signal) {
+  const pid_t child = fork();
+  if (child == 0) {
+    (void)!chdir(folder.c_str());
+    (void)!freopen("/dev/null", "w", stderr);
+    execl(TURGOR_PROGRAM, "turgor", "run", "s.toml", "-q", "--out", "out", "--set", "world.duration=3000",
+          nullptr);
+    _exit(127);
+  }
+  for (int tries = 0; tries < 600; tries++) {
+    usleep(50000);
+    bool drawn = false;
+    for (const std::string& name : names_in(folder))
+      if (name.starts_with(".out.partial-")) drawn = fs::exists(folder / name / "recording.h5");
+    if (drawn) break;
+  }
+  kill(child, signal);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
+TEST(Run, InterruptedAndKilledRunsLeaveEarlierResultsWhole) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", small_scene("", "video = false\nvolume_rendering = false\n"));
+  ASSERT_EQ(run_program("run s.toml -q --out out", folder).code, 0);
+  const json first = report_in(folder / "out");
+  const int interrupted = signal_run(folder, SIGINT);
+  ASSERT_TRUE(WIFEXITED(interrupted));
+  EXPECT_EQ(WEXITSTATUS(interrupted), 130);
+  EXPECT_EQ(names_in(folder), (std::set<std::string>{"out", "s.toml"}));
+  EXPECT_EQ(report_in(folder / "out"), first);
+  const int killed = signal_run(folder, SIGKILL);
+  ASSERT_TRUE(WIFSIGNALED(killed));
+  EXPECT_EQ(report_in(folder / "out"), first);
+  EXPECT_EQ(names_in(folder).size(), 3u);  // what the killed run left is hidden beside
+  ASSERT_EQ(run_program("run s.toml -q --out out --set world.duration=0.1", folder).code, 0);
+  EXPECT_EQ(names_in(folder), (std::set<std::string>{"out", "s.toml"}));
+  EXPECT_EQ(report_in(folder / "out")["timing"]["frames"], 5);
+}
+
+TEST(Run, RunsOnARealCtByOneOverride) {
+  const fs::path ct = fs::path(TURGOR_SOURCE_DIR) / "../shared/data/ct/torso-3mm.nii.gz";
+  if (!fs::exists(ct)) GTEST_SKIP() << "no real CT at " << ct;
+  const fs::path folder = fresh_folder();
+  const Ended ended =
+      run_program("run '" TURGOR_SOURCE_DIR "/scenes/incision.toml' --out out --set body.torso.ct='" +
+                      ct.string() + "' --set world.duration=0.5 --set output.video=false",
+                  folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_GT(report_in(folder / "out")["wounds"][0]["edges_cut"].get<int>(), 50);
+}
+
+}  // namespace
+}  // namespace turgor
