@@ -74,6 +74,18 @@ TEST(lattice_skin, a_sheet_one_node_thick_is_covered_once) {
   EXPECT_EQ(model.skin.triangles.size(), 2u * 8 * 8);
 }
 
+TEST(lattice_skin, a_tense_body_stays_as_the_ct_shows_it) {
+  for (const SkinLaw law : {SkinLaw::kArea, SkinLaw::kFibre}) {
+    Params params;
+    params.skin.law = law;
+    params.skin.tension_along = params.skin.tension_across = 5;  // a centimetre of soft tissue carries no more
+    const BodyNodes nodes = shape_nodes({31, 31, 31}, [](Vec3d p) { return norm(p) < 0.0102; });
+    const Model model = assemble(kExec, nodes, nullptr, params).value();
+    State state = make_state(model);
+    for (int n = 0; n < 10; n++) EXPECT_LT(step(kExec, model, state, {}, 1.0 / 60).largest_speed, 1e-7) << "m/s";
+  }
+}
+
 TEST(lattice_skin, images_of_unit_vectors_are_unit_vectors_at_rest) {
   Params params;
   params.skin.direction = {0.6, 0.8, 0.3};

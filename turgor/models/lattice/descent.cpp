@@ -7,6 +7,7 @@
 #include "turgor/models/lattice/kernels.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/rows.hpp"
+#include "turgor/models/lattice/skin_forces.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
 namespace turgor::lattice {
@@ -77,27 +78,19 @@ TURGOR_LANES
 /// Adds what the skin around the nodes of [slot, slot + count) asks of them.
 void gather_skin(const Model& model, const State& state, const NodeArrays& n, int slot, int count, SystemBuffer& out) {
   const Skin& skin = model.skin;
-  const SkinParams& params = model.params.skin;
-  const FibreLaw law = fibre_law(params);
-  const Real ratio = rest_area_ratio(params);
+  const SkinForces forces(model);
   const auto row = std::size_t(slot / model.lattice.half);
   for (auto at = std::size_t(skin.row_begin[row]); at < std::size_t(skin.row_begin[row + 1]); at++) {
     const int a = skin.nodes[at];
     if (a < slot || a >= slot + count || n.w[a] == 0) continue;
     NodeSystem s = out.get(a - slot);
+    s.f -= skin.pull[at];
     for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
       const Skin::Corner corner = skin.corners[std::size_t(c)];
       if (state.skin_cut[std::size_t(corner.triangle)]) continue;
       const SkinTriangle& t = skin.triangles[std::size_t(corner.triangle)];
       const Vec3 origin = n.u(t.vertex.x);
-      const Vec3 x[3] = {{0, 0, 0}, t.edge1 + (n.u(t.vertex.y) - origin), t.edge2 + (n.u(t.vertex.z) - origin)};
-      if (params.law == SkinLaw::kFibre) {
-        add_skin_fibre(s, x, corner.corner, t, law);
-      } else {
-        const Real rest = ratio * t.area;
-        add_skin_area(s, x[corner.corner], x[(corner.corner + 1) % 3], x[(corner.corner + 2) % 3], rest,
-                      Real(params.stiffness) / rest, Real(params.amplification));
-      }
+      forces.add(s, t, corner.corner, n.u(t.vertex.y) - origin, n.u(t.vertex.z) - origin);
     }
     out.set(a - slot, s);
   }

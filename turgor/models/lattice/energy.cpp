@@ -92,6 +92,8 @@ double energy(const Exec& exec, const Model& model, const State& state) {
   for (const double layer : layers) sum += layer;
   for (std::size_t t = 0; t < model.skin.triangles.size(); t++)
     if (!state.skin_cut[t]) sum += skin_energy(model, state, model.skin.triangles[t]);
+  for (std::size_t at = 0; at < model.skin.pull.size(); at++)
+    sum += dot(Vec3d(model.skin.pull[at]), Vec3d(state.u[std::size_t(model.skin.nodes[at])]));
   return sum;
 }
 

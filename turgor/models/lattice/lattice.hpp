@@ -93,6 +93,7 @@ struct Skin {
     int triangle, corner;
   };
   std::vector<int> nodes;         // slots
+  std::vector<Vec3> pull;         // descent: of the skin at each node in the CT; the tissue's own prestress answers it [N]
   std::vector<int> corner_begin;  // nodes.size() + 1
   std::vector<Corner> corners;
   std::vector<int> row_begin;     // 2 · rows + 1, indices into nodes

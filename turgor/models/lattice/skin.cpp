@@ -1,4 +1,5 @@
 #include "turgor/models/lattice/skin.hpp"
+#include "turgor/models/lattice/skin_forces.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -141,6 +142,21 @@ struct MeasureTriangle {
   }
 };
 
+/// The CT shows a body at rest under its skin's tension. So whatever the skin pulls at a node there, curved skin inward and the steps of
+/// the lattice every way, is answered by the tissue's own prestress, and stays answered when the skin is cut.
+void measure_pull(const Model& model, Skin& skin) {
+  const SkinForces forces(model);
+  skin.pull.resize(skin.nodes.size());
+  for (std::size_t at = 0; at < skin.nodes.size(); at++) {
+    NodeSystem s;
+    for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
+      const Skin::Corner corner = skin.corners[std::size_t(c)];
+      forces.add(s, skin.triangles[std::size_t(corner.triangle)], corner.corner, {}, {});
+    }
+    skin.pull[at] = s.f;
+  }
+}
+
 void collect_corners(const Lattice& lattice, Skin& skin) {
   struct Entry {
     int slot, triangle, corner;
@@ -182,6 +198,7 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
   skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
   parallel_for(exec, skin.triangles.size(), MeasureTriangle{model, lines, skin.triangles.data()}, 1024);
   collect_corners(model.lattice, skin);
+  if (model.params.solver.method == Method::kDescent) measure_pull(model, skin);
 }
 
 Edge edge_between(const Lattice& lattice, int a, int b) {

@@ -104,7 +104,7 @@ std::size_t memory_bytes(const Model& model, const State& state) {
   const std::size_t per_slot = 2 * sizeof(Real) + sizeof(Tissue) + sizeof(std::int16_t) + 9 * sizeof(Real) + 2;
   const Skin& skin = model.skin;
   return slots * per_slot + state.row_cut.size() + state.cut_edges.size() * sizeof(CutEdge) +
-         skin.triangles.size() * (sizeof(SkinTriangle) + 1) + skin.corners.size() * sizeof(Skin::Corner) +
+         skin.triangles.size() * (sizeof(SkinTriangle) + 1) + skin.corners.size() * sizeof(Skin::Corner) + skin.pull.size() * sizeof(Vec3) +
          (skin.nodes.size() + skin.corner_begin.size() + skin.row_begin.size() + skin.layer_begin.size()) * sizeof(int);
 }
 
