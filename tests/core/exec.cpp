@@ -26,6 +26,16 @@ TEST(exec, ranges_are_not_split_below_the_grain) {
   EXPECT_EQ(calls, 1);
 }
 
+TEST(exec, denormals_are_zero_inside_loops_on_every_thread_and_only_there) {
+  volatile float tiny = 1e-39f;
+  for (const int threads : {1, 2, 8}) {
+    std::atomic<int> nonzero{0};
+    parallel_for(Exec(threads), 1000, [&](std::size_t) { nonzero += tiny * 0.5f != 0; });
+    EXPECT_EQ(nonzero, 0) << threads << " threads";
+  }
+  EXPECT_NE(tiny * 0.5f, 0);
+}
+
 TEST(exec, zero_threads_means_one_per_core) { EXPECT_GE(Exec(0).threads(), 1); }
 
 }  // namespace

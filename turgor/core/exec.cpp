@@ -8,6 +8,8 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include "turgor/core/flush_denormals.hpp"
+
 namespace turgor {
 
 // Lets arenas have more threads than the machine has cores, as tests of determinism do. One for the process: of several, the
@@ -34,10 +36,14 @@ Exec::Exec(int threads)
 void Exec::run_ranges(std::size_t count, std::size_t grain,
                       const std::function<void(std::size_t, std::size_t)>& body) const {
   if (count == 0) return;
-  if (threads_ == 1 || count <= grain) return body(0, count);
+  const auto run = [&body](std::size_t begin, std::size_t end) {
+    const FlushDenormals flush;
+    body(begin, end);
+  };
+  if (threads_ == 1 || count <= grain) return run(0, count);
   arena_->arena.execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
-                      [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
+                      [&](const tbb::blocked_range<std::size_t>& range) { run(range.begin(), range.end()); });
   });
 }
 

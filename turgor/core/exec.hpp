@@ -16,7 +16,8 @@ class Exec {
   explicit Exec(int threads = 0);
   int threads() const { return threads_; }
 
-  /// Calls body(begin, end) on disjoint ranges that cover [0, count); ranges hold at least `grain` indices.
+  /// Calls body(begin, end) on disjoint ranges that cover [0, count); ranges hold at least `grain` indices. Denormal numbers
+  /// are taken for zero in there.
   void run_ranges(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body) const;
 
