@@ -102,7 +102,7 @@ TEST(lattice_surface, a_ball_is_watertight_and_has_no_holes) {
 
 TEST(lattice_surface, normals_point_out_and_turn_with_the_patient) {
   CtVolume ct = soft_ball(48, 15);
-  for (const Mat3d axes :
+  for (const Mat3d& axes :
        {Mat3d{}, Mat3d{{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}}, Mat3d{{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}}}) {
     ct.grid.axes = axes;
     const Model model = body_of(ct, {4, 4, 4});

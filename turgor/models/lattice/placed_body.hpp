@@ -35,7 +35,7 @@ struct PlacedBody {
 
 PlacedBody place_body(const Exec& exec, const Model& model, const State& state, const Grid& out);
 
-constexpr int kSlabLayers = 8;
+constexpr int kSlabLayers = 16;
 inline int slab_count(const PlacedBody& body) { return (body.out.size.z + kSlabLayers - 1) / kSlabLayers; }
 
 /// Coordinates of the CT that a raster walk speaks of: first node and cell size, in whatever unit the visitor

@@ -12,23 +12,35 @@ namespace turgor::lattice {
 namespace {
 
 /// Trilinear, in voxel indices; beyond the outermost centres their values go on.
-float sample(const CtVolume& ct, Vec3 at) {
-  const Int3 size = ct.grid.size;
-  const auto split = [](float x, int count, int& index) {
-    x = std::clamp(x, 0.0f, float(count - 1));
-    index = std::min(int(x), std::max(0, count - 2));
-    return x - float(index);
-  };
-  Int3 p;
-  const float fx = split(at.x, size.x, p.x), fy = split(at.y, size.y, p.y), fz = split(at.z, size.z, p.z);
-  const std::size_t dx = size.x > 1, dy = size.y > 1 ? std::size_t(size.x) : 0;
-  const std::size_t dz = size.z > 1 ? std::size_t(size.x) * std::size_t(size.y) : 0;
-  const std::int16_t* v = &ct.samples[sample_index(ct.grid, p.x, p.y, p.z)];
-  const auto along_x = [&](const std::int16_t* c) { return float(c[0]) + fx * float(c[dx] - c[0]); };
-  const float y0 = along_x(v), y1 = along_x(v + dy), y2 = along_x(v + dz), y3 = along_x(v + dy + dz);
-  const float z0 = y0 + fy * (y1 - y0), z1 = y2 + fy * (y3 - y2);
-  return z0 + fz * (z1 - z0);
-}
+struct Sampler {
+  const std::int16_t* samples;
+  Vec3 last;   // index of the last centre
+  Int3 top;    // the last cell between centres
+  int next_x;  // distances in memory, 0 along an axis with one sample
+  std::size_t row, layer, next_y, next_z;
+
+  explicit Sampler(const CtVolume& ct)
+      : samples(ct.samples.data()),
+        last(ct.grid.size - Int3{1, 1, 1}),
+        top(max(ct.grid.size - Int3{2, 2, 2}, Int3{0, 0, 0})),
+        next_x(ct.grid.size.x > 1),
+        row(std::size_t(ct.grid.size.x)),
+        layer(row * std::size_t(ct.grid.size.y)),
+        next_y(ct.grid.size.y > 1 ? row : 0),
+        next_z(ct.grid.size.z > 1 ? layer : 0) {}
+
+  float operator()(Vec3 at) const {
+    at = min(max(at, Vec3{0, 0, 0}), last);
+    const Int3 p = min(Int3(at), top);
+    const Vec3 f = at - Vec3(p);
+    const std::int16_t* v = samples + (std::size_t(p.z) * layer + std::size_t(p.y) * row + std::size_t(p.x));
+    const auto along_x = [&](const std::int16_t* c) { return float(c[0]) + f.x * float(c[next_x] - c[0]); };
+    const float y0 = along_x(v), y1 = along_x(v + next_y);
+    const float y2 = along_x(v + next_z), y3 = along_x(v + next_z + next_y);
+    const float z0 = y0 + f.y * (y1 - y0), z1 = y2 + f.y * (y3 - y2);
+    return z0 + f.z * (z1 - z0);
+  }
+};
 
 std::int16_t to_hu(float value) { return std::int16_t(std::lrintf(std::clamp(value, -32768.0f, 32767.0f))); }
 
@@ -44,13 +56,14 @@ struct CtRow {
 
 struct CtWriter {
   const CtVolume& ct;
+  Sampler sample;
   CtVolume& out;
   bool conserve_mass;
   bool same_grid;
   std::int64_t mass = 0;  // Σ HU + 1000 over the voxels of the body
 
   void tissue(std::size_t voxel, Int3, Vec3 at, float ratio) {
-    float value = sample(ct, at);
+    float value = sample(at);
     if (conserve_mass) value = (value - kAirHu) / ratio + kAirHu;
     out.samples[voxel] = to_hu(value);
     mass += out.samples[voxel] - kAirHu;
@@ -61,7 +74,7 @@ struct CtWriter {
     for (int i = 0; i < out.grid.size.x; i++) {
       if (covered[i]) continue;
       const std::size_t voxel = row + std::size_t(i);
-      out.samples[voxel] = left(i) ? kAirHu : same_grid ? ct.samples[voxel] : to_hu(sample(ct, places[i]));
+      out.samples[voxel] = left(i) ? kAirHu : same_grid ? ct.samples[voxel] : to_hu(sample(places[i]));
     }
   }
 };
@@ -269,6 +282,7 @@ ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state
   const PlacedBody body = place_body(exec, model, state, out);
   const RestFrame rest{.first_node = index_at(ct.grid, model.grid.origin), .cell_size = cell_size};
   const CtWriter writer{.ct = ct,
+                        .sample = Sampler(ct),
                         .out = result.ct,
                         .conserve_mass = options.conserve_mass,
                         .same_grid = same_grid(out, ct.grid)};
