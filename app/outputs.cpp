@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -32,10 +33,11 @@ lattice::Shown shown_scalar(SkinColor color) {
 /// The same colours at every snapshot, so that pictures can be compared.
 ColorScale scale_of(const OutputScene& output) {
   const bool stretch = output.color == SkinColor::kStretch;
-  const auto [low, high] =
-      output.color_range.value_or(stretch ? std::pair(-0.2, 0.2) : std::pair(0.0, 0.008));
-  ColorScale scale{float(low), float(high), stretch ? "area strain of the skin [%]" : "displacement [mm]",
-                   1000};
+  const auto [low, high] = output.color_range.value_or(stretch ? std::pair(-0.2, 0.2) : std::pair(0.0, 0.01));
+  constexpr float kFar =
+      std::numeric_limits<float>::max();  // up to the next float, so that 0.01 m is not below 10 mm
+  ColorScale scale{float(low), std::nextafter(float(high), kFar),
+                   stretch ? "area strain of the skin [%]" : "displacement [mm]", 1000};
   if (stretch) scale.factor = 100;
   return scale;
 }
@@ -71,7 +73,7 @@ SurfaceView view_of_bodies(const World& world, Vec3d outward, double aspect) {
     box = {min(box.low, more.low), max(box.high, more.high)};
   }
   const Vec3d direction = normalized(outward) + Vec3d{0.45, 0, 0.2};
-  return {"skin", "the skin", frame_box(box, direction, {0, 0, 1}, aspect), {}, {}};
+  return {"skin", "the skin", frame_box(box, direction, {0, 0, 1}, aspect), true, {}, {}};
 }
 
 /// The skin and the walls of wounds as two meshes that share vertices.
@@ -111,6 +113,14 @@ Status write_meshes(const World& world, Outputs& outputs) {
     outputs.series.push_back({time_of(world), file, body.name});
   }
   return Done{};
+}
+
+/// A cut from near once more, in colours.
+Status add_colored_view(const World& world, Outputs& outputs, const SurfaceView& view) {
+  if (view.colored || outputs.scene->output.color == SkinColor::kNone) return Done{};
+  const std::optional<Image> image = draw_bodies(world, outputs, view.camera, true);
+  if (!image) return Done{};
+  return add_picture(outputs, view.name + "-colored.png", view.caption + ", in colours", *image, false);
 }
 
 std::string seconds_text(double seconds) { return fmt::format("{:.2f} s", seconds); }
@@ -169,16 +179,17 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
   return outputs;
 }
 
-std::optional<Image> draw_bodies(const World& world, Outputs& outputs, const Camera& camera) {
+std::optional<Image> draw_bodies(const World& world, Outputs& outputs, const Camera& camera, bool colored) {
   const OutputScene& output = outputs.scene->output;
+  const SkinColor color = colored ? output.color : SkinColor::kNone;
   const ColorScale scale = scale_of(output);
   std::vector<DrawnMeshes> meshes;
   for (std::size_t b = 0; b < world.lattices.size(); b++)
-    meshes.push_back(drawn_meshes(world.lattices[b], outputs.bodies[b], output.color));
+    meshes.push_back(drawn_meshes(world.lattices[b], outputs.bodies[b], color));
   if (!outputs.can_draw) return std::nullopt;
   std::vector<MeshPart> parts;
   for (const DrawnMeshes& m : meshes) {
-    parts.push_back({&m.skin, kSkin, output.color == SkinColor::kNone ? nullptr : &scale, nullptr});
+    parts.push_back({&m.skin, kSkin, color == SkinColor::kNone ? nullptr : &scale, nullptr});
     if (!m.walls.triangles.empty()) parts.push_back({&m.walls, kWall, nullptr, nullptr});
   }
   Result<Image> image = draw_meshes(parts, camera, output.width, output.height);
@@ -197,11 +208,11 @@ Status add_picture(Outputs& outputs, const std::string& file, const std::string&
 
 Status add_snapshot(const World& world, Outputs& outputs) {
   for (SurfaceView& view : outputs.views) {
-    std::optional<Image> image = draw_bodies(world, outputs, view.camera);
+    std::optional<Image> image = draw_bodies(world, outputs, view.camera, view.colored);
     if (!image) continue;
     const std::string file = fmt::format("frames/{}-{:04}.png", view.name, world.frame);
     if (const Status status = write_png(outputs.folder / file, *image); !status) return status;
-    if (view.first.width == 0) view.first = *image;
+    if (view.first.width == 0) view.first = draw_bodies(world, outputs, view.camera, false).value_or(*image);
     view.last = std::move(*image);
   }
   return outputs.scene->output.meshes ? write_meshes(world, outputs) : Done{};
@@ -213,7 +224,7 @@ int video_interval(const Outputs& outputs) {
 }
 
 Status add_video_frame(const World& world, Outputs& outputs) {
-  const std::optional<Image> image = draw_bodies(world, outputs, outputs.views.back().camera);
+  const std::optional<Image> image = draw_bodies(world, outputs, outputs.views.back().camera, false);
   if (!image) return Done{};
   const fs::path file = outputs.folder / kVideoFolder / fmt::format("{:06}.png", outputs.video_frames.size());
   outputs.video_frames.push_back(file);
@@ -229,6 +240,7 @@ Status finish_outputs(const World& world, Outputs& outputs) {
     const Status status = add_picture(outputs, view.name + "-before-after.png",
                                       view.caption + ", before and after", pair, true);
     if (!status) return status;
+    if (const Status colored = add_colored_view(world, outputs, view); !colored) return colored;
   }
   if (const Status status = finish_ct_outputs(world, outputs); !status) return status;
   if (outputs.scene->output.meshes) {

@@ -21,7 +21,8 @@ struct SurfaceView {
   std::string name;     // of its files
   std::string caption;  // "the skin", "midline from near"
   Camera camera;
-  Image first, last;  // the first and the latest snapshot
+  bool colored = false;  // by output.color; else skin and wound as one sees them
+  Image first, last;     // the first snapshot, as one sees it, and the latest
 };
 
 /// The drawn surface of a body, made anew when it was cut further.
@@ -56,7 +57,7 @@ Status add_video_frame(const World& world, Outputs& outputs);
 Status finish_outputs(const World& world, Outputs& outputs);
 
 /// Draws all bodies; nothing and a warning, once, when OpenGL is missing.
-std::optional<Image> draw_bodies(const World& world, Outputs& outputs, const Camera& camera);
+std::optional<Image> draw_bodies(const World& world, Outputs& outputs, const Camera& camera, bool colored);
 /// Writes a picture and lists it in the report.
 Status add_picture(Outputs& outputs, const std::string& file, const std::string& caption, const Image& image,
                    bool large);

@@ -8,14 +8,16 @@ namespace turgor {
 
 namespace {
 
-/// Langer's direction in a triangle of the CT: a unit vector, lattice frame.
-Vec3d line_direction(const lattice::Model& model, const lattice::SkinTriangle& triangle) {
-  Vec3d direction;
+/// Cosine of the angle between a direction, laid into a triangle of the CT, and Langer's lines there.
+double cosine_to_lines(const lattice::Model& model, const lattice::SkinTriangle& triangle, Vec3d direction) {
+  Vec3d along, across;  // unit, lattice frame
   for (int q = 0; q < 3; q++) {
-    const Int3 node = slot_node(model.lattice, triangle.vertex[q]);
-    direction += Vec3d(rest_position(model.lattice, node)) * double(triangle.along[q]);
+    const Vec3d corner(rest_position(model.lattice, slot_node(model.lattice, triangle.vertex[q])));
+    along += corner * double(triangle.along[q]);
+    across += corner * double(triangle.across[q]);
   }
-  return normalized(direction);
+  const double c = dot(direction, along), s = dot(direction, across), length = std::hypot(c, s);
+  return length > 0 ? c / length : 0;
 }
 
 bool is_near(const lattice::BladePath& path, Vec3d point, double distance) {
@@ -38,7 +40,7 @@ SkinPull skin_pull(const lattice::Model& model, const lattice::BladePath& path) 
   for (const lattice::SkinTriangle& triangle : model.skin.triangles) {
     const Vec3d corner(rest_position(model.lattice, slot_node(model.lattice, triangle.vertex.x)));
     if (!is_near(path, corner, reach)) continue;
-    const double cosine = dot(line_direction(model, triangle), cut);
+    const double cosine = cosine_to_lines(model, triangle, cut);
     weighted += triangle.area * cosine * cosine;
     area += triangle.area;
   }
@@ -82,7 +84,8 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
   if (!snapshot) return;
   SolverSample sample{time_of(world), frame.residual, 0, frame.largest_speed};
   for (const LatticeBody& body : world.lattices)
-    sample.energy += lattice::energy(exec, body.model, body.state);
+    if (body.model.params.solver.method == lattice::Method::kDescent)  // the other has no energy in joules
+      sample.energy += lattice::energy(exec, body.model, body.state);
   measures.solver.push_back(sample);
 }
 

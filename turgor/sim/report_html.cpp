@@ -1,4 +1,5 @@
 // report.html: everything from report.json, so that a replay writes the same page as the run did.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -176,6 +177,9 @@ std::string curve_table(const Plot& plot) {
 }
 
 std::string drawn(const Plot& plot, const fs::path& folder) {
+  const bool empty =
+      std::all_of(plot.curves.begin(), plot.curves.end(), [](const Curve& c) { return c.points.empty(); });
+  if (empty) return "";
   const std::string svg = plot_svg(plot, folder);
   return svg.empty() ? curve_table(plot) : "<div class=\"plot\">" + svg + "</div>\n";
 }

@@ -169,7 +169,9 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
   for (std::size_t c = 0; c < world.cuts.size(); c++)
     if (const Status status = advance_blade(world, c); !status) return status.error();
   for (LatticeBody& body : world.lattices) {
-    const lattice::Inputs inputs{world.gravity, measure_residual};
+    // Position-based dynamics has no forces that could be left over.
+    const bool has_forces = body.model.params.solver.method == lattice::Method::kDescent;
+    const lattice::Inputs inputs{world.gravity, measure_residual && has_forces};
     const lattice::StepReport done = lattice::step(exec, body.model, body.state, inputs, world.dt);
     report.finite = report.finite && done.finite;
     report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));
