@@ -27,10 +27,10 @@ std::string script_of(const Plot& plot) {
   std::string text = fmt::format(
       "set terminal svg size 720,360 dynamic noenhanced font 'sans-serif,13'\n"
       "set output '{}'\nset border 3 lc rgb '#888888'\nset tics nomirror textcolor rgb '#888888'\n"
-      "set grid lc rgb '#888888' lw 0.3\nset key textcolor rgb '#888888' top left\n"
+      "set grid lc rgb '#888888' lw 0.3\nset key textcolor rgb '#888888' top {}\n"
       "set title '{}' textcolor rgb '#888888'\nset xlabel '{}' textcolor rgb '#888888'\n"
       "set ylabel '{}' textcolor rgb '#888888'\n",
-      kPicture, plot.title, plot.x_label, plot.y_label);
+      kPicture, plot.logarithmic ? "right" : "left", plot.title, plot.x_label, plot.y_label);
   text += plot.logarithmic ? "set logscale y\nset format y '%.0e'\n" : "set yrange [*<0:*]\n";
   std::string commands;
   for (std::size_t c = 0; c < plot.curves.size(); c++) {
