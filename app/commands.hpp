@@ -1,5 +1,5 @@
-// The commands of the program `turgor`. Each add_<name>_command declares one subcommand with its options; its callback
-// does the work when the command line names it, and throws Failure with a sentence when it cannot.
+// The commands of the program `turgor`. Each add_<name>_command declares one subcommand with its options; its
+// callback does the work when the command line names it, and throws Failure with a sentence when it cannot.
 #pragma once
 
 #include <string>

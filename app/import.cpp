@@ -23,7 +23,8 @@ void run_import(const ImportOptions& options, const Global& global) {
   const Result<CtFile> file = read_with_bar(options, Exec(global.threads));
   if (!file) throw Failure{2, file.error().message};
   for (const std::string& note : file->notes) fmt::print(stderr, "turgor: note: {}\n", note);
-  if (Status written = write_ct(options.output, file->ct); !written) throw Failure{2, written.error().message};
+  if (Status written = write_ct(options.output, file->ct); !written)
+    throw Failure{2, written.error().message};
   const Int3 size = file->ct.grid.size;
   fmt::print("{}: {} x {} x {} samples from {}\n", options.output, size.x, size.y, size.z, file->format);
 }
@@ -33,8 +34,10 @@ void run_import(const ImportOptions& options, const Global& global) {
 void add_import_command(CLI::App& program, Global& global) {
   CLI::App* command = program.add_subcommand("import", "Convert a CT to one file: NIfTI, NRRD or MetaImage");
   auto options = std::make_shared<ImportOptions>();
-  command->add_option("path", options->path, "A DICOM folder or one of its files, .nii, .nii.gz, .nrrd, .mha")->required();
-  command->add_option("-o,--output", options->output, "The file to write: .nii, .nii.gz, .nrrd or .mha")->required();
+  command->add_option("path", options->path, "A DICOM folder or one of its files, .nii, .nii.gz, .nrrd, .mha")
+      ->required();
+  command->add_option("-o,--output", options->output, "The file to write: .nii, .nii.gz, .nrrd or .mha")
+      ->required();
   command->add_option("--series", options->series, "DICOM: which series, by number or SeriesInstanceUID");
   command->footer("Example:\n  turgor import ct/ -o patient.nii.gz");
   command->callback([options, &global] { run_import(*options, global); });

@@ -45,7 +45,10 @@ Json describe(const std::string& path, const CtFile& file) {
   const Vec3d a = point_at(grid, {}), b = point_at(grid, last);
   Json json{{"path", path}, {"format", file.format}, {"files", file.files}};
   if (file.format == "DICOM")
-    json.update({{"patient", file.patient}, {"study", file.study}, {"series", file.series}, {"modality", file.modality}});
+    json.update({{"patient", file.patient},
+                 {"study", file.study},
+                 {"series", file.series},
+                 {"modality", file.modality}});
   json.update({{"size", {grid.size.x, grid.size.y, grid.size.z}},
                {"spacing_mm", triple(grid.spacing * 1e3)},
                {"orientation", orientation(grid)},
@@ -63,9 +66,13 @@ Json describe_labels(const std::string& path, const CtVolume& ct) {
   if (!read) throw Failure{2, read.error().message};
   const std::optional<LabelVolume> labels = on_grid(*read, ct.grid);
   if (!labels)
-    throw Failure{2, fmt::format("{}: its grid ({} x {} x {}) does not lie on the CT's ({} x {} x {}): expected a segmentation of "
-                                 "this CT", path, read->grid.size.x, read->grid.size.y, read->grid.size.z, ct.grid.size.x,
-                                 ct.grid.size.y, ct.grid.size.z)};
+    throw Failure{
+        2,
+        fmt::format(
+            "{}: its grid ({} x {} x {}) does not lie on the CT's ({} x {} x {}): expected a segmentation of "
+            "this CT",
+            path, read->grid.size.x, read->grid.size.y, read->grid.size.z, ct.grid.size.x, ct.grid.size.y,
+            ct.grid.size.z)};
   Json list = Json::array();
   for (const LabelMeasure& m : measure_labels(*labels, &ct))
     list.push_back({{"label", m.label},
@@ -79,47 +86,61 @@ Json describe_labels(const std::string& path, const CtVolume& ct) {
 }
 
 std::string format_triple(const Json& v, int digits) {
-  return fmt::format("{:.{}f}, {:.{}f}, {:.{}f}", v[0].get<double>(), digits, v[1].get<double>(), digits, v[2].get<double>(), digits);
+  return fmt::format("{:.{}f}, {:.{}f}, {:.{}f}", v[0].get<double>(), digits, v[1].get<double>(), digits,
+                     v[2].get<double>(), digits);
 }
 
 void print(const Json& json) {
   const auto row = [](const char* name, const std::string& text) { fmt::print("  {:<12} {}\n", name, text); };
   const auto text = [&](const char* key) { return json.value(key, std::string{}); };
   fmt::print("{}\n", text("path"));
-  row("format", fmt::format("{}, {} {}", text("format"), json["files"].get<int>(), json["files"] == 1 ? "file" : "files"));
+  row("format", fmt::format("{}, {} {}", text("format"), json["files"].get<int>(),
+                            json["files"] == 1 ? "file" : "files"));
   for (const char* field : {"patient", "study", "series", "modality"})
     if (!text(field).empty()) row(field, text(field));
-  row("size", fmt::format("{} x {} x {}", json["size"][0].get<int>(), json["size"][1].get<int>(), json["size"][2].get<int>()));
+  row("size", fmt::format("{} x {} x {}", json["size"][0].get<int>(), json["size"][1].get<int>(),
+                          json["size"][2].get<int>()));
   row("spacing", format_triple(json["spacing_mm"], 4) + " mm");
   row("orientation", text("orientation") + " (towards where i, j, k grow)");
   row("extent", format_triple(json["extent_mm"], 1) + " mm");
   row("from", format_triple(json["first_sample_lps_mm"], 2) + " mm LPS");
   row("to", format_triple(json["last_sample_lps_mm"], 2) + " mm LPS");
   const Json& hu = json["hu"];
-  row("HU", fmt::format("{} to {}, mean {:.1f}", hu["lowest"].get<int>(), hu["highest"].get<int>(), hu["mean"].get<double>()));
+  row("HU", fmt::format("{} to {}, mean {:.1f}", hu["lowest"].get<int>(), hu["highest"].get<int>(),
+                        hu["mean"].get<double>()));
   const Json& f = json["fractions"];
   const auto percent = [&](const char* kind) { return 100 * f[kind].get<double>(); };
-  row("tissue", fmt::format("air {:.1f} % (below {} HU), fat {:.1f} % (below {}), soft {:.1f} %, bone {:.1f} % (from {})",
-                            percent("air"), kAirBelow, percent("fat"), kFatBelow, percent("soft"), percent("bone"), kBoneFrom));
+  row("tissue",
+      fmt::format(
+          "air {:.1f} % (below {} HU), fat {:.1f} % (below {}), soft {:.1f} %, bone {:.1f} % (from {})",
+          percent("air"), kAirBelow, percent("fat"), kFatBelow, percent("soft"), percent("bone"), kBoneFrom));
   if (json.contains("notes"))
     for (const Json& note : json["notes"]) row("note", note.get<std::string>());
 }
 
 void print_labels(const Json& labels) {
-  fmt::print("\n  {:>5} {:<22} {:>9} {:>10} {:>8}  {:<26} {}\n", "label", "name", "voxels", "mL", "mean HU", "centroid RAS [mm]",
-             "centroid LPS [mm]");
+  fmt::print("\n  {:>5} {:<22} {:>9} {:>10} {:>8}  {:<26} {}\n", "label", "name", "voxels", "mL", "mean HU",
+             "centroid RAS [mm]", "centroid LPS [mm]");
   for (const Json& m : labels)
-    fmt::print("  {:>5} {:<22} {:>9} {:>10.3f} {:>8.2f}  {:<26} {}\n", m["label"].get<int>(), m["name"].get<std::string>(),
-               m["voxels"].get<std::size_t>(), m["volume_ml"].get<double>(), m["mean_hu"].get<double>(),
-               format_triple(m["centroid_ras_mm"], 2), format_triple(m["centroid_lps_mm"], 2));
+    fmt::print("  {:>5} {:<22} {:>9} {:>10.3f} {:>8.2f}  {:<26} {}\n", m["label"].get<int>(),
+               m["name"].get<std::string>(), m["voxels"].get<std::size_t>(), m["volume_ml"].get<double>(),
+               m["mean_hu"].get<double>(), format_triple(m["centroid_ras_mm"], 2),
+               format_triple(m["centroid_lps_mm"], 2));
+}
+
+/// A folder that is no volume still has something to tell.
+std::string what_is_there(const InfoOptions& options, const Exec& exec) {
+  const std::string series = list_dicom_series(exec, options.path);
+  return series.empty() ? "" : "\nThe folder's headers say:" + series;
 }
 
 void run_info(const InfoOptions& options, const Global& global) {
+  const Exec exec(global.threads);
   Json json;
   {
     ProgressBar bar("reading");
-    const Result<CtFile> file = read_ct(Exec(global.threads), options.path, {options.series, bar.callback()});
-    if (!file) throw Failure{2, file.error().message};
+    const Result<CtFile> file = read_ct(exec, options.path, {options.series, bar.callback()});
+    if (!file) throw Failure{2, file.error().message + what_is_there(options, exec)};
     json = describe(options.path, *file);
     if (!options.labels.empty()) json["labels"] = describe_labels(options.labels, file->ct);
   }
@@ -133,10 +154,13 @@ void run_info(const InfoOptions& options, const Global& global) {
 }  // namespace
 
 void add_info_command(CLI::App& program, Global& global) {
-  CLI::App* command = program.add_subcommand("info", "What a CT holds: size, place, densities, and the organs of a segmentation");
+  CLI::App* command = program.add_subcommand(
+      "info", "What a CT holds: size, place, densities, and the organs of a segmentation");
   auto options = std::make_shared<InfoOptions>();
-  command->add_option("path", options->path, "A DICOM folder or one of its files, .nii, .nii.gz, .nrrd, .mha")->required();
-  command->add_option("--labels", options->labels, "A segmentation of the CT: sizes and places of its labels");
+  command->add_option("path", options->path, "A DICOM folder or one of its files, .nii, .nii.gz, .nrrd, .mha")
+      ->required();
+  command->add_option("--labels", options->labels,
+                      "A segmentation of the CT: sizes and places of its labels");
   command->add_option("--series", options->series, "DICOM: which series, by number or SeriesInstanceUID");
   command->add_option("--json", options->json, "Also write what is said to this file");
   command->footer("Example:\n  turgor info ct/ --labels segmentation.nii.gz --json ct.json");

@@ -1,11 +1,12 @@
 // `turgor phantom`: a synthetic CT as a DICOM folder or one file.
+#include "turgor/geometry/phantom.hpp"
+
 #include <map>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
-#include "turgor/geometry/phantom.hpp"
 #include "turgor/io/ct.hpp"
 
 namespace turgor {
@@ -56,15 +57,18 @@ CtVolume make_with_bar(const PhantomParams& params, const Exec& exec, LabelVolum
 void run_phantom(const PhantomOptions& options, const Global& global) {
   const Exec exec(global.threads);
   const PhantomParams params = make_params(options);
-  if (const double samples = double(params.size.x) * params.size.y * params.size.z; samples > double(1ull << 33))
+  if (const double samples = double(params.size.x) * params.size.y * params.size.z;
+      samples > double(1ull << 33))
     throw Failure{2, fmt::format("--size: {:.3g} samples; expected at most 2^33", samples)};
   LabelVolume labels;
   const CtVolume ct = make_with_bar(params, exec, options.labels.empty() ? nullptr : &labels);
   if (Status written = write_phantom(options, ct, exec); !written) throw Failure{2, written.error().message};
   if (!options.labels.empty())
-    if (Status written = write_labels(options.labels, labels); !written) throw Failure{2, written.error().message};
-  fmt::print("{}: {} of {} x {} x {} samples, {:.4g} x {:.4g} x {:.4g} mm\n", options.output, options.kind, params.size.x,
-             params.size.y, params.size.z, params.spacing.x * 1e3, params.spacing.y * 1e3, params.spacing.z * 1e3);
+    if (Status written = write_labels(options.labels, labels); !written)
+      throw Failure{2, written.error().message};
+  fmt::print("{}: {} of {} x {} x {} samples, {:.4g} x {:.4g} x {:.4g} mm\n", options.output, options.kind,
+             params.size.x, params.size.y, params.size.z, params.spacing.x * 1e3, params.spacing.y * 1e3,
+             params.spacing.z * 1e3);
 }
 
 }  // namespace
@@ -72,14 +76,25 @@ void run_phantom(const PhantomOptions& options, const Global& global) {
 void add_phantom_command(CLI::App& program, Global& global) {
   CLI::App* command = program.add_subcommand("phantom", "A synthetic CT with known anatomy");
   auto options = std::make_shared<PhantomOptions>();
-  command->add_option("kind", options->kind, "torso, head or leg")->required()->check(CLI::IsMember({"torso", "head", "leg"}));
-  command->add_option("--size", options->size, "Samples along x, y, z (default 512 512 300; head 544, leg 1152)")
-      ->expected(3)->check(CLI::Range(1, 65535));
-  command->add_option("--spacing", options->spacing_mm, "Distance of samples [mm] (default: what shows the whole phantom)")
-      ->expected(3)->check(CLI::Range(0.01, 100.0));
+  command->add_option("kind", options->kind, "torso, head or leg")
+      ->required()
+      ->check(CLI::IsMember({"torso", "head", "leg"}));
+  command
+      ->add_option("--size", options->size, "Samples along x, y, z (default 512 512 300; head 544, leg 1152)")
+      ->expected(3)
+      ->check(CLI::Range(1, 65535));
+  command
+      ->add_option("--spacing", options->spacing_mm,
+                   "Distance of samples [mm] (default: what shows the whole phantom)")
+      ->expected(3)
+      ->check(CLI::Range(0.01, 100.0));
   command->add_option("--seed", options->seed, "Another seed: other noise, slightly other anatomy");
-  command->add_option("--labels", options->labels, "Also write the anatomy as labels (numbers of TotalSegmentator; 200 = nodule)");
-  command->add_option("-o,--output", options->output, "A new DICOM folder, or a file: .nii, .nii.gz, .nrrd, .mha")->required();
+  command->add_option("--labels", options->labels,
+                      "Also write the anatomy as labels (numbers of TotalSegmentator; 200 = nodule)");
+  command
+      ->add_option("-o,--output", options->output,
+                   "A new DICOM folder, or a file: .nii, .nii.gz, .nrrd, .mha")
+      ->required();
   command->footer("Example:\n  turgor phantom torso --size 512 512 300 -o ct/");
   command->callback([options, &global] { run_phantom(*options, global); });
 }

@@ -6,7 +6,8 @@ namespace turgor {
 namespace {
 
 TEST(LabelMeasures, ABoxHasItsVolumeItsCentreAndItsMean) {
-  LabelVolume labels{{.size = {10, 8, 6}, .spacing = {1e-3, 2e-3, 3e-3}, .origin = {0.1, 0.2, 0.3}, .axes = {}}, {}};
+  LabelVolume labels{
+      {.size = {10, 8, 6}, .spacing = {1e-3, 2e-3, 3e-3}, .origin = {0.1, 0.2, 0.3}, .axes = {}}, {}};
   labels.samples.resize(480);
   CtVolume ct{labels.grid, std::vector<std::int16_t>(480, -1000)};
   for (int k = 1; k < 4; k++)
@@ -25,7 +26,8 @@ TEST(LabelMeasures, ABoxHasItsVolumeItsCentreAndItsMean) {
 }
 
 TEST(LabelMeasures, DensitiesAreCountedByKind) {
-  const CtVolume ct{{.size = {4, 2, 1}, .spacing = {1, 1, 1}, .origin = {}, .axes = {}}, {-1000, -201, -200, -100, -20, 0, 199, 200}};
+  const CtVolume ct{{.size = {4, 2, 1}, .spacing = {1, 1, 1}, .origin = {}, .axes = {}},
+                    {-1000, -201, -200, -100, -20, 0, 199, 200}};
   const HuSummary hu = summarize(ct);
   EXPECT_EQ(hu.lowest, -1000);
   EXPECT_EQ(hu.highest, 200);

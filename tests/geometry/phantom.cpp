@@ -58,7 +58,8 @@ std::vector<std::size_t> dense_parts(const CtVolume& ct) {
 }
 
 class EveryPhantom : public ::testing::TestWithParam<PhantomKind> {};
-INSTANTIATE_TEST_SUITE_P(Phantom, EveryPhantom, ::testing::Values(PhantomKind::kTorso, PhantomKind::kHead, PhantomKind::kLeg));
+INSTANTIATE_TEST_SUITE_P(Phantom, EveryPhantom,
+                         ::testing::Values(PhantomKind::kTorso, PhantomKind::kHead, PhantomKind::kLeg));
 
 TEST_P(EveryPhantom, HasTheSameBitsOnAnyNumberOfThreads) {
   const auto one = make_phantom(Exec(1), small(GetParam())), eight = make_phantom(Exec(8), small(GetParam()));
@@ -97,7 +98,8 @@ TEST_P(EveryPhantom, IsOneBodyThatDoesNotTouchTheTable) {
 
 TEST_P(EveryPhantom, LiesAroundTheOrigin) {
   const Grid grid = make_phantom(Exec(2), small(GetParam())).grid;
-  const Vec3d middle = point_at(grid, {(grid.size.x - 1) / 2.0, (grid.size.y - 1) / 2.0, (grid.size.z - 1) / 2.0});
+  const Vec3d middle =
+      point_at(grid, {(grid.size.x - 1) / 2.0, (grid.size.y - 1) / 2.0, (grid.size.z - 1) / 2.0});
   EXPECT_LT(norm(middle), 1e-6);
 }
 

@@ -21,7 +21,8 @@ TEST(Reorient, KeepsEverySampleInItsPlace) {
     for (int j = 0; j < 4; j++)
       for (int i = 0; i < 5; i++) {
         const Vec3d p = index_at(v.grid, point_at(turned.grid, {double(i), double(j), double(k)}));
-        EXPECT_EQ(turned.at(i, j, k), v.at(int(std::lround(p.x)), int(std::lround(p.y)), int(std::lround(p.z))));
+        EXPECT_EQ(turned.at(i, j, k),
+                  v.at(int(std::lround(p.x)), int(std::lround(p.y)), int(std::lround(p.z))));
       }
 }
 

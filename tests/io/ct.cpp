@@ -23,8 +23,13 @@ Mat3d oblique_axes() {
 }
 
 CtVolume make_ct() {
-  CtVolume ct{{.size = {7, 5, 4}, .spacing = {0.7e-3, 1.1e-3, 2.5e-3}, .origin = {-0.12, 0.034, -0.785}, .axes = oblique_axes()}, {}};
-  for (std::size_t n = 0; n < sample_count(ct.grid); n++) ct.samples.push_back(std::int16_t(int(n * 487 % 4000) - 1024));
+  CtVolume ct{{.size = {7, 5, 4},
+               .spacing = {0.7e-3, 1.1e-3, 2.5e-3},
+               .origin = {-0.12, 0.034, -0.785},
+               .axes = oblique_axes()},
+              {}};
+  for (std::size_t n = 0; n < sample_count(ct.grid); n++)
+    ct.samples.push_back(std::int16_t(int(n * 487 % 4000) - 1024));
   ct.samples[3] = std::numeric_limits<std::int16_t>::min();
   ct.samples[9] = std::numeric_limits<std::int16_t>::max();
   return ct;
@@ -56,7 +61,8 @@ TEST_P(EveryFormat, GivesBackAnObliqueAnisotropicCt) {
 TEST_P(EveryFormat, GivesBackLabels) {
   const TempFolder folder;
   LabelVolume labels{make_ct().grid, {}};
-  for (std::size_t n = 0; n < sample_count(labels.grid); n++) labels.samples.push_back(std::uint16_t(n * 521));
+  for (std::size_t n = 0; n < sample_count(labels.grid); n++)
+    labels.samples.push_back(std::uint16_t(n * 521));
   ASSERT_TRUE(write_labels(folder / GetParam(), labels));
   const auto read = read_labels(folder / GetParam());
   ASSERT_TRUE(read) << read.error().message;
@@ -66,21 +72,24 @@ TEST_P(EveryFormat, GivesBackLabels) {
 TEST_P(EveryFormat, GivesBackDisplacementsInMillimetres) {
   const TempFolder folder;
   VectorVolume field{make_ct().grid, {}};
-  for (std::size_t n = 0; n < sample_count(field.grid); n++) field.samples.push_back({float(n) * 1e-3f, -2e-3f, 0.5e-3f * float(n % 3)});
+  for (std::size_t n = 0; n < sample_count(field.grid); n++)
+    field.samples.push_back({float(n) * 1e-3f, -2e-3f, 0.5e-3f * float(n % 3)});
   const Status written = write_displacement(folder / GetParam(), field);
   ASSERT_TRUE(written) << written.error().message;
   const auto read = read_vectors(folder / GetParam());
   ASSERT_TRUE(read) << read.error().message;
   ASSERT_EQ(read->samples.size(), field.samples.size());
   EXPECT_LT(largest_shift(read->grid, field.grid), 1e-7);
-  for (std::size_t n = 0; n < field.samples.size(); n++) EXPECT_LT(norm(read->samples[n] - field.samples[n] * 1000.0f), 1e-4f) << n;
+  for (std::size_t n = 0; n < field.samples.size(); n++)
+    EXPECT_LT(norm(read->samples[n] - field.samples[n] * 1000.0f), 1e-4f) << n;
 }
 
 TEST_P(EveryFormat, RefusesAFileCutShort) {
   const TempFolder folder;
   ASSERT_TRUE(write_ct(folder / GetParam(), make_ct()));
   const std::string whole = slurp(folder / GetParam());
-  for (const std::size_t kept : {whole.size() - 40, whole.size() / 2, std::size_t{100}, std::size_t{3}, std::size_t{0}}) {
+  for (const std::size_t kept :
+       {whole.size() - 40, whole.size() / 2, std::size_t{100}, std::size_t{3}, std::size_t{0}}) {
     spill(folder / GetParam(), whole.substr(0, kept));
     EXPECT_REFUSED(read_ct(kExec, folder / GetParam()), GetParam());
   }
@@ -111,7 +120,8 @@ TEST(Ct, LeftHandedAxesBecomeRightHandedInTheSamePlace) {
   EXPECT_GT(determinant(read->ct.grid.axes), 0.99);
   for (int i = 0; i < 7; i++) {
     const Vec3d at = index_at(read->ct.grid, point_at(ct.grid, {double(i), 2, 1}));
-    EXPECT_EQ(read->ct.at(int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z))), ct.at(i, 2, 1));
+    EXPECT_EQ(read->ct.at(int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z))),
+              ct.at(i, 2, 1));
   }
 }
 
@@ -124,7 +134,8 @@ struct Nifti {
     std::memcpy(bytes.data() + at, &value, sizeof value);
   }
   template <class T>
-  Nifti(std::int16_t type, std::initializer_list<T> samples, std::array<std::int16_t, 8> dim = {3, 3, 2, 2, 1, 1, 1, 1}) {
+  Nifti(std::int16_t type, std::initializer_list<T> samples,
+        std::array<std::int16_t, 8> dim = {3, 3, 2, 2, 1, 1, 1, 1}) {
     put<std::int32_t>(0, 348);
     for (std::size_t axis = 0; axis < 8; axis++) put(40 + 2 * axis, dim[axis]);
     put<std::int16_t>(70, type);
@@ -168,7 +179,8 @@ TEST(Ct, NiftiSlopeAndInterceptScale) {
 }
 
 TEST(Ct, ValuesAreRoundedAndKeptWithinSixteenBits) {
-  const auto read = read_bytes(Nifti(16, {1e9f, -1e9f, 0.6f, -0.6f, std::nanf(""), 0.f, 0.f, 0.f, 0.f, 0.f, 0.f, 0.f}).bytes);
+  const auto read = read_bytes(
+      Nifti(16, {1e9f, -1e9f, 0.6f, -0.6f, std::nanf(""), 0.f, 0.f, 0.f, 0.f, 0.f, 0.f, 0.f}).bytes);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->ct.samples[0], 32767);
   EXPECT_EQ(read->ct.samples[1], -32768);
@@ -179,7 +191,9 @@ TEST(Ct, ValuesAreRoundedAndKeptWithinSixteenBits) {
 
 TEST(Ct, NiftiOfTheOtherByteOrderIsRead) {
   std::string bytes = int32_file().bytes;
-  const auto swap = [&](std::size_t at, std::size_t size) { std::reverse(bytes.begin() + std::ptrdiff_t(at), bytes.begin() + std::ptrdiff_t(at + size)); };
+  const auto swap = [&](std::size_t at, std::size_t size) {
+    std::reverse(bytes.begin() + std::ptrdiff_t(at), bytes.begin() + std::ptrdiff_t(at + size));
+  };
   swap(0, 4);
   for (std::size_t at = 40; at < 56; at += 2) swap(at, 2);
   for (const std::size_t at : {68, 70, 72, 74, 252, 254}) swap(at, 2);
@@ -195,9 +209,11 @@ TEST(Ct, NiftiIsPlacedByItsSformFirst) {
   Nifti file = int32_file();
   file.put<std::int16_t>(252, 1);
   file.put<std::int16_t>(254, 2);
-  const float rows[3][4] = {{0, 0, 2, 10}, {3, 0, 0, 20}, {0, 4, 0, 30}};  // i to the front, j to the head, k to the right
+  const float rows[3][4] = {
+      {0, 0, 2, 10}, {3, 0, 0, 20}, {0, 4, 0, 30}};  // i to the front, j to the head, k to the right
   for (std::size_t row = 0; row < 3; row++)
-    for (std::size_t column = 0; column < 4; column++) file.put(280 + 16 * row + 4 * column, rows[row][column]);
+    for (std::size_t column = 0; column < 4; column++)
+      file.put(280 + 16 * row + 4 * column, rows[row][column]);
   const auto read = read_bytes(file.bytes);
   ASSERT_TRUE(read) << read.error().message;
   const Vec3d first = point_at(read->ct.grid, {}), last = point_at(read->ct.grid, {2, 1, 1});
@@ -212,7 +228,9 @@ TEST(Ct, CorruptNiftiHeadersAreRefusedBeforeMemoryIsTaken) {
     EXPECT_REFUSED(read_bytes(file.bytes), word);
   };
   refused("truncated", [](Nifti& f) { f.put<std::int16_t>(42, 30000), f.put<std::int16_t>(44, 30000); });
-  refused("2^33", [](Nifti& f) { for (std::size_t a : {42, 44, 46}) f.put<std::int16_t>(a, 32767); });
+  refused("2^33", [](Nifti& f) {
+    for (std::size_t a : {42, 44, 46}) f.put<std::int16_t>(a, 32767);
+  });
   refused("samples", [](Nifti& f) { f.put<std::int16_t>(42, -3); });
   refused("dimension 4", [](Nifti& f) { f.put<std::int16_t>(40, 4), f.put<std::int16_t>(48, 2); });
   refused("dimensions", [](Nifti& f) { f.put<std::int16_t>(40, 9); });
@@ -230,19 +248,24 @@ TEST(Ct, ShearedAxesAreRefused) {
   file.put<std::int16_t>(254, 2);
   const float rows[3][4] = {{1, 0.4f, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
   for (std::size_t row = 0; row < 3; row++)
-    for (std::size_t column = 0; column < 4; column++) file.put(280 + 16 * row + 4 * column, rows[row][column]);
+    for (std::size_t column = 0; column < 4; column++)
+      file.put(280 + 16 * row + 4 * column, rows[row][column]);
   EXPECT_FALSE(read_bytes(file.bytes));
   const TempFolder folder;
   spill(folder / "a.nrrd",
-        "NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\nspace directions: (1,0,0) (0.5,1,0) "
-        "(0,0,1)\nendian: little\nencoding: raw\nspace origin: (0,0,0)\n\n" + std::string(16, '\0'));
+        "NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\nspace "
+        "directions: (1,0,0) (0.5,1,0) "
+        "(0,0,1)\nendian: little\nencoding: raw\nspace origin: (0,0,0)\n\n" +
+            std::string(16, '\0'));
   EXPECT_REFUSED(read_ct(kExec, folder / "a.nrrd"), "degrees", "right angles");
 }
 
 TEST(Ct, BadTextHeadersAreRefusedByTheirField) {
   const TempFolder folder;
-  const std::string nrrd = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nendian: little\nencoding: raw\n\n";
-  const auto refused = [&](std::string text, const std::string& from, const std::string& to, const char* word) {
+  const std::string nrrd =
+      "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nendian: little\nencoding: raw\n\n";
+  const auto refused = [&](std::string text, const std::string& from, const std::string& to,
+                           const char* word) {
     text.replace(text.find(from), from.size(), to);
     const auto file = folder / (text.starts_with("NRRD") ? "a.nrrd" : "a.mha");
     spill(file, text + std::string(16, '\0'));
@@ -260,8 +283,10 @@ TEST(Ct, BadTextHeadersAreRefusedByTheirField) {
   refused(nrrd, "encoding: raw", "encoding: raw\nencoding: gzip", "twice");
   refused(nrrd, "spacings: 1 1 1", "spacings: 1 nan 1", "finite");
   refused(nrrd, "spacings: 1 1 1", "spacings: 1 0 1", "a.nrrd");
-  const std::string mha = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nElementSpacing = 1 1 1\n"
-                          "DimSize = 2 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n";
+  const std::string mha =
+      "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nElementSpacing = 1 "
+      "1 1\n"
+      "DimSize = 2 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n";
   spill(folder / "a.mha", mha + std::string(16, '\0'));
   EXPECT_TRUE(read_ct(kExec, folder / "a.mha"));
   refused(mha, "DimSize = 2 2 2", "DimSize = 2 2 3", "truncated");
@@ -270,7 +295,8 @@ TEST(Ct, BadTextHeadersAreRefusedByTheirField) {
   refused(mha, "LOCAL", "LIST", "LIST");
   refused(mha, "BinaryData = True", "BinaryData = False", "text");
   refused(mha, "ElementSpacing = 1 1 1", "ElementSpacing = 1 1 0", "spacing");
-  refused(mha, "BinaryData = True", "BinaryData = True\nCompressedData = True\nCompressedDataSize = 99999999999", "CompressedDataSize");
+  refused(mha, "BinaryData = True",
+          "BinaryData = True\nCompressedData = True\nCompressedDataSize = 99999999999", "CompressedDataSize");
 }
 
 TEST(Ct, AMissingFileIsAnsweredWithTheNearestNames) {

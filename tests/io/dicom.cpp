@@ -17,8 +17,13 @@ const Exec kExec(2);
 
 CtVolume make_ct(int slices = 6) {
   const Vec3d i = normalized(Vec3d{1, 0.1, 0.05}), k = normalized(cross(i, Vec3d{-0.1, 1, 0.02}));
-  CtVolume ct{{.size = {9, 7, slices}, .spacing = {0.75e-3, 0.5e-3, 1.25e-3}, .origin = {0.1, -0.2, 0.3}, .axes = {{i, cross(k, i), k}}}, {}};
-  for (std::size_t n = 0; n < sample_count(ct.grid); n++) ct.samples.push_back(std::int16_t(int(n * 7919 % 5000) - 2000));
+  CtVolume ct{{.size = {9, 7, slices},
+               .spacing = {0.75e-3, 0.5e-3, 1.25e-3},
+               .origin = {0.1, -0.2, 0.3},
+               .axes = {{i, cross(k, i), k}}},
+              {}};
+  for (std::size_t n = 0; n < sample_count(ct.grid); n++)
+    ct.samples.push_back(std::int16_t(int(n * 7919 % 5000) - 2000));
   return ct;
 }
 
@@ -28,7 +33,8 @@ void set_value(const fs::path& file, std::uint16_t group, std::uint16_t element,
   const std::string tag{char(group & 255), char(group >> 8), char(element & 255), char(element >> 8)};
   const std::size_t at = bytes.find(tag, 132);
   ASSERT_NE(at, std::string::npos);
-  const std::size_t length = std::size_t((unsigned char)bytes[at + 6]) + 256 * std::size_t((unsigned char)bytes[at + 7]);
+  const std::size_t length =
+      std::size_t((unsigned char)bytes[at + 6]) + 256 * std::size_t((unsigned char)bytes[at + 7]);
   if (value.size() % 2) value += ' ';
   bytes.replace(at + 8, length, value);
   bytes[at + 6] = char(value.size() & 255);
@@ -113,9 +119,12 @@ TEST(Dicom, EmptySeriesIdentifiersAreOneSeries) {
 TEST(Dicom, SeveralSeriesAreListedAndChosen) {
   const Series s;
   ASSERT_TRUE(write_dicom(kExec, s.path / "second", make_ct(3), "Test^Patient"));
-  EXPECT_REFUSED(s.read(), "2 series", "--series", "6 slices of 9 x 7", "3 slices of 9 x 7", "Turgor volume", "2.25.");
+  EXPECT_REFUSED(s.read(), "2 series", "--series", "6 slices of 9 x 7", "3 slices of 9 x 7", "Turgor volume",
+                 "2.25.");
   EXPECT_EQ(s.read("1")->files + s.read("2")->files, 9);
-  const std::string message = s.read().error().message, uid = message.substr(message.find("2.25."), message.find('\n', message.find("2.25.")) - message.find("2.25."));
+  const std::string message = s.read().error().message,
+                    uid = message.substr(message.find("2.25."),
+                                         message.find('\n', message.find("2.25.")) - message.find("2.25."));
   EXPECT_EQ(s.read(uid)->files, s.read("1")->files);
   EXPECT_REFUSED(s.read("3"), "no series \"3\"", "2.25.");
 }
@@ -137,15 +146,19 @@ TEST(Dicom, DoubledPositionsAreRefused) {
 TEST(Dicom, AUnevenDistanceIsRefused) {
   const Series s;
   const Vec3d moved = point_at(s.ct.grid, {0, 0, 2.4}) * 1e3;
-  set_value(s.slice(3), 0x20, 0x32, std::to_string(moved.x) + "\\" + std::to_string(moved.y) + "\\" + std::to_string(moved.z));
+  set_value(s.slice(3), 0x20, 0x32,
+            std::to_string(moved.x) + "\\" + std::to_string(moved.y) + "\\" + std::to_string(moved.z));
   EXPECT_REFUSED(s.read(), "uneven distance", "slice-00003.dcm", "1.25 mm");
 }
 
 TEST(Dicom, GantryTiltIsRefusedWithItsAngle) {
   const Series s;
   for (int number = 1; number <= 6; number++) {
-    const Vec3d p = (point_at(s.ct.grid, {0, 0, number - 1.0}) + s.ct.grid.axes.column[1] * ((number - 1) * 1.25e-3 * std::tan(18.5 * M_PI / 180))) * 1e3;
-    set_value(s.slice(number), 0x20, 0x32, std::to_string(p.x) + "\\" + std::to_string(p.y) + "\\" + std::to_string(p.z));
+    const Vec3d p = (point_at(s.ct.grid, {0, 0, number - 1.0}) +
+                     s.ct.grid.axes.column[1] * ((number - 1) * 1.25e-3 * std::tan(18.5 * M_PI / 180))) *
+                    1e3;
+    set_value(s.slice(number), 0x20, 0x32,
+              std::to_string(p.x) + "\\" + std::to_string(p.y) + "\\" + std::to_string(p.z));
   }
   EXPECT_REFUSED(s.read(), "gantry tilt of 18.5 degrees");
 }
@@ -185,8 +198,11 @@ TEST(Dicom, WhatIsNoCtIsRefused) {
     std::uint16_t group, element;
     const char* value;
     const char* word;
-  } cases[] = {{0x08, 0x60, "MR", "Modality is \"MR\""}, {0x28, 0x04, "RGB", "colour"}, {0x20, 0x32, "", "ImagePositionPatient"},
-               {0x20, 0x32, "1\\2\\nan", "ImagePositionPatient"}, {0x20, 0x37, "1\\0\\0\\1\\0\\0", "ImageOrientationPatient"},
+  } cases[] = {{0x08, 0x60, "MR", "Modality is \"MR\""},
+               {0x28, 0x04, "RGB", "colour"},
+               {0x20, 0x32, "", "ImagePositionPatient"},
+               {0x20, 0x32, "1\\2\\nan", "ImagePositionPatient"},
+               {0x20, 0x37, "1\\0\\0\\1\\0\\0", "ImageOrientationPatient"},
                {0x28, 0x30, "0\\0", "PixelSpacing"}};
   for (const auto& c : cases) {
     const Series s;
@@ -204,9 +220,41 @@ TEST(Dicom, TruncatedAndCorruptFilesAreNamed) {
   }
 }
 
+const fs::path kCorpus = fs::path(TURGOR_SOURCE_DIR) / "tests" / "fuzz" / "corpus" / "ct";
+
+TEST(Dicom, EveryTransferSyntaxGivesTheSameSamples) {
+  const TempFolder folder;
+  std::vector<std::int16_t> first;
+  for (const char* name : {"explicit.dcm", "implicit.dcm", "rle.dcm", "jpeg.dcm", "jpegls.dcm", "j2k.dcm"}) {
+    fs::create_directory(folder / name);
+    fs::copy(kCorpus / name, folder / name);
+    const auto read = read_ct(kExec, folder / name);
+    ASSERT_TRUE(read) << read.error().message;
+    if (first.empty()) first = read->ct.samples;
+    ASSERT_EQ(read->ct.samples.size(), 256u);
+    EXPECT_EQ(read->ct.samples, first) << name;
+  }
+}
+
+TEST(Dicom, ADamagedCompressedImageEndsInASentence) {
+  for (const char* name : {"rle.dcm", "jpeg.dcm", "jpegls.dcm", "j2k.dcm"}) {
+    const TempFolder folder;
+    std::string bytes = slurp(kCorpus / name);
+    const std::size_t pixels = bytes.find(std::string("\xe0\x7f\x10\0", 4), 132);
+    ASSERT_NE(pixels, std::string::npos);
+    for (std::size_t at = pixels + 28; at < pixels + 60; at++)
+      bytes[at] = char(0xa5);  // the head of the code
+    spill(folder / name, bytes);
+    EXPECT_REFUSED(read_ct(kExec, folder / name), name, "decoded");
+    spill(folder / name, bytes.substr(0, bytes.size() - 20));
+    EXPECT_REFUSED(read_ct(kExec, folder / name), name, "truncated");
+  }
+}
+
 TEST(Dicom, PaddingBecomesAir) {
   const Series s;
-  // PixelPaddingValue behind PixelRepresentation (0028,0103), which is the last of its group below (0028,1050)
+  // PixelPaddingValue behind PixelRepresentation (0028,0103), which is the last of its group below
+  // (0028,1050)
   const std::int16_t pad = s.ct.samples[4];
   for (int number = 1; number <= 6; number++) {
     std::string bytes = slurp(s.slice(number));

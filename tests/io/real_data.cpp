@@ -1,9 +1,9 @@
 // What is known about real CTs: sizes and places of organs, whatever the format.
+#include <gtest/gtest.h>
+
 #include "turgor/geometry/label_measures.hpp"
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
-
-#include <gtest/gtest.h>
 
 namespace turgor {
 namespace {
@@ -32,7 +32,8 @@ void expect_known(const char* ct_name, const char* labels_name, const std::vecto
   ASSERT_TRUE(labels) << "the segmentation lies on the CT";
   const auto measures = measure_labels(*labels, &ct->ct);
   for (const Known& known : table) {
-    const auto found = std::find_if(measures.begin(), measures.end(), [&](const auto& m) { return m.label == known.label; });
+    const auto found =
+        std::find_if(measures.begin(), measures.end(), [&](const auto& m) { return m.label == known.label; });
     ASSERT_NE(found, measures.end()) << known.label;
     EXPECT_EQ(found->voxels, known.voxels);
     EXPECT_NEAR(found->volume * 1e6, known.volume_ml, 1e-3 * known.volume_ml);
@@ -49,12 +50,15 @@ void expect_known(const char* ct_name, const char* labels_name, const std::vecto
 TEST(RealData, OrgansOfANiftiSlabHaveTheirVolumesAndPlaces) {
   SKIP_WITHOUT(kData / "abdomen-slab.nii.gz");
   expect_known("abdomen-slab.nii.gz", "abdomen-slab-labels.nii.gz",
-               {{5, 38634, 1043.118, {64.35, 185.03, 150.14}, 45.29}, {1, 9452, 255.204, {}, 0}, {2, 3947, 106.569, {}, 0}});
+               {{5, 38634, 1043.118, {64.35, 185.03, 150.14}, 45.29},
+                {1, 9452, 255.204, {}, 0},
+                {2, 3947, 106.569, {}, 0}});
 }
 
 TEST(RealData, TheLiverOfAJpeg2000SeriesLiesWhereItsMirroredLabelsSay) {
   SKIP_WITHOUT(kData / "dicom-jpeg2000");
-  expect_known("dicom-jpeg2000", "dicom-jpeg2000-labels.nii.gz", {{5, 366708, 699.440, {76.00, 165.93, -784.98}, 89.30}});
+  expect_known("dicom-jpeg2000", "dicom-jpeg2000-labels.nii.gz",
+               {{5, 366708, 699.440, {76.00, 165.93, -784.98}, 89.30}});
 }
 
 TEST(RealData, TheTorsoHasItsRangeOfDensities) {

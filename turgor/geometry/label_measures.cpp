@@ -34,11 +34,12 @@ std::vector<LabelMeasure> measure_labels(const LabelVolume& labels, const CtVolu
     const Sums& s = sums[std::size_t(label)];
     if (s.voxels == 0) continue;
     const double n = double(s.voxels);
-    measures.push_back({.label = label,
-                        .voxels = std::size_t(s.voxels),
-                        .volume = n * sample_volume(labels.grid),
-                        .centroid = point_at(labels.grid, {double(s.i) / n, double(s.j) / n, double(s.k) / n}),
-                        .mean_hu = double(s.hu) / n});
+    measures.push_back(
+        {.label = label,
+         .voxels = std::size_t(s.voxels),
+         .volume = n * sample_volume(labels.grid),
+         .centroid = point_at(labels.grid, {double(s.i) / n, double(s.j) / n, double(s.k) / n}),
+         .mean_hu = double(s.hu) / n});
   }
   return measures;
 }
@@ -55,7 +56,10 @@ HuSummary summarize(const CtVolume& ct) {
     summary.lowest = std::min(summary.lowest, hu);
     summary.highest = std::max(summary.highest, hu);
     summary.mean += fraction * hu;
-    (hu < kAirBelow ? summary.air : hu < kFatBelow ? summary.fat : hu < kBoneFrom ? summary.soft : summary.bone) += fraction;
+    (hu < kAirBelow   ? summary.air
+     : hu < kFatBelow ? summary.fat
+     : hu < kBoneFrom ? summary.soft
+                      : summary.bone) += fraction;
   }
   return summary;
 }

@@ -15,14 +15,14 @@ struct LabelMeasure {
   double mean_hu = 0;  // [HU]
 };
 
-/// One measure a label that occurs, by rising number, without the background (0). `ct` may be null, or must have the
-/// labels' grid.
+/// One measure a label that occurs, by rising number, without the background (0). `ct` may be null, or must
+/// have the labels' grid.
 std::vector<LabelMeasure> measure_labels(const LabelVolume& labels, const CtVolume* ct);
 
 /// How many samples of a CT are of which kind.
 struct HuSummary {
-  int lowest = 0, highest = 0;  // [HU]
-  double mean = 0;              // [HU]
+  int lowest = 0, highest = 0;                  // [HU]
+  double mean = 0;                              // [HU]
   double air = 0, fat = 0, soft = 0, bone = 0;  // fractions; see the bounds below
 };
 constexpr int kAirBelow = -200, kFatBelow = -20, kBoneFrom = 200;  // [HU]

@@ -63,9 +63,12 @@ void add_noise(const PhantomParams& params, std::size_t first, const Painting& r
 
 Anatomy make_anatomy(const PhantomParams& params) {
   switch (params.kind) {
-    case PhantomKind::kTorso: return phantom::make_torso(params.seed);
-    case PhantomKind::kHead: return phantom::make_head(params.seed);
-    default: return phantom::make_leg(params.seed);
+    case PhantomKind::kTorso:
+      return phantom::make_torso(params.seed);
+    case PhantomKind::kHead:
+      return phantom::make_head(params.seed);
+    default:
+      return phantom::make_leg(params.seed);
   }
 }
 
@@ -92,7 +95,8 @@ PhantomParams default_phantom(PhantomKind kind) {
   return params;
 }
 
-CtVolume make_phantom(const Exec& exec, const PhantomParams& params, LabelVolume* labels, const Progress& progress) {
+CtVolume make_phantom(const Exec& exec, const PhantomParams& params, LabelVolume* labels,
+                      const Progress& progress) {
   const Anatomy anatomy = make_anatomy(params);
   const Grid grid = centred_grid(params);
   CtVolume ct{grid, std::vector<std::int16_t>(sample_count(grid))};

@@ -12,16 +12,18 @@ float head_distance(Vec3 p) {
   const auto part = [&](Vec3 c, Vec3 r) { return ellipsoid_distance(p - c, r); };
   float d = smooth_min(part({0, 12, 52}, {74, 92, 78}), part({0, -24, -10}, {66, 72, 74}), 24);
   d = smooth_min(d, part({0, -46, -52}, {50, 46, 32}), 26);
-  d = smooth_min(d, ellipsoid_distance({p.x, p.y - 26, 0}, {54, 56, kEndless}) + std::max(0.0f, (p.z + 40) * 0.9f), 30);
+  d = smooth_min(
+      d, ellipsoid_distance({p.x, p.y - 26, 0}, {54, 56, kEndless}) + std::max(0.0f, (p.z + 40) * 0.9f), 30);
   d = smooth_min(d, capsule_distance(p, {0, -90, 14}, {0, -101, -12}, 8), 14);
   const Vec3 q{std::abs(p.x), p.y, p.z};
   return smooth_min(d, ellipsoid_distance(q - Vec3{73, 16, 6}, {8, 15, 29}), 8);
 }
 
 void paint_outside(Anatomy& anatomy) {
-  paint(anatomy, {-90, -112, -kEndless}, {90, 108, 135}, {{0, kSkin}, {2, kFat}, {5, kMuscle}}, 0, [](float y, float z) {
-    return [=](float x) { return head_distance({x, y, z}); };
-  });
+  paint(anatomy, {-90, -112, -kEndless}, {90, 108, 135}, {{0, kSkin}, {2, kFat}, {5, kMuscle}}, 0,
+        [](float y, float z) { return [=](float x) {
+                                 return head_distance({x, y, z});
+                               }; });
 }
 
 void paint_skull(Anatomy& anatomy) {
@@ -36,9 +38,11 @@ void paint_brain(Anatomy& anatomy) {
   const auto folded = [](float shrink, float depth) {
     return [=](float y, float z) {
       return [=](float x) {
-        const float fold = depth * std::sin(0.28f * x + 0.1f * z) * std::sin(0.25f * y) * std::sin(0.27f * z + 0.08f * x);
+        const float fold =
+            depth * std::sin(0.28f * x + 0.1f * z) * std::sin(0.25f * y) * std::sin(0.27f * z + 0.08f * x);
         const float middle = 1.2f - std::abs(x) - std::max(0.0f, 45 - z);  // the cleft between the halves
-        const float brain = ellipsoid_distance({x, y - 12, z - 50}, {59 - shrink, 77 - shrink, 62 - shrink}) + fold;
+        const float brain =
+            ellipsoid_distance({x, y - 12, z - 50}, {59 - shrink, 77 - shrink, 62 - shrink}) + fold;
         return std::max(brain, middle);
       };
     };
@@ -105,7 +109,8 @@ void paint_neck(Anatomy& anatomy) {
   }
   paint_capsule(anatomy, {0, 49, -24}, {0, 51, -200}, 7, 30, 79);
   for (const float side : {-1.0f, 1.0f}) {
-    paint_capsule(anatomy, {side * 26, 8, -40}, {side * 22, 4, -200}, 4, 60, std::uint16_t(side < 0 ? 57 : 58));
+    paint_capsule(anatomy, {side * 26, 8, -40}, {side * 22, 4, -200}, 4, 60,
+                  std::uint16_t(side < 0 ? 57 : 58));
     paint_capsule(anatomy, {side * 34, 10, -40}, {side * 28, 6, -200}, 6, 45);
   }
 }

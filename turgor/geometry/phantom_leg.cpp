@@ -6,7 +6,8 @@ namespace turgor::phantom {
 namespace {
 
 struct Leg {
-  Profile radius{{-440, 33}, {-395, 36}, {-330, 41}, {-240, 56}, {-170, 60}, {-90, 52}, {-20, 56}, {30, 60}, {120, 68}, {260, 78}, {460, 86}};
+  Profile radius{{-440, 33}, {-395, 36}, {-330, 41}, {-240, 56}, {-170, 60}, {-90, 52},
+                 {-20, 56},  {30, 60},   {120, 68},  {260, 78},  {460, 86}};
   Profile centre{{-440, 10}, {-330, 12}, {-200, 18}, {-100, 14}, {0, 4}, {200, 6}, {460, 8}};  // y
 };
 
@@ -31,7 +32,8 @@ void paint_muscles(Anatomy& anatomy, const Leg& leg) {
       const float outline = ellipsoid_distance({x, v, 0}, {0.95f * r, r, 1e6f}) + inset + knee;
       float seam = 1e3f;
       for (int s = 0; s < 5; s++) {
-        const float angle = 1.2566f * float(s) + 0.5f + turn, along = std::cos(angle) * x + std::sin(angle) * v;
+        const float angle = 1.2566f * float(s) + 0.5f + turn,
+                    along = std::cos(angle) * x + std::sin(angle) * v;
         const float across = std::abs(std::sin(angle) * x - std::cos(angle) * v);
         seam = std::min(seam, along > 0 ? across : 1e3f);
       }

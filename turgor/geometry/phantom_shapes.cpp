@@ -21,8 +21,8 @@ float Profile::operator()(float z) const {
     return (p[at + 1].second - p[at - 1].second) / (p[at + 1].first - p[at - 1].first);
   };
   const float h = p[i].first - p[i - 1].first, t = (z - p[i - 1].first) / h, t2 = t * t, t3 = t2 * t;
-  return (2 * t3 - 3 * t2 + 1) * p[i - 1].second + (t3 - 2 * t2 + t) * h * slope(i - 1) + (3 * t2 - 2 * t3) * p[i].second +
-         (t3 - t2) * h * slope(i);
+  return (2 * t3 - 3 * t2 + 1) * p[i - 1].second + (t3 - 2 * t2 + t) * h * slope(i - 1) +
+         (3 * t2 - 2 * t3) * p[i].second + (t3 - t2) * h * slope(i);
 }
 
 void paint_ellipsoid(Anatomy& anatomy, Vec3 c, Vec3 r, float hu, std::uint16_t label) {
@@ -65,7 +65,8 @@ void paint_table(Anatomy& anatomy, float top, float half_width) {
 }
 
 float variation(std::uint64_t seed, int which) {
-  const std::uint64_t hash = turgor::detail::mix(turgor::detail::mix(kHashSeed, seed), std::uint64_t(which) + 1);
+  const std::uint64_t hash =
+      turgor::detail::mix(turgor::detail::mix(kHashSeed, seed), std::uint64_t(which) + 1);
   return float(hash >> 40) / float(1 << 23) - 1;
 }
 

@@ -1,5 +1,6 @@
-// Shapes that phantoms are painted from, in mm, with the distance to their surface (negative inside, exact to first order
-// near it), evaluated a row of samples at a time so that the compiler vectorises it. Internal to the phantoms.
+// Shapes that phantoms are painted from, in mm, with the distance to their surface (negative inside, exact to
+// first order near it), evaluated a row of samples at a time so that the compiler vectorises it. Internal to
+// the phantoms.
 #pragma once
 
 #include <algorithm>
@@ -39,7 +40,8 @@ using Anatomy = std::vector<Shape>;
 
 /// `surface(y, z)` gives a function of x: the distance to the surface [mm].
 template <class Surface>
-void paint(Anatomy& anatomy, Vec3 low, Vec3 high, std::vector<Layer> layers, std::uint16_t label, Surface surface) {
+void paint(Anatomy& anatomy, Vec3 low, Vec3 high, std::vector<Layer> layers, std::uint16_t label,
+           Surface surface) {
   anatomy.push_back({low, high, std::move(layers), label, [surface](const Row& row, float* out) {
                        const auto distance = surface(row.y, row.z);
                        for (int i = 0; i < row.count; i++) out[i] = distance(row.x + float(i) * row.dx);
@@ -56,7 +58,9 @@ class Profile {
   Profile(std::initializer_list<std::pair<float, float>> points) : points_(points) {}
   float operator()(float z) const;
   float largest() const {
-    return std::max_element(points_.begin(), points_.end(), [](auto a, auto b) { return a.second < b.second; })->second;
+    return std::max_element(points_.begin(), points_.end(),
+                            [](auto a, auto b) { return a.second < b.second; })
+        ->second;
   }
 
  private:
@@ -94,13 +98,14 @@ void paint_ellipsoid(Anatomy& anatomy, Vec3 centre, Vec3 radius, float hu, std::
 void paint_capsule(Anatomy& anatomy, Vec3 a, Vec3 b, float radius, float hu, std::uint16_t label = 0);
 /// Cortical shell around marrow.
 void paint_bone_ellipsoid(Anatomy& anatomy, Vec3 centre, Vec3 radius, float cortex, std::uint16_t label = 0);
-void paint_bone_capsule(Anatomy& anatomy, Vec3 a, Vec3 b, float radius, float cortex, std::uint16_t label = 0);
+void paint_bone_capsule(Anatomy& anatomy, Vec3 a, Vec3 b, float radius, float cortex,
+                        std::uint16_t label = 0);
 /// A couch: a thin curved shell around foam, its upper side at y in the middle, `half_width` to both sides.
 void paint_table(Anatomy& anatomy, float y, float half_width);
 
 // Densities [HU].
-constexpr float kSkin = 45, kFat = -100, kMuscle = 55, kLiver = 60, kNodule = 100, kLung = -850, kGas = -980, kWater = 5,
-                kCartilage = 130, kMarrow = 220, kCortex = 900, kBlood = 45;
+constexpr float kSkin = 45, kFat = -100, kMuscle = 55, kLiver = 60, kNodule = 100, kLung = -850, kGas = -980,
+                kWater = 5, kCartilage = 130, kMarrow = 220, kCortex = 900, kBlood = 45;
 
 /// Small differences of anatomy between seeds: a number in [-1, 1] for each `which`.
 float variation(std::uint64_t seed, int which);

@@ -18,10 +18,12 @@ struct Trunk {
 
 void paint_layer(Anatomy& anatomy, const Trunk& trunk, float inset, float hu) {
   const float a = trunk.half_width.largest() + 3, b = trunk.half_depth.largest() + 3;
-  paint(anatomy, {-a, trunk.centre - b, -kEndless}, {a, trunk.centre + b, kEndless}, hu, 0, [=](float y, float z) {
-    const float width = trunk.half_width(z) - inset, depth = trunk.half_depth(z) - inset, v = y - trunk.centre;
-    return [=](float x) { return trunk_distance(x, v, width, depth); };
-  });
+  paint(anatomy, {-a, trunk.centre - b, -kEndless}, {a, trunk.centre + b, kEndless}, hu, 0,
+        [=](float y, float z) {
+          const float width = trunk.half_width(z) - inset, depth = trunk.half_depth(z) - inset,
+                      v = y - trunk.centre;
+          return [=](float x) { return trunk_distance(x, v, width, depth); };
+        });
 }
 
 void paint_layers(Anatomy& anatomy, const Trunk& trunk) {
@@ -37,17 +39,19 @@ void paint_lungs(Anatomy& anatomy, const Trunk& trunk) {
   for (const float side : {-1.0f, 1.0f}) {
     const Vec3 centre{side * 74, -14, 105}, radius{62, 80, 118};
     const std::uint16_t label = side < 0 ? 14 : 11;
-    paint(anatomy, {centre.x - 66, -110, -20}, {centre.x + 66, 75, kEndless}, kLung, label, [=](float y, float z) {
-      const float width = trunk.half_width(z) - inset, depth = trunk.half_depth(z) - inset;
-      return [=](float x) {
-        const float wall = trunk_distance(x, y - trunk.centre, width, depth);
-        return std::max(wall, ellipsoid_distance({x - centre.x, y - centre.y, z - centre.z}, radius));
-      };
-    });
+    paint(anatomy, {centre.x - 66, -110, -20}, {centre.x + 66, 75, kEndless}, kLung, label,
+          [=](float y, float z) {
+            const float width = trunk.half_width(z) - inset, depth = trunk.half_depth(z) - inset;
+            return [=](float x) {
+              const float wall = trunk_distance(x, y - trunk.centre, width, depth);
+              return std::max(wall, ellipsoid_distance({x - centre.x, y - centre.y, z - centre.z}, radius));
+            };
+          });
     for (int branch = 0; branch < 14; branch++) {  // vessels that fan out from the hilum
       const float angle = 2.4f * float(branch), reach = 38 + 12 * std::sin(1.7f * float(branch));
       const Vec3 hilum{side * 32, 0, 82};
-      const Vec3 tip = hilum + Vec3{side * (20 + reach * std::abs(std::cos(angle))), reach * std::sin(angle), reach * std::cos(1.3f * angle)};
+      const Vec3 tip = hilum + Vec3{side * (20 + reach * std::abs(std::cos(angle))), reach * std::sin(angle),
+                                    reach * std::cos(1.3f * angle)};
       paint_capsule(anatomy, hilum, tip, 1.8f + 0.8f * std::cos(angle), 30, kKeepLabel);
     }
   }
@@ -69,8 +73,9 @@ void paint_liver(Anatomy& anatomy, const Trunk& trunk, std::uint64_t seed) {
   paint(anatomy, {-140, -115, -62}, {72, 66, 72}, kLiver, 5, [=](float y, float z) {
     const float width = trunk.half_width(z) - inset, depth = trunk.half_depth(z) - inset;
     return [=](float x) {
-      const float lobes = smooth_min(ellipsoid_distance({x - right.x, y - right.y, z - right.z}, right_radius),
-                                     ellipsoid_distance({x - left.x, y - left.y, z - left.z}, left_radius), 14);
+      const float lobes =
+          smooth_min(ellipsoid_distance({x - right.x, y - right.y, z - right.z}, right_radius),
+                     ellipsoid_distance({x - left.x, y - left.y, z - left.z}, left_radius), 14);
       return std::max(trunk_distance(x, y - trunk.centre, width, depth), lobes);
     };
   });
@@ -88,7 +93,8 @@ void paint_hollow(Anatomy& anatomy, Vec3 centre, Vec3 radius, float gas_above, s
   paint_ellipsoid(anatomy, centre, inner, 15, label);
   paint(anatomy, centre - inner - m, centre + inner + m, kGas, label, [=](float y, float z) {
     return [=](float x) {
-      return std::max(ellipsoid_distance({x - centre.x, y - centre.y, z - centre.z}, inner), y - centre.y - gas_above);
+      return std::max(ellipsoid_distance({x - centre.x, y - centre.y, z - centre.z}, inner),
+                      y - centre.y - gas_above);
     };
   });
 }
@@ -122,7 +128,8 @@ void paint_belly(Anatomy& anatomy, std::uint64_t seed) {
   paint_ellipsoid(anatomy, {0, -34, -138}, {36, 30, 24}, 10, 21);
   for (int loop = 0; loop < 30; loop++) {
     const auto random = [&](int which) { return variation(seed, 100 + 8 * loop + which); };
-    const Vec3 centre{31 * (float(loop % 5) - 2) + 10 * random(0), -34 + 24 * (float(loop / 5 % 3) - 1) + 9 * random(1),
+    const Vec3 centre{31 * (float(loop % 5) - 2) + 10 * random(0),
+                      -34 + 24 * (float(loop / 5 % 3) - 1) + 9 * random(1),
                       -82 - 30 * float(loop / 15) + 12 * random(2)};
     const Vec3 radius{19 + 7 * random(3), 13 + 2 * random(4), 16 + 5 * random(5)};
     paint_hollow(anatomy, centre, radius, random(6) > 0.3f ? -2.0f : -20.0f, 18);
@@ -144,15 +151,18 @@ void paint_spine(Anatomy& anatomy) {
   paint_capsule(anatomy, {0, 54, -200}, {0, 54, 200}, 6.5f, 25, 79);
 }
 
-/// All ribs at once: on the surface inside the chest wall, a band that descends from the spine to the front, repeated.
+/// All ribs at once: on the surface inside the chest wall, a band that descends from the spine to the front,
+/// repeated.
 void paint_ribs(Anatomy& anatomy, const Trunk& trunk) {
   constexpr float kPitch = 27, kDrop = 88, kLowest = 30;
   const auto rib = [=](float thinner, float from) {
     return [=](float y, float z) {
       const float inset = trunk.fat + 15;
-      const float width = trunk.half_width(z) - inset, depth = trunk.half_depth(z) - inset, v = (y - trunk.centre) / depth;
+      const float width = trunk.half_width(z) - inset, depth = trunk.half_depth(z) - inset,
+                  v = (y - trunk.centre) / depth;
       return [=](float x) {
-        const float u = x / width, back = v / (std::sqrt(u * u + v * v) + 1e-6f);  // 1 at the spine, -1 at the front
+        const float u = x / width,
+                    back = v / (std::sqrt(u * u + v * v) + 1e-6f);       // 1 at the spine, -1 at the front
         const float spine_z = z + kDrop * std::sqrt(0.5f * (1 - back));  // where this point's rib starts
         const float level = std::max(std::round((spine_z - kLowest) / kPitch), 0.0f);
         const float along = (spine_z - kLowest - level * kPitch) / 6.5f;
@@ -183,7 +193,8 @@ void paint_pelvis(Anatomy& anatomy) {
     const auto wing = [=](float thinner) {  // a piece of a shell, open to the front and to the middle
       return [=](float y, float z) {
         return [=](float x) {
-          const float shell = std::abs(ellipsoid_distance({x - centre.x, y - centre.y, z - centre.z}, radius)) - 5.5f;
+          const float shell =
+              std::abs(ellipsoid_distance({x - centre.x, y - centre.y, z - centre.z}, radius)) - 5.5f;
           const float middle = 46 - side * x, front = -46 - y - 0.5f * (z + 78);
           return std::max(shell, std::max(middle, front)) + thinner;
         };
@@ -198,9 +209,10 @@ void paint_pelvis(Anatomy& anatomy) {
 
 void paint_muscles(Anatomy& anatomy, const Trunk& trunk) {
   for (const float side : {-1.0f, 1.0f}) {
-    paint_capsule(anatomy, {side * 34, 30, 10}, {side * 54, -6, -150}, 16, kMuscle, std::uint16_t(side < 0 ? 89 : 88));
-    paint(anatomy, {side * 36 - 36, 26, -kEndless}, {side * 36 + 36, 80, kEndless}, kMuscle, std::uint16_t(side < 0 ? 87 : 86),
-          [=](float y, float z) {
+    paint_capsule(anatomy, {side * 34, 30, 10}, {side * 54, -6, -150}, 16, kMuscle,
+                  std::uint16_t(side < 0 ? 89 : 88));
+    paint(anatomy, {side * 36 - 36, 26, -kEndless}, {side * 36 + 36, 80, kEndless}, kMuscle,
+          std::uint16_t(side < 0 ? 87 : 86), [=](float y, float z) {
             const float width = trunk.half_width(z) - 7, depth = trunk.half_depth(z) - 7;
             return [=](float x) {
               return std::max(trunk_distance(x, y - trunk.centre, width, depth),

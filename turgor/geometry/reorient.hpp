@@ -1,5 +1,5 @@
-// The same volume with its axes in another order or direction: what makes a segmentation stored left to right fit a CT stored
-// right to left. No sample changes its value or its place in the patient.
+// The same volume with its axes in another order or direction: what makes a segmentation stored left to right
+// fit a CT stored right to left. No sample changes its value or its place in the patient.
 #pragma once
 
 #include <array>
@@ -53,7 +53,8 @@ template <class T>
 Volume<T> reordered(const Volume<T>& volume, const AxisOrder& order) {
   Volume<T> out{reordered(volume.grid, order), {}};
   out.samples.resize(volume.samples.size());
-  const std::ptrdiff_t strides[3] = {1, volume.grid.size.x, std::ptrdiff_t(volume.grid.size.x) * volume.grid.size.y};
+  const std::ptrdiff_t strides[3] = {1, volume.grid.size.x,
+                                     std::ptrdiff_t(volume.grid.size.x) * volume.grid.size.y};
   std::ptrdiff_t first = 0, step[3];
   for (int a = 0; a < 3; a++) {
     const std::ptrdiff_t stride = strides[order.source[std::size_t(a)]];
@@ -64,11 +65,13 @@ Volume<T> reordered(const Volume<T>& volume, const AxisOrder& order) {
   T* target = out.samples.data();
   for (int k = 0; k < out.grid.size.z; k++)
     for (int j = 0; j < out.grid.size.y; j++)
-      for (int i = 0; i < out.grid.size.x; i++) *target++ = source[first + i * step[0] + j * step[1] + k * step[2]];
+      for (int i = 0; i < out.grid.size.x; i++)
+        *target++ = source[first + i * step[0] + j * step[1] + k * step[2]];
   return out;
 }
 
-/// The volume with its axes laid along those of `grid`; nothing if its samples do not lie where those of `grid` do.
+/// The volume with its axes laid along those of `grid`; nothing if its samples do not lie where those of
+/// `grid` do.
 template <class T>
 std::optional<Volume<T>> on_grid(const Volume<T>& volume, const Grid& grid) {
   const std::optional<AxisOrder> order = axis_order(volume.grid.axes, grid.axes);

@@ -25,7 +25,8 @@ namespace {
 Status check_readable(const fs::path& path) {
   std::error_code failed;
   if (!fs::exists(path, failed)) return Error{io::not_found(path)};
-  if (fs::is_directory(path, failed)) return Error{fmt::format("{}: is a folder; expected a file", path.string())};
+  if (fs::is_directory(path, failed))
+    return Error{fmt::format("{}: is a folder; expected a file", path.string())};
   if (!fs::is_regular_file(path, failed)) return Error{fmt::format("{}: is not a file", path.string())};
   if (!std::ifstream(path)) return Error{fmt::format("{}: cannot be opened (no permission?)", path.string())};
   return Done{};
@@ -37,7 +38,8 @@ Result<RawVolume> read_raw(const fs::path& path, int components) {
     return Error{fmt::format("{}: holds DICOM; expected NIfTI, NRRD or MetaImage here", path.string())};
   Result<RawVolume> raw = io::read_volume_file(path);
   if (raw && raw->components != components)
-    return Error{fmt::format("{}: {} components a sample; expected {}", path.string(), raw->components, components)};
+    return Error{
+        fmt::format("{}: {} components a sample; expected {}", path.string(), raw->components, components)};
   return raw;
 }
 
@@ -67,9 +69,10 @@ std::optional<std::size_t> first_without_label(const RawVolume& raw) {
 
 Error no_label(const fs::path& path, const RawVolume& raw, std::size_t at) {
   const std::size_t nx = std::size_t(raw.grid.size.x), ny = std::size_t(raw.grid.size.y);
-  const double value = raw.slope * visit_samples(raw, [&](const auto* stored) { return double(stored[at]); }) + raw.intercept;
-  return {fmt::format("{}: sample ({}, {}, {}) is {}; expected labels: whole numbers from 0 to 65535", path.string(), at % nx,
-                      at / nx % ny, at / nx / ny, value)};
+  const double value =
+      raw.slope * visit_samples(raw, [&](const auto* stored) { return double(stored[at]); }) + raw.intercept;
+  return {fmt::format("{}: sample ({}, {}, {}) is {}; expected labels: whole numbers from 0 to 65535",
+                      path.string(), at % nx, at / nx % ny, at / nx / ny, value)};
 }
 
 }  // namespace
@@ -107,7 +110,8 @@ Result<VectorVolume> read_vectors(const fs::path& path) {
   VectorVolume vectors{raw->grid, std::vector<Vec3>(raw->value_count() / 3)};
   visit_samples(*raw, [&](const auto* stored) {
     const auto value = [&](std::size_t at) { return Real(raw->slope * double(stored[at]) + raw->intercept); };
-    for (std::size_t i = 0; i < vectors.samples.size(); i++) vectors.samples[i] = {value(3 * i), value(3 * i + 1), value(3 * i + 2)};
+    for (std::size_t i = 0; i < vectors.samples.size(); i++)
+      vectors.samples[i] = {value(3 * i), value(3 * i + 1), value(3 * i + 2)};
   });
   return right_handed(std::move(vectors));
 }
@@ -126,7 +130,8 @@ Status write_scalars(const fs::path& path, const ScalarVolume& volume) {
 
 Status write_displacement(const fs::path& path, const VectorVolume& displacement) {
   std::vector<Vec3> mm(displacement.samples.size());
-  std::transform(displacement.samples.begin(), displacement.samples.end(), mm.begin(), [](Vec3 v) { return v * 1000.0f; });
+  std::transform(displacement.samples.begin(), displacement.samples.end(), mm.begin(),
+                 [](Vec3 v) { return v * 1000.0f; });
   return io::write_volume_file(path, {displacement.grid, SampleType::kFloat, 3, mm.data()});
 }
 

@@ -31,6 +31,9 @@ struct CtFile {
 /// A CT: a DICOM folder (or one of its files), .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd. Values become Hounsfield units,
 /// rounded and kept within int16; samples that are no number and DICOM's padding become air.
 Result<CtFile> read_ct(const Exec& exec, const std::filesystem::path& path, const ReadOptions& options = {});
+/// What a DICOM folder holds by its headers alone, one line a series; empty for anything else. Says something even where
+/// read_ct refuses.
+std::string list_dicom_series(const Exec& exec, const std::filesystem::path& folder);
 /// A segmentation: .nii, .nii.gz, .nrrd, .mha, .mhd with whole numbers in 0…65535.
 Result<LabelVolume> read_labels(const std::filesystem::path& path);
 /// Directions: a three-component image (.nrrd, .nii.gz, .mha) in the patient frame LPS.

@@ -1,5 +1,5 @@
-// DICOM in three steps: what the headers of a folder's files say, which of them make up one volume and where it lies, and
-// the samples of each. GDCM reads the files. Internal to io/.
+// DICOM in three steps: what the headers of a folder's files say, which of them make up one volume and where
+// it lies, and the samples of each. GDCM decodes compressed samples. Internal to io/.
 #pragma once
 
 #include <cstdint>
@@ -10,28 +10,30 @@
 #include <vector>
 
 #include "turgor/io/ct.hpp"
+#include "turgor/io/dicom_elements.hpp"
 
 namespace turgor::io {
 
 /// The header of one image file.
 struct DicomSlice {
   std::filesystem::path file;
-  std::string series, description, modality, patient, study, image_type, photometric;
+  std::string series, description, modality, patient, study, image_type, photometric, transfer_syntax;
+  std::vector<DicomFragment> fragments;  // of compressed pixels
   int rows = 0, columns = 0, frames = 1, samples_per_pixel = 1;
   int bits_allocated = 16, bits_stored = 16;
   bool is_signed = false, is_compressed = false;
-  std::uintmax_t file_size = 0;                    // [bytes]
-  double slope = 1, intercept = 0;                 // HU = slope · stored + intercept
-  std::optional<int> padding, padding_limit;       // stored values that mean "nothing was measured here"
-  std::optional<Vec3d> position;                   // centre of the first pixel, LPS [mm]
-  Vec3d row_direction, column_direction;           // along a row (growing column), along a column; 0 if not said
-  double row_spacing = 0, column_spacing = 0;      // between rows, between columns [mm]
-  double thickness = 0;                            // [mm]; 0 if not said
+  std::uint64_t file_size = 0, pixel_offset = 0, pixel_length = 0;  // [bytes]
+  double slope = 1, intercept = 0;                                  // HU = slope · stored + intercept
+  std::optional<int> padding, padding_limit;   // stored values that mean "nothing was measured here"
+  std::optional<Vec3d> position;               // centre of the first pixel, LPS [mm]
+  Vec3d row_direction, column_direction;       // along a row (growing column), along a column; 0 if not said
+  double row_spacing = 0, column_spacing = 0;  // between rows, between columns [mm]
+  double thickness = 0;                        // [mm]; 0 if not said
 };
 
 struct DicomFolder {
-  std::vector<DicomSlice> slices;           // images only, by name of file
-  std::vector<std::string> unreadable;      // sentences about damaged DICOM files
+  std::vector<DicomSlice> slices;       // images only, by name of file
+  std::vector<std::string> unreadable;  // sentences about damaged DICOM files
   std::size_t file_count = 0;
 };
 
@@ -48,13 +50,20 @@ bool is_dicom(const std::filesystem::path& file);
 Result<std::optional<DicomSlice>> read_dicom_header(const std::filesystem::path& file);
 Result<DicomFolder> scan_dicom(const Exec& exec, const std::filesystem::path& folder, bool recursive,
                                const Progress& progress);
+/// One line a series: its number, slices, size, modality, description and identifier.
+std::string list_series(const std::vector<DicomSlice>& slices);
 /// The slices of the series asked for; an error that lists the series if that is not one.
-Result<std::vector<DicomSlice>> choose_series(const std::filesystem::path& folder, std::vector<DicomSlice> slices,
-                                              const std::string& wanted);
+Result<std::vector<DicomSlice>> choose_series(const std::filesystem::path& folder,
+                                              std::vector<DicomSlice> slices, const std::string& wanted);
 /// Sorts along the normal and refuses what is not a straight stack of evenly spaced CT slices.
 Result<DicomVolume> stack_slices(const std::filesystem::path& folder, std::vector<DicomSlice> slices);
-/// The Hounsfield units of one slice, columns fastest, into rows · columns samples.
-Status read_dicom_samples(const DicomSlice& slice, std::span<std::int16_t> hu);
+/// The Hounsfield units of one uncompressed slice, columns fastest, into rows · columns samples.
+Status read_plain_samples(const DicomSlice& slice, std::span<std::int16_t> hu);
+/// The same for compressed slices of one size.
+Status decode_dicom_samples(const Exec& exec, std::span<const DicomSlice* const> slices,
+                            std::span<const std::span<std::int16_t>> hu, const Progress& progress);
+/// Stored values, as the slice's header describes them, as Hounsfield units.
+void convert_to_hu(const DicomSlice& slice, const char* stored, std::span<std::int16_t> hu);
 
 Result<CtFile> read_dicom(const Exec& exec, const std::filesystem::path& path, const ReadOptions& options);
 

@@ -1,5 +1,5 @@
-// A CT as a DICOM series: one CT Image Storage file a slice, explicit little endian, stored values = HU. Unique identifiers
-// follow from the content, so that the same volume gives the same files.
+// A CT as a DICOM series: one CT Image Storage file a slice, explicit little endian, stored values = HU.
+// Unique identifiers follow from the content, so that the same volume gives the same files.
 #include <atomic>
 #include <optional>
 
@@ -26,7 +26,8 @@ std::string make_uid(std::uint64_t content, std::uint64_t index) {
 }
 
 std::uint64_t content_hash(const CtVolume& ct, const std::string& patient) {
-  const Vec3d place[] = {ct.grid.spacing, ct.grid.origin, ct.grid.axes.column[0], ct.grid.axes.column[1], ct.grid.axes.column[2]};
+  const Vec3d place[] = {ct.grid.spacing, ct.grid.origin, ct.grid.axes.column[0], ct.grid.axes.column[1],
+                         ct.grid.axes.column[2]};
   std::uint64_t hash = hash_bytes(patient.data(), patient.size());
   hash = hash_bytes(&ct.grid.size, sizeof ct.grid.size, hash);
   hash = hash_bytes(place, sizeof place, hash);
@@ -51,7 +52,8 @@ class Tags {
     const auto stored = static_cast<std::uint16_t>(value);
     bytes(group, element, gdcm::VR::US, reinterpret_cast<const char*>(&stored), 2);
   }
-  void bytes(std::uint16_t group, std::uint16_t element, gdcm::VR::VRType vr, const char* data, std::size_t size) {
+  void bytes(std::uint16_t group, std::uint16_t element, gdcm::VR::VRType vr, const char* data,
+             std::size_t size) {
     gdcm::DataElement item{gdcm::Tag(group, element)};
     item.SetVR(vr);
     item.SetByteValue(data, static_cast<std::uint32_t>(size));
@@ -80,7 +82,8 @@ void describe_series(const Series& series, Tags& tags) {
   tags.text(0x0008, 0x0005, VR::CS, "ISO_IR 192");
   tags.text(0x0008, 0x0008, VR::CS, "DERIVED\\SECONDARY\\AXIAL");
   tags.text(0x0008, 0x0016, VR::UI, kCtImageStorage);
-  tags.text(0x0008, 0x0020, VR::DA, "");  // date, time, accession number and physician must be there, but may be empty
+  tags.text(0x0008, 0x0020, VR::DA,
+            "");  // date, time, accession number and physician must be there, but may be empty
   tags.text(0x0008, 0x0030, VR::TM, "");
   tags.text(0x0008, 0x0050, VR::SH, "");
   tags.text(0x0008, 0x0090, VR::PN, "");
@@ -105,7 +108,8 @@ void describe_series(const Series& series, Tags& tags) {
 void describe_slice(const Series& series, int k, const std::string& uid, Tags& tags) {
   using gdcm::VR;
   const Grid& grid = series.ct.grid;
-  const Vec3d position = point_at(grid, {0, 0, double(k)}) * 1e3, row = grid.axes.column[0], column = grid.axes.column[1];
+  const Vec3d position = point_at(grid, {0, 0, double(k)}) * 1e3, row = grid.axes.column[0],
+              column = grid.axes.column[1];
   tags.text(0x0008, 0x0018, VR::UI, uid);
   tags.text(0x0018, 0x0050, VR::DS, decimal(grid.spacing.z * 1e3));
   tags.text(0x0020, 0x0013, VR::IS, std::to_string(k + 1));
@@ -126,7 +130,8 @@ void describe_slice(const Series& series, int k, const std::string& uid, Tags& t
   tags.text(0x0028, 0x1053, VR::DS, "1");
   tags.text(0x0028, 0x1054, VR::LO, "HU");
   const std::size_t area = std::size_t(grid.size.x) * std::size_t(grid.size.y);
-  tags.bytes(0x7fe0, 0x0010, VR::OW, reinterpret_cast<const char*>(series.ct.samples.data() + std::size_t(k) * area), 2 * area);
+  tags.bytes(0x7fe0, 0x0010, VR::OW,
+             reinterpret_cast<const char*>(series.ct.samples.data() + std::size_t(k) * area), 2 * area);
 }
 
 bool write_slice(const Series& series, int k, const fs::path& file) {
@@ -141,7 +146,8 @@ bool write_slice(const Series& series, int k, const fs::path& file) {
   return writer.Write();
 }
 
-Status write_slices(const Exec& exec, const fs::path& folder, const Series& series, const Progress& progress) {
+Status write_slices(const Exec& exec, const fs::path& folder, const Series& series,
+                    const Progress& progress) {
   const auto count = std::size_t(series.ct.grid.size.z);
   std::atomic<std::size_t> done{0}, failed{count};
   parallel_for(exec, count, [&](std::size_t k) {
@@ -154,18 +160,21 @@ Status write_slices(const Exec& exec, const fs::path& folder, const Series& seri
     if (progress) progress(double(++done) / double(count));
   });
   if (failed == count) return Done{};
-  return Error{fmt::format("{}: slice {} cannot be written (is the disk full?)", folder.string(), failed + 1)};
+  return Error{
+      fmt::format("{}: slice {} cannot be written (is the disk full?)", folder.string(), failed + 1)};
 }
 
 Status check_target(const fs::path& folder, const CtVolume& ct) {
   std::error_code failed;
   if (fs::exists(folder, failed) && !(fs::is_directory(folder, failed) && fs::is_empty(folder, failed)))
-    return Error{fmt::format("{}: exists already and is not an empty folder; choose another name or remove it", folder.string())};
+    return Error{fmt::format(
+        "{}: exists already and is not an empty folder; choose another name or remove it", folder.string())};
   const fs::path parent = folder.parent_path().empty() ? fs::path(".") : folder.parent_path();
   if (!fs::is_directory(parent, failed))
     return Error{fmt::format("{}: the folder {} does not exist", folder.string(), parent.string())};
   if (ct.grid.size.x > 65535 || ct.grid.size.y > 65535 || sample_count(ct.grid) == 0)
-    return Error{fmt::format("{}: {} x {} pixels a slice do not fit DICOM", folder.string(), ct.grid.size.x, ct.grid.size.y)};
+    return Error{fmt::format("{}: {} x {} pixels a slice do not fit DICOM", folder.string(), ct.grid.size.x,
+                             ct.grid.size.y)};
   return Done{};
 }
 
@@ -178,7 +187,8 @@ Status write_dicom(const Exec& exec, const fs::path& target, const CtVolume& ct,
   gdcm::Trace::WarningOff();
   const Series series{ct, patient, content_hash(ct, patient)};
   std::error_code failed;
-  const fs::path partial = folder.parent_path() / fmt::format(".{}-partial-{}", getpid(), folder.filename().string());
+  const fs::path partial =
+      folder.parent_path() / fmt::format(".{}-partial-{}", getpid(), folder.filename().string());
   fs::create_directory(partial, failed);
   if (failed) return Error{fmt::format("{}: cannot be made: {}", partial.string(), failed.message())};
   Status written = write_slices(exec, partial, series, progress);

@@ -89,7 +89,8 @@ Result<TextFields> read_nrrd_fields(const fs::path& path, std::string_view head,
     if (line.starts_with('#')) continue;
     const std::size_t colon = line.find(": "), free_text = line.find(":=");
     if (free_text < colon) continue;
-    if (colon == line.npos) return Error{fmt::format("{}: corrupt: header line \"{}\"", path.string(), line.substr(0, 60))};
+    if (colon == line.npos)
+      return Error{fmt::format("{}: corrupt: header line \"{}\"", path.string(), line.substr(0, 60))};
     std::string key(line.substr(0, colon));
     if (key == "datafile") key = "data file";
     if (Status done = insert(path, fields, key, trimmed(line.substr(colon + 2))); !done) return done.error();

@@ -1,4 +1,5 @@
-// The text in front of NRRD and MetaImage samples: fields of name and value, and the numbers in them. Internal to io/.
+// The text in front of NRRD and MetaImage samples: fields of name and value, and the numbers in them.
+// Internal to io/.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +23,13 @@ struct TextFields {
   }
 };
 
-/// "key: value" lines up to an empty line; `end` is the first byte after it. A key that comes twice is an error.
-Result<TextFields> read_nrrd_fields(const std::filesystem::path& path, std::string_view head, std::size_t& end);
+/// "key: value" lines up to an empty line; `end` is the first byte after it. A key that comes twice is an
+/// error.
+Result<TextFields> read_nrrd_fields(const std::filesystem::path& path, std::string_view head,
+                                    std::size_t& end);
 /// "Key = Value" lines up to and with ElementDataFile.
-Result<TextFields> read_meta_fields(const std::filesystem::path& path, std::string_view head, std::size_t& end);
+Result<TextFields> read_meta_fields(const std::filesystem::path& path, std::string_view head,
+                                    std::size_t& end);
 
 std::string trimmed(std::string_view text);
 /// The whole numbers in a text of words; empty when a word is none.

@@ -24,12 +24,12 @@ itk::ImageIOBase::Pointer make_image_io(VolumeFormat format) {
 }
 
 constexpr std::pair<Component, SampleType> kComponents[] = {
-    {Component::CHAR, SampleType::kInt8},     {Component::UCHAR, SampleType::kUint8},
-    {Component::SHORT, SampleType::kInt16},   {Component::USHORT, SampleType::kUint16},
-    {Component::INT, SampleType::kInt32},     {Component::UINT, SampleType::kUint32},
-    {Component::LONG, SampleType::kInt64},    {Component::ULONG, SampleType::kUint64},
+    {Component::CHAR, SampleType::kInt8},      {Component::UCHAR, SampleType::kUint8},
+    {Component::SHORT, SampleType::kInt16},    {Component::USHORT, SampleType::kUint16},
+    {Component::INT, SampleType::kInt32},      {Component::UINT, SampleType::kUint32},
+    {Component::LONG, SampleType::kInt64},     {Component::ULONG, SampleType::kUint64},
     {Component::LONGLONG, SampleType::kInt64}, {Component::ULONGLONG, SampleType::kUint64},
-    {Component::FLOAT, SampleType::kFloat},   {Component::DOUBLE, SampleType::kDouble}};
+    {Component::FLOAT, SampleType::kFloat},    {Component::DOUBLE, SampleType::kDouble}};
 static_assert(sizeof(long) == 8);
 
 Result<SampleType> sample_type(const fs::path& path, Component component) {
@@ -61,13 +61,16 @@ Status check_grid(const fs::path& path, const Grid& grid) {
   for (int axis = 0; axis < 3; axis++) {
     const double spacing = grid.spacing[axis], origin = grid.origin[axis];
     if (!(spacing > 0) || !std::isfinite(spacing))
-      return Error{fmt::format("{}: spacing along axis {} is {} mm; expected a positive number", path.string(), axis, spacing * 1e3)};
+      return Error{fmt::format("{}: spacing along axis {} is {} mm; expected a positive number",
+                               path.string(), axis, spacing * 1e3)};
     if (!std::isfinite(origin)) return Error{fmt::format("{}: the origin is not finite", path.string())};
     const Vec3d a = grid.axes.column[axis], b = grid.axes.column[(axis + 1) % 3];
     const double cosine = dot(a, b);
     if (!(std::abs(cosine) < 1e-3) || !(std::abs(norm(a) - 1) < 1e-3))
-      return Error{fmt::format("{}: axes {} and {} meet at {:.2f} degrees; expected right angles (resample the volume to a "
-                               "grid of right angles first)", path.string(), axis, (axis + 1) % 3, std::acos(cosine) * 180 / M_PI)};
+      return Error{fmt::format(
+          "{}: axes {} and {} meet at {:.2f} degrees; expected right angles (resample the volume to a "
+          "grid of right angles first)",
+          path.string(), axis, (axis + 1) % 3, std::acos(cosine) * 180 / M_PI)};
   }
   return Done{};
 }
@@ -98,7 +101,8 @@ Result<RawVolume> read_samples(const fs::path& path, const VolumeHeader& header)
   const itk::ImageIOBase::Pointer io = make_image_io(header.format);
   io->SetFileName(path.string());
   io->ReadImageInformation();
-  if (io->GetNumberOfDimensions() < 3) return Error{fmt::format("{}: fewer than 3 dimensions", path.string())};
+  if (io->GetNumberOfDimensions() < 3)
+    return Error{fmt::format("{}: fewer than 3 dimensions", path.string())};
   itk::ImageIORegion region(io->GetNumberOfDimensions());
   for (unsigned axis = 0; axis < io->GetNumberOfDimensions(); axis++) {
     const std::int64_t expected = axis < 3 ? header.size[axis] : 1;
@@ -111,7 +115,8 @@ Result<RawVolume> read_samples(const fs::path& path, const VolumeHeader& header)
   if (!type) return type.error();
   RawVolume raw{header.format, itk_grid(*io, header), *type, int(io->GetNumberOfComponents()), 1, 0, {}};
   if (raw.components != header.components)
-    return Error{fmt::format("{}: corrupt: {} components, expected {}", path.string(), raw.components, header.components)};
+    return Error{fmt::format("{}: corrupt: {} components, expected {}", path.string(), raw.components,
+                             header.components)};
   raw.bytes.resize(sample_count(raw.grid) * std::size_t(raw.components) * byte_size(raw.type));
   io->Read(raw.bytes.data());
   return raw;
@@ -122,7 +127,8 @@ Result<VolumeFormat> format_of_name(const fs::path& path) {
   if (name.ends_with(".nii") || name.ends_with(".nii.gz")) return VolumeFormat::kNifti;
   if (name.ends_with(".nrrd")) return VolumeFormat::kNrrd;
   if (name.ends_with(".mha")) return VolumeFormat::kMetaImage;
-  return Error{fmt::format("{}: cannot tell the format from the name; expected .nii, .nii.gz, .nrrd or .mha", path.string())};
+  return Error{fmt::format("{}: cannot tell the format from the name; expected .nii, .nii.gz, .nrrd or .mha",
+                           path.string())};
 }
 
 Status write_samples(const fs::path& path, VolumeFormat format, const SamplesToWrite& samples) {
@@ -141,7 +147,8 @@ Status write_samples(const fs::path& path, VolumeFormat format, const SamplesToW
   io->SetIORegion(region);
   io->SetComponentType(component(samples.type));
   io->SetNumberOfComponents(unsigned(samples.components));
-  io->SetPixelType(samples.components == 1 ? itk::CommonEnums::IOPixel::SCALAR : itk::CommonEnums::IOPixel::VECTOR);
+  io->SetPixelType(samples.components == 1 ? itk::CommonEnums::IOPixel::SCALAR
+                                           : itk::CommonEnums::IOPixel::VECTOR);
   io->SetUseCompression(true);
   io->SetCompressionLevel(1);  // noise does not compress any better at higher levels, only slower
   io->SetFileName(path.string());
@@ -156,7 +163,8 @@ Result<RawVolume> read_volume_file(const fs::path& path) {
   const Result<VolumeHeader> header = read_volume_header(path);
   if (!header) return header.error();
   Result<RawVolume> raw = guarded(path, "read", [&] {
-    return header->format == VolumeFormat::kNifti ? read_nifti_samples(path, *header) : read_samples(path, *header);
+    return header->format == VolumeFormat::kNifti ? read_nifti_samples(path, *header)
+                                                  : read_samples(path, *header);
   });
   if (!raw) return raw;
   if (Status placed = check_grid(path, raw->grid); !placed) return placed.error();
@@ -170,7 +178,8 @@ Status write_volume_file(const fs::path& path, const SamplesToWrite& samples) {
   const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
   if (!fs::is_directory(folder, failed))
     return Error{fmt::format("{}: the folder {} does not exist", path.string(), folder.string())};
-  if (fs::is_directory(path, failed)) return Error{fmt::format("{}: is a folder; expected the name of a file", path.string())};
+  if (fs::is_directory(path, failed))
+    return Error{fmt::format("{}: is a folder; expected the name of a file", path.string())};
   const fs::path partial = folder / fmt::format(".{}-partial-{}", getpid(), path.filename().string());
   Status written = guarded(path, "written", [&] { return write_samples(partial, *format, samples); });
   if (written) {

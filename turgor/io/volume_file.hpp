@@ -1,5 +1,5 @@
-// NRRD and MetaImage files in and out through ITK, NIfTI in by itself and out through ITK, as bytes of one sample type.
-// Internal to io/.
+// NRRD and MetaImage files in and out through ITK, NIfTI in by itself and out through ITK, as bytes of one
+// sample type. Internal to io/.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +31,8 @@ struct SamplesToWrite {
 /// The format follows from the name. Written beside and renamed.
 Status write_volume_file(const std::filesystem::path& path, const SamplesToWrite& samples);
 
-/// The samples of a NIfTI file whose header is known. (ITK's reader turns samples that are no number into 0 HU: water.)
+/// The samples of a NIfTI file whose header is known. (ITK's reader turns samples that are no number into 0
+/// HU: water.)
 Result<RawVolume> read_nifti_samples(const std::filesystem::path& path, const VolumeHeader& header);
 
 /// Calls f with a pointer to the samples in their own type.
@@ -39,16 +40,26 @@ template <class F>
 auto visit_samples(const RawVolume& raw, F f) {
   const auto* p = raw.bytes.data();
   switch (raw.type) {
-    case SampleType::kInt8: return f(reinterpret_cast<const std::int8_t*>(p));
-    case SampleType::kUint8: return f(reinterpret_cast<const std::uint8_t*>(p));
-    case SampleType::kInt16: return f(reinterpret_cast<const std::int16_t*>(p));
-    case SampleType::kUint16: return f(reinterpret_cast<const std::uint16_t*>(p));
-    case SampleType::kInt32: return f(reinterpret_cast<const std::int32_t*>(p));
-    case SampleType::kUint32: return f(reinterpret_cast<const std::uint32_t*>(p));
-    case SampleType::kInt64: return f(reinterpret_cast<const std::int64_t*>(p));
-    case SampleType::kUint64: return f(reinterpret_cast<const std::uint64_t*>(p));
-    case SampleType::kFloat: return f(reinterpret_cast<const float*>(p));
-    default: return f(reinterpret_cast<const double*>(p));
+    case SampleType::kInt8:
+      return f(reinterpret_cast<const std::int8_t*>(p));
+    case SampleType::kUint8:
+      return f(reinterpret_cast<const std::uint8_t*>(p));
+    case SampleType::kInt16:
+      return f(reinterpret_cast<const std::int16_t*>(p));
+    case SampleType::kUint16:
+      return f(reinterpret_cast<const std::uint16_t*>(p));
+    case SampleType::kInt32:
+      return f(reinterpret_cast<const std::int32_t*>(p));
+    case SampleType::kUint32:
+      return f(reinterpret_cast<const std::uint32_t*>(p));
+    case SampleType::kInt64:
+      return f(reinterpret_cast<const std::int64_t*>(p));
+    case SampleType::kUint64:
+      return f(reinterpret_cast<const std::uint64_t*>(p));
+    case SampleType::kFloat:
+      return f(reinterpret_cast<const float*>(p));
+    default:
+      return f(reinterpret_cast<const double*>(p));
   }
 }
 

@@ -1,5 +1,5 @@
-// What the header of a NIfTI, NRRD or MetaImage file promises, read and checked before ITK sees the file: its readers trust
-// headers, and a corrupt one makes them allocate wildly or crash. Internal to io/.
+// What the header of a NIfTI, NRRD or MetaImage file promises, read and checked before ITK sees the file: its
+// readers trust headers, and a corrupt one makes them allocate wildly or crash. Internal to io/.
 #pragma once
 
 #include <array>
@@ -29,10 +29,12 @@ struct VolumeHeader {
   Grid grid{};                      // NIfTI; the others leave that to ITK
   std::filesystem::path data_file;  // where the samples are: the file itself, or the one it names
   std::int64_t data_offset = 0;     // in data_file, after decompression where the whole file is compressed
+  std::int64_t packed_length = 0;   // of compressed data; 0 = up to the end of the file [bytes]
   enum class Packing { kRaw, kGzip, kZlib, kGzipFile } packing = Packing::kRaw;
 };
 
-/// Reads and checks the header of a file, recognised by its content; then checks that the samples are all there.
+/// Reads and checks the header of a file, recognised by its content; then checks that the samples are all
+/// there.
 Result<VolumeHeader> read_volume_header(const std::filesystem::path& path);
 
 // The three formats. `head` holds the first bytes of the file (decompressed if the whole file is).
