@@ -1,5 +1,6 @@
 #include "turgor/sim/recording.hpp"
 
+#include <algorithm>
 #include <fstream>
 
 #include "sim/block_scene.hpp"
@@ -54,6 +55,21 @@ TEST(Recording, RestoresPositionsCutsAndPathsToTheBit) {
   ASSERT_TRUE(recording->restore(0, drawn));
   EXPECT_TRUE(drawn.lattices[0].state.cut_edges.empty());
   EXPECT_FALSE(drawn.cuts[0].path);
+}
+
+TEST(Recording, RestoresRegionsThatLeftTheBody) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::block_scene(folder, {"incision.cut.width=0.02"});
+  const World world = record_block(folder, scene);
+  const Result<Recording> recording = Recording::open(folder / "r.h5");
+  ASSERT_TRUE(recording) << recording.error().message;
+  World drawn = test::block_world(Exec(1), scene);
+  const Status restored = recording->restore(1, drawn);
+  ASSERT_TRUE(restored) << restored.error().message;
+  const lattice::State &a = world.lattices[0].state, &b = drawn.lattices[0].state;
+  EXPECT_GT(std::count(a.removed.begin(), a.removed.end(), 1), 0);
+  EXPECT_EQ(a.removed, b.removed);
+  EXPECT_EQ(a.cut, b.cut);
 }
 
 TEST(Recording, RefusesAnotherCt) {

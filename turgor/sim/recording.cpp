@@ -151,12 +151,13 @@ class Reading {
   Status status_ = Done{};
 };
 
-/// Is there such an edge in the body?
+/// Is there such an edge in the lattice?
 bool is_edge(const World& world, const lattice::Model& model, const lattice::CutEdge& edge) {
   if (edge.slot < 0 || edge.slot >= slot_count(model.lattice) || edge.family >= kFamilyCount) return false;
   if (edge.incision >= world.cuts.size() || !(edge.fraction >= 0 && edge.fraction <= 1)) return false;
-  if (!lattice::is_body(model.tissue[std::size_t(edge.slot)])) return false;
-  return contains(model.lattice, slot_node(model.lattice, edge.slot) + kFamilies[edge.family]);
+  const Int3 node = slot_node(model.lattice, edge.slot);
+  return contains(model.lattice, node) && node_slot(model.lattice, node) == edge.slot &&
+         contains(model.lattice, node + kFamilies[edge.family]);
 }
 
 std::string snapshot_group(int snapshot) { return fmt::format("/snapshots/{:05}", snapshot); }
@@ -304,6 +305,8 @@ Status Recording::restore_body(const std::string& group, const World& world, Lat
     state.cut_edges.push_back({slot[e], family[e], incision[e], fraction[e]});
     if (!is_edge(world, body.model, state.cut_edges.back()))
       return Error{fmt::format("{}: {}: a cut edge is not one of the body's", path_.string(), group)};
+    state.cut[std::size_t(slot[e])] |=
+        std::uint8_t(1u << family[e]);  // also where the lower end is outside the body
   }
   body.state = std::move(state);
   return Done{};
