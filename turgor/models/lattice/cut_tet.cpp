@@ -96,6 +96,19 @@ CutLevel fit_level(const CutBody& body, std::span<const Int3> nodes, std::span<c
   return level;
 }
 
+std::optional<CutLevel> level_beside(const CutBody& body, Int3 node) {
+  std::array<Int3, 1 + kNeighbours> nodes{node};
+  std::array<int, 1 + kNeighbours> signs{-1};
+  std::size_t count = 1;
+  for (int n = 0; n < kNeighbours; n++)
+    if (const Int3 other = node + neighbour_offset(n); is_cut(body, node, other))
+      nodes[count] = other, signs[count++] = 1;
+  if (count == 1) return {};
+  const CutLevel level = fit_level(body, {nodes.data(), count}, {signs.data(), count});
+  if (level.at(Vec3d(node)) >= 0) return {};
+  return level;
+}
+
 TetSides split_tet(const CutBody& body, const TetNodes& nodes) {
   TetSides sides;
   sides.side.fill(-1);

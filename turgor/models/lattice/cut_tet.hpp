@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -44,6 +45,9 @@ struct CutLevel {
 /// through the crossings of their edges, (AᵀA + ε) x = Σ sign · row. Edges to other nodes weigh little: they
 /// speak where those between the nodes leave the plane open, as beside air.
 CutLevel fit_level(const CutBody& body, std::span<const Int3> nodes, std::span<const int> signs);
+
+/// The blade beside a node with cut edges, negative on the node's side; nothing for other nodes.
+std::optional<CutLevel> level_beside(const CutBody& body, Int3 node);
 
 using TetNodes = std::array<Int3, 4>;
 

@@ -293,19 +293,13 @@ void keep_to_sides(Builder& builder) {
     for (int corner = 0; corner < 3; corner++) normals[std::size_t(t[corner])] += n;
   }
   for (const auto& [point, solid] : builder.skin_points) {
-    const Int3 node = slot_node(l, solid);
-    std::array<Int3, 1 + 2 * kFamilyCount> nodes{node};
-    std::array<int, 1 + 2 * kFamilyCount> signs{-1};
-    std::size_t count = 1;
-    for (const Int3 family : kFamilies)
-      for (const Int3 way : {family, -family})
-        if (is_cut(body, node, node + way)) nodes[count] = node + way, signs[count] = 1, count++;
-    if (count == 1) continue;
-    const CutLevel level = fit_level(body, {nodes.data(), count}, {signs.data(), count});
+    const std::optional<CutLevel> level = level_beside(body, slot_node(l, solid));
+    if (!level) continue;
     Vec3& x = builder.rest[std::size_t(point)];
-    const double beyond = level.at(Vec3d{x.x / l.step.x, x.y / l.step.y, x.z / l.step.z}) + kMargin;
-    if (beyond <= 0 || level.at(Vec3d(node)) >= 0) continue;
-    const Vec3d across{level.gradient.x / l.step.x, level.gradient.y / l.step.y, level.gradient.z / l.step.z};
+    const double beyond = level->at(Vec3d{x.x / l.step.x, x.y / l.step.y, x.z / l.step.z}) + kMargin;
+    if (beyond <= 0) continue;
+    const Vec3d across{level->gradient.x / l.step.x, level->gradient.y / l.step.y,
+                       level->gradient.z / l.step.z};
     const Vec3d n(normalized(normals[std::size_t(point)]));
     const Vec3d along_skin = across - n * dot(n, across);
     if (dot(along_skin, along_skin) > 0.1 * dot(across, across))
