@@ -88,16 +88,19 @@ Status add_sections(const LatticeBody& body, const CtVolume& now, const Cut& cut
   return add_picture(outputs, name + "-sections-after.png", caption + ", after", three(now), true);
 }
 
-Status add_volume_rendering(const LatticeBody& body, const CtVolume& now, Outputs& outputs) {
+/// The body alone: a table would stand in its light.
+Status add_volume_rendering(const LatticeBody& body, const lattice::State& rest, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   const Camera& camera = outputs.views.front().camera;
-  const auto drawn = [&](const CtVolume& ct) {
-    return draw_volume(*outputs.exec, ct, output.volume_rendering, camera, output.width, output.height);
+  const auto drawn = [&](const lattice::State& state) {
+    const lattice::ResampledCt alone =
+        lattice::resample_ct(*outputs.exec, body.model, state, body.ct, body.ct.grid, {.keep_surroundings = false});
+    return draw_volume(*outputs.exec, alone.ct, output.volume_rendering, camera, output.width, output.height);
   };
   return add_picture(
       outputs, body.name + "-volume.png",
       fmt::format("volume rendering of {} ({}), before and after", body.name, output.volume_rendering),
-      side_by_side({drawn(body.ct), drawn(now)}, {"before", "after"}), true);
+      side_by_side({drawn(rest), drawn(body.state)}, {"before", "after"}), true);
 }
 
 /// The name of a file of one of several bodies.
@@ -131,7 +134,8 @@ Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
   if (const Status status = write_fields(body, grid, outputs); !status || !wanted) return status;
 
   const lattice::ResampledCt now =
-      lattice::resample_ct(*outputs.exec, body.model, body.state, body.ct, grid, {output.conserve_mass});
+      lattice::resample_ct(*outputs.exec, body.model, body.state, body.ct, grid,
+                           {.conserve_mass = output.conserve_mass});
   const std::string file = output.deformed_ct.empty() ? "" : file_of(outputs, body, output.deformed_ct);
   outputs.facts.deformed.push_back(
       {body.name, file, grid.size, now.report.seconds, now.report.mass_error, now.report.folds});
@@ -140,7 +144,7 @@ Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
     outputs.facts.files.push_back(file);
   }
   if (!output.volume_rendering.empty())
-    if (const Status status = add_volume_rendering(body, now.ct, outputs); !status) return status;
+    if (const Status status = add_volume_rendering(body, outputs.bodies[index].rest, outputs); !status) return status;
   if (!output.sections) return Done{};
   const Result<Window> window = window_preset(output.window);
   if (!window) return window.error();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/kernels.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/rows.hpp"
@@ -191,6 +192,7 @@ void sweep_descent(const Exec& exec, const Model& model, State& state, const Inp
 }
 
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt) {
+  TURGOR_ASSERT(model.params.solver.method == Method::kDescent, "stiffness must be in pascals to measure forces");
   const GatherRow gather(model, const_cast<State&>(state));  // node_arrays has one type for readers and writers
   const Inertia inertia(model, state, inputs, dt);
   std::vector<LayerResidual> layers(std::size_t(model.lattice.size.z));

@@ -128,6 +128,8 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
   const Vec3d origin = path.skin.front();
   const double length = path_length(path), margin = 2 * largest_step(l);
   const double reach = 1.8 * largest_step(l) + path.depth;
+  // The body moves between two calls. What lay ahead of the blade then may lie behind its start now, and must not be missed.
+  const double first = begin * length - margin, last = end * length;
   int count = 0;
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
@@ -147,7 +149,7 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
           if ((side_a >= 0) == (side_b >= 0)) continue;
           const double fraction = side_a / (side_a - side_b);
           const Place hit = place_on(path, a + (b - a) * fraction);
-          if (hit.along < begin * length || hit.along > end * length) continue;
+          if (hit.along < std::max(0.0, first) || hit.along > last) continue;
           if (hit.under < -margin || hit.under > path.depth) continue;
           cut_edge(model, state, {slot, std::uint8_t(f), std::uint8_t(incision), Real(fraction)});
           count++;

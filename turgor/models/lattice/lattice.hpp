@@ -137,7 +137,7 @@ struct State {
 
 struct Inputs {
   Vec3d gravity;                  // patient frame [m/s²]
-  bool measure_residual = false;  // costs about one sweep
+  bool measure_residual = false;  // descent only; costs about one sweep
 };
 
 /// How far a step is from the minimum of its energy: forces left over at the free nodes [N].
@@ -148,7 +148,7 @@ struct Residual {
 struct StepReport {
   bool finite = true;      // false: the step was undone
   Real largest_speed = 0;  // [m/s]
-  Residual residual;       // when asked for
+  Residual residual;       // when asked for; pbd minimises nothing and has none
 };
 
 /// What may come beside a CT, on the same patient; null = absent.

@@ -58,13 +58,13 @@ struct CtWriter {
   const CtVolume& ct;
   Sampler sample;
   CtVolume& out;
-  bool conserve_mass;
+  ResampleOptions options;
   bool same_grid;
   std::int64_t mass = 0;  // Σ HU + 1000 over the voxels of the body
 
   void tissue(std::size_t voxel, Int3, Vec3 at, float ratio) {
     float value = sample(at);
-    if (conserve_mass) value = (value - kAirHu) / ratio + kAirHu;
+    if (options.conserve_mass) value = (value - kAirHu) / ratio + kAirHu;
     out.samples[voxel] = to_hu(value);
     mass += out.samples[voxel] - kAirHu;
   }
@@ -74,7 +74,10 @@ struct CtWriter {
     for (int i = 0; i < out.grid.size.x; i++) {
       if (covered[i]) continue;
       const std::size_t voxel = row + std::size_t(i);
-      out.samples[voxel] = left(i) ? kAirHu : same_grid ? ct.samples[voxel] : to_hu(sample(places[i]));
+      if (!options.keep_surroundings || left(i))
+        out.samples[voxel] = kAirHu;
+      else
+        out.samples[voxel] = same_grid ? ct.samples[voxel] : to_hu(sample(places[i]));
     }
   }
 };
@@ -284,7 +287,7 @@ ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state
   const CtWriter writer{.ct = ct,
                         .sample = Sampler(ct),
                         .out = result.ct,
-                        .conserve_mass = options.conserve_mass,
+                        .options = options,
                         .same_grid = same_grid(out, ct.grid)};
   Counts counts;
   double mass = 0;

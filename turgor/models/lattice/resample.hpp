@@ -7,7 +7,8 @@
 namespace turgor::lattice {
 
 struct ResampleOptions {
-  bool conserve_mass = false;  // divide the density (HU + 1000) by the local change of volume
+  bool conserve_mass = false;     // divide the density (HU + 1000) by the local change of volume
+  bool keep_surroundings = true;  // false: air around the body, where the table was scanned
 };
 
 struct ResampleReport {

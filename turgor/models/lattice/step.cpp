@@ -93,7 +93,8 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
     else
       sweep_descent(exec, model, state, inputs, dt);
   Residual residual;
-  if (inputs.measure_residual) residual = measure_residual(exec, model, state, inputs, dt);
+  if (inputs.measure_residual && model.params.solver.method == Method::kDescent)
+    residual = measure_residual(exec, model, state, inputs, dt);
   StepReport report = finish(exec, model, state, dt);
   report.residual = residual;
   return report;
