@@ -29,50 +29,45 @@ struct SystemBuffer {
   }
 };
 
-struct Tables {
-  Neighbours neighbours[2];
-  TetsAround tets[2];
-};
-
-template <bool kWithCuts>
-void gather_springs(const NodeArrays& n, const Neighbours& around, int slot, int count, SystemBuffer& __restrict out) {
-TURGOR_LANES
+/// Springs and volumes around the nodes of [slot, slot + count). Distances to the neighbours are computed once and serve both.
+template <bool kWithCuts, bool kWithVolumes>
+void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_volume, Real volume_scale, int slot, int count,
+                     SystemBuffer& __restrict out) {
+  TURGOR_LANES
   for (int i = 0; i < count; i++) {
     const int a = slot + i;
     NodeSystem s;
+    Vec3 d[kNeighbourCount];
+    Real root[kNeighbourCount];
 #pragma GCC unroll 14
-    for (int e = 0; e < 14; e++) {
+    for (int e = 0; e < kNeighbourCount; e++) {
       const int b = a + around.offset[e];
-      Real k = around.scale[e] * n.root[a] * n.root[b];
+      d[e] = around.edge[e] + (n.u(b) - n.u(a));
+      root[e] = n.root[b];
+      Real k = around.scale[e] * n.root[a] * root[e];
       if constexpr (kWithCuts) k = n.cut[e % 2 == 0 ? a : b] >> e / 2 & 1 ? 0 : k;
-      add_spring(s, around.edge[e] + (n.u(b) - n.u(a)), around.rest[e], k);
+      add_spring(s, d[e], around.rest[e], k);
+    }
+    if constexpr (kWithVolumes) {
+#pragma GCC unroll 24
+      for (int t = 0; t < 24; t++) {
+        const TetAround tet = kTetsAround[std::size_t(t)];
+        const auto root_of = [&](int neighbour) { return neighbour < 0 ? n.root[a] : root[neighbour]; };
+        Real k = tet_stiffness(root_of(tet.far[0]), root_of(tet.far[1]), root[tet.corner[0]], root[tet.corner[1]],
+                               root[tet.corner[2]]);
+        k *= volume_scale / rest_volume;
+        if constexpr (kWithCuts) {
+          int cut = 0;
+          for (const EdgeAround edge : tet.edge)
+            cut |= n.cut[edge.lower < 0 ? a : a + around.offset[edge.lower]] >> edge.family & 1;
+          k = cut ? 0 : k;
+        }
+        const VolumeGradients g = volume_gradients(d[tet.corner[0]], d[tet.corner[1]], d[tet.corner[2]]);
+        const Real sixth = Real(1) / 6;
+        add_volume(s, (g.g1 + g.g2 + g.g3) * -sixth, k, dot(d[tet.corner[0]], g.g1) * sixth - rest_volume);
+      }
     }
     out.set(i, s);
-  }
-}
-
-template <bool kWithCuts>
-void gather_volumes(const NodeArrays& n, const TetsAround& around, Real rest_volume, Real scale, int slot, int count,
-                    SystemBuffer& __restrict out) {
-  for (int t = 0; t < 24; t++) {
-    const TetsAround::Corner& tet = around.tet[t];
-TURGOR_LANES
-    for (int i = 0; i < count; i++) {
-      const int a = slot + i, b = a + tet.offset[0], c = a + tet.offset[1], d = a + tet.offset[2];
-      Real k = scale * square_root(n.root[a] * n.root[b] * (n.root[c] * n.root[d])) / rest_volume;
-      if constexpr (kWithCuts) {
-        int cut = 0;
-        for (int e = 0; e < 6; e++) cut |= n.cut[a + around.cut_offset[t][e]] >> around.cut_family[t][e] & 1;
-        k = cut ? 0 : k;
-      }
-      const Vec3 x = n.u(a);
-      const Vec3 e1 = tet.edge[0] + (n.u(b) - x), e2 = tet.edge[1] + (n.u(c) - x), e3 = tet.edge[2] + (n.u(d) - x);
-      const VolumeGradients g = volume_gradients(e1, e2, e3);
-      const Real sixth = Real(1) / 6;
-      NodeSystem s = out.get(i);
-      add_volume(s, (g.g1 + g.g2 + g.g3) * -sixth, k, dot(e1, g.g1) * sixth - rest_volume);
-      out.set(i, s);
-    }
   }
 }
 
@@ -102,20 +97,15 @@ struct GatherRow {
   const Model& model;
   const State& state;
   NodeArrays nodes;
-  Tables tables;
+  Neighbours neighbours[2];
 
-  GatherRow(const Model& m, State& s) : model(m), state(s), nodes(node_arrays(m, s)) {
-    for (int parity = 0; parity < 2; parity++) {
-      tables.neighbours[parity] = neighbours_of(m, parity);
-      tables.tets[parity] = tets_of(m.lattice, parity);
-    }
-  }
+  GatherRow(const Model& m, State& s)
+      : model(m), state(s), nodes(node_arrays(m, s)), neighbours{neighbours_of(m, 0), neighbours_of(m, 1)} {}
 
   template <bool kWithCuts>
   void gather(int parity, int slot, int count, SystemBuffer& out) const {
-    gather_springs<kWithCuts>(nodes, tables.neighbours[parity], slot, count, out);
-    if (model.volume_scale > 0)
-      gather_volumes<kWithCuts>(nodes, tables.tets[parity], model.rest_volume, model.volume_scale, slot, count, out);
+    const auto elements = model.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
+    elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot, count, out);
     if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, slot, count, out);
   }
 

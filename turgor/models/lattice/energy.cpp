@@ -50,7 +50,7 @@ struct LayerEnergy {
       if (cut) continue;
       const double volume = dot(x(p[1]) - x(p[0]), cross(x(p[2]) - x(p[0]), x(p[3]) - x(p[0]))) / 6;
       const double change = volume - model.rest_volume;
-      const double k = model.volume_scale * std::sqrt(root(p[0]) * root(p[1]) * root(p[2]) * root(p[3]));
+      const double k = root(p[1]) > 0 && root(p[2]) > 0 ? model.volume_scale * root(p[0]) * root(p[3]) : 0;
       sum += 0.5 * k * change * change / model.rest_volume;
     }
     return sum;

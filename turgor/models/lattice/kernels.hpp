@@ -13,6 +13,12 @@ TURGOR_HD inline Real positive(Real a) { return a > 0 ? a : 0; }
 TURGOR_HD inline Real nonzero(Real a) { return a > Real(1e-30) ? a : Real(1e-30); }
 TURGOR_HD inline Real square_root(Real a) { return __builtin_sqrtf(a); }
 
+/// What a tetrahedron takes from its corners' root stiffness: the product over the cell's diagonal, nothing when a corner is no body.
+TURGOR_HD inline Real tet_stiffness(Real diagonal_a, Real diagonal_b, Real corner_a, Real corner_b, Real corner_c) {
+  const bool whole = (corner_a > 0) & (corner_b > 0) & (corner_c > 0);
+  return whole ? diagonal_a * diagonal_b : 0;
+}
+
 // ---------------------------------------------------------------- pbd: projections -------------------------------
 
 /// How far the ends of a spring move along d = b − a: a by +wa·s·d, b by −wb·s·d. [Müller 2007, eq. 10]

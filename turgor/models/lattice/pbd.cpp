@@ -55,7 +55,7 @@ TURGOR_LANES
     const Vec3 e1{e1x + (bx[i] - ax[i]), e1y + (by[i] - ay[i]), e1z + (bz[i] - az[i])};
     const Vec3 e2{e2x + (cx[i] - ax[i]), e2y + (cy[i] - ay[i]), e2z + (cz[i] - az[i])};
     const Vec3 e3{e3x + (dx[i] - ax[i]), e3y + (dy[i] - ay[i]), e3z + (dz[i] - az[i])};
-    Real stiffness = square_root(ra[i] * rb[i] * (rc[i] * rd[i]));
+    Real stiffness = tet_stiffness(ra[i], rd[i], rb[i], rc[i], rd[i]);
     if constexpr (kWithCuts) {
       int cut = 0;
       for (const auto& edge : runs.edge) cut |= n.cut[runs.slot[edge.corner] + i] >> edge.family & 1;
