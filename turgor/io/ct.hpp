@@ -1,6 +1,7 @@
-// CT volumes and segmentations in and out: DICOM folders (GDCM), NIfTI, NRRD and MetaImage (ITK). Files are in mm, NIfTI in RAS;
-// everything is metres and LPS once read, and axes are right-handed: the order of samples along i is mirrored where a file's
-// axes are not. Errors name the file, the place, what was expected and what was found.
+// CT volumes and segmentations in and out: DICOM folders (GDCM where compressed), NIfTI, NRRD and MetaImage
+// (ITK). Files are in mm, NIfTI in RAS; everything is metres and LPS once read, and axes are right-handed:
+// the order of samples along i is mirrored where a file's axes are not. Errors name the file, the place, what
+// was expected and what was found.
 #pragma once
 
 #include <filesystem>
@@ -15,24 +16,26 @@
 namespace turgor {
 
 struct ReadOptions {
-  std::string series;  // DICOM: which series, by SeriesInstanceUID or by its number in the error's list; empty = the only one
+  std::string series;  // DICOM: which series, by SeriesInstanceUID or by its number in the error's list;
+                       // empty = the only one
   Progress progress;   // may be empty
 };
 
 /// What a file says about its volume besides the voxels.
 struct CtFile {
   CtVolume ct;
-  std::string format;    // "DICOM", "NIfTI", "NRRD", "MetaImage"
+  std::string format;                            // "DICOM", "NIfTI", "NRRD", "MetaImage"
   std::string patient, study, series, modality;  // DICOM only; may be empty
   int files = 1;
   std::vector<std::string> notes;  // what was left out while reading: sentences
 };
 
-/// A CT: a DICOM folder (or one of its files), .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd. Values become Hounsfield units,
-/// rounded and kept within int16; samples that are no number and DICOM's padding become air.
+/// A CT: a DICOM folder (or one of its files), .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd. Values become
+/// Hounsfield units, rounded and kept within int16; samples that are no number and DICOM's padding become
+/// air.
 Result<CtFile> read_ct(const Exec& exec, const std::filesystem::path& path, const ReadOptions& options = {});
-/// What a DICOM folder holds by its headers alone, one line a series; empty for anything else. Says something even where
-/// read_ct refuses.
+/// What a DICOM folder holds by its headers alone, one line a series; empty for anything else. Says something
+/// even where read_ct refuses.
 std::string list_dicom_series(const Exec& exec, const std::filesystem::path& folder);
 /// A segmentation: .nii, .nii.gz, .nrrd, .mha, .mhd with whole numbers in 0…65535.
 Result<LabelVolume> read_labels(const std::filesystem::path& path);

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 #include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 #include <unistd.h>
 
@@ -18,7 +17,6 @@ namespace {
 using Component = itk::CommonEnums::IOComponent;
 
 itk::ImageIOBase::Pointer make_image_io(VolumeFormat format) {
-  if (format == VolumeFormat::kNifti) return itk::NiftiImageIO::New().GetPointer();
   if (format == VolumeFormat::kNrrd) return itk::NrrdImageIO::New().GetPointer();
   return itk::MetaImageIO::New().GetPointer();
 }
@@ -181,7 +179,10 @@ Status write_volume_file(const fs::path& path, const SamplesToWrite& samples) {
   if (fs::is_directory(path, failed))
     return Error{fmt::format("{}: is a folder; expected the name of a file", path.string())};
   const fs::path partial = folder / fmt::format(".{}-partial-{}", getpid(), path.filename().string());
-  Status written = guarded(path, "written", [&] { return write_samples(partial, *format, samples); });
+  Status written = guarded(path, "written", [&] {
+    return *format == VolumeFormat::kNifti ? write_nifti(partial, samples)
+                                           : write_samples(partial, *format, samples);
+  });
   if (written) {
     fs::rename(partial, path, failed);
     if (failed) written = Error{fmt::format("{}: cannot be written: {}", path.string(), failed.message())};

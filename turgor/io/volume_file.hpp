@@ -1,5 +1,5 @@
-// NRRD and MetaImage files in and out through ITK, NIfTI in by itself and out through ITK, as bytes of one
-// sample type. Internal to io/.
+// NRRD and MetaImage files in and out through ITK, NIfTI by itself, as bytes of one sample type. Internal to
+// io/.
 #pragma once
 
 #include <cstddef>
@@ -34,6 +34,9 @@ Status write_volume_file(const std::filesystem::path& path, const SamplesToWrite
 /// The samples of a NIfTI file whose header is known. (ITK's reader turns samples that are no number into 0
 /// HU: water.)
 Result<RawVolume> read_nifti_samples(const std::filesystem::path& path, const VolumeHeader& header);
+
+/// A NIfTI file, straight under this name; write_volume_file calls it.
+Status write_nifti(const std::filesystem::path& path, const SamplesToWrite& samples);
 
 /// Calls f with a pointer to the samples in their own type.
 template <class F>
