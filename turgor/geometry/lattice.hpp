@@ -44,8 +44,10 @@ constexpr Lattice make_lattice(Int3 size, Vec3 step) {
 }
 constexpr int row_stride(const Lattice& l) { return 2 * l.half; }
 constexpr int layer_stride(const Lattice& l) { return (l.size.y + 2) * row_stride(l); }
+/// Loops may read this many slots beyond a run of nodes, to work in whole vectors.
+constexpr int kSpareSlots = 16;
 /// Slots to allocate for one value a node.
-constexpr int slot_count(const Lattice& l) { return (l.size.z + 2) * layer_stride(l); }
+constexpr int slot_count(const Lattice& l) { return (l.size.z + 2) * layer_stride(l) + kSpareSlots; }
 constexpr int node_count(const Lattice& l) { return l.size.x * l.size.y * l.size.z; }
 /// First slot of row (j, k); -1 and size are the border.
 constexpr int row_slot(const Lattice& l, int j, int k) { return (k + 1) * layer_stride(l) + (j + 1) * row_stride(l); }

@@ -105,7 +105,8 @@ struct GatherRow {
   template <bool kWithCuts>
   void gather(int parity, int slot, int count, SystemBuffer& out) const {
     const auto elements = model.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
-    elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot, count, out);
+    const int whole_vectors = (count + kSpareSlots - 1) / kSpareSlots * kSpareSlots;  // of which the last lanes are not used
+    elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot, whole_vectors, out);
     if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, slot, count, out);
   }
 
