@@ -1,0 +1,81 @@
+// The commands that handle data: phantom, info, import.
+#include <nlohmann/json.hpp>
+
+#include "app/program.hpp"
+
+namespace turgor::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+nlohmann::json read_json(const fs::path& file) { return nlohmann::json::parse(std::ifstream(file)); }
+
+TEST(Info, APhantomIsTheSameAsDicomAsNiftiAndImported) {
+  const fs::path folder = fresh_folder();
+  const std::string phantom = "phantom torso --size 48 48 40 --seed 3 ";
+  ASSERT_EQ(run_program(phantom + "--labels l.nii.gz -o ct", folder).code, 0);
+  ASSERT_EQ(run_program(phantom + "-o ct.nii.gz", folder).code, 0);
+  const Ended import = run_program("import ct/slice-00002.dcm -o imported.nrrd", folder);
+  ASSERT_EQ(import.code, 0) << import.printed;
+  nlohmann::json first;
+  for (const char* path : {"ct", "ct.nii.gz", "imported.nrrd"}) {
+    const Ended info =
+        run_program(std::string("info ") + path + " --labels l.nii.gz --json out.json", folder);
+    ASSERT_EQ(info.code, 0) << info.printed;
+    EXPECT_NE(info.printed.find("liver"), std::string::npos) << info.printed;
+    const nlohmann::json json = read_json(folder / "out.json");
+    if (first.is_null()) first = json;
+    EXPECT_EQ(json["size"], first["size"]);
+    EXPECT_EQ(json["hu"], first["hu"]) << path;
+    ASSERT_EQ(json["labels"].size(), first["labels"].size());
+    for (std::size_t i = 0; i < json["labels"].size(); i++) {
+      EXPECT_EQ(json["labels"][i]["voxels"], first["labels"][i]["voxels"]);
+      EXPECT_NEAR(json["labels"][i]["centroid_ras_mm"][0].get<double>(),
+                  -first["labels"][i]["centroid_lps_mm"][0].get<double>(), 1e-3);
+    }
+  }
+}
+
+TEST(Info, WhatCannotBeDoneIsSaidAndLeavesNothing) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(run_program("phantom leg --size 16 16 12 -o ct", folder).code, 0);
+  const struct {
+    const char* command;
+    int code;
+    const char* words;
+  } cases[] = {{"info cts", 2, "did you mean ct?"},
+               {"info ct --labels nothing.nii.gz", 2, "nothing.nii.gz: does not exist"},
+               {"info ct --series 7", 2, "no series \"7\""},
+               {"import ct -o a.jpg", 2, "expected .nii, .nii.gz, .nrrd or .mha"},
+               {"phantom leg --size 8 8 8 -o ct", 2, "not an empty folder"},
+               {"phantom arm -o arm", 2, "arm"},
+               {"phantom leg --size 0 8 8 -o leg", 2, "--size"}};
+  for (const auto& c : cases) {
+    const Ended ended = run_program(c.command, folder);
+    EXPECT_EQ(ended.code, c.code) << c.command << ": " << ended.printed;
+    EXPECT_NE(ended.printed.find(c.words), std::string::npos) << c.command << ": " << ended.printed;
+  }
+  EXPECT_EQ(names_in(folder), (std::set<std::string>{"ct"}));
+}
+
+TEST(Info, AnIncompleteSeriesIsRefusedButDescribed) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(run_program("phantom leg --size 16 16 12 -o ct", folder).code, 0);
+  fs::remove(folder / "ct" / "slice-00005.dcm");
+  const Ended ended = run_program("info ct", folder);
+  EXPECT_EQ(ended.code, 2);
+  for (const char* words : {"missing slices: 1 of 12", "slice-00004.dcm", "11 slices of 16 x 16"})
+    EXPECT_NE(ended.printed.find(words), std::string::npos) << ended.printed;
+}
+
+TEST(Info, EveryCommandHasAnExample) {
+  for (const char* command : {"info", "import", "phantom"}) {
+    const Ended help = run_program(std::string(command) + " --help", fresh_folder());
+    EXPECT_EQ(help.code, 0);
+    EXPECT_NE(help.printed.find(std::string("Example:\n  turgor ") + command), std::string::npos)
+        << help.printed;
+  }
+}
+
+}  // namespace
+}  // namespace turgor::test
