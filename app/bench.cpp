@@ -39,18 +39,21 @@ ordered_json to_json(const SkinTensionBench& bench) {
                     {"residual_descent_n", r.residual_descent},
                     {"resample_half_ms", r.resample_half},
                     {"resample_full_ms", r.resample_full}});
-  return {{"bench", "skin-tension"},
-          {"threads", bench.threads},
-          {"copy_bandwidth_gb_per_s", bench.copy_bandwidth * 1e-9},
-          {"bar", {{"tets", bench.bar_tets}, {"one_thread_ms", bench.bar_frame_one}, {"ms", bench.bar_frame}}},
-          {"data", rows}};
+  return {
+      {"bench", "skin-tension"},
+      {"threads", bench.threads},
+      {"copy_bandwidth_gb_per_s", bench.copy_bandwidth * 1e-9},
+      {"bar", {{"tets", bench.bar_tets}, {"one_thread_ms", bench.bar_frame_one}, {"ms", bench.bar_frame}}},
+      {"data", rows}};
 }
 
 void print(const SkinTensionBench& bench) {
-  fmt::print("Skin tension, 5 sweeps a frame, medians. Paper: RTX 3090. Here: 1 and {} threads; copying runs at {:.1f} GB/s.\n\n",
-             bench.threads, bench.copy_bandwidth * 1e-9);
-  fmt::print("{:<11}{:>13}{:>9} | {:>23} | {:>23} | {:>23}\n", "frame [ms]", "nodes", "skin", "paper without -> with",
-             "1 thread", fmt::format("{} threads", bench.threads));
+  fmt::print(
+      "Skin tension, 5 sweeps a frame, medians. Paper: RTX 3090. Here: 1 and {} threads; copying runs at "
+      "{:.1f} GB/s.\n\n",
+      bench.threads, bench.copy_bandwidth * 1e-9);
+  fmt::print("{:<11}{:>13}{:>9} | {:>23} | {:>23} | {:>23}\n", "frame [ms]", "nodes", "skin",
+             "paper without -> with", "1 thread", fmt::format("{} threads", bench.threads));
   const auto frames = [](const SkinTensionTimes& t) {
     return fmt::format("{:7.2f} -> {:7.2f} {:+4.1f}%", t.frame_without, t.frame_with,
                        100 * (t.frame_with / t.frame_without - 1));
@@ -59,14 +62,14 @@ void print(const SkinTensionBench& bench) {
     fmt::print("{:<11}{:>13}{:>9} | {:>23} | {:>23} | {:>23}\n", r.name,
                fmt::format("{}x{}x{}", r.nodes.x, r.nodes.y, r.nodes.z), r.skin_triangles, frames(r.paper),
                frames(r.one_thread), frames(r.all_threads));
-  fmt::print("\n{:<11}{:>20}{:>20}{:>12}{:>14}{:>10}{:>16}\n", "", "grouping paper[ms]", "grouping here[ms]", "of paper",
-             "CT->body[s]", "B/node", "sweep/copy rate");
+  fmt::print("\n{:<11}{:>20}{:>20}{:>12}{:>14}{:>10}{:>16}\n", "", "grouping paper[ms]", "grouping here[ms]",
+             "of paper", "CT->body[s]", "B/node", "sweep/copy rate");
   for (const SkinTensionRow& r : bench.rows)
     fmt::print("{:<11}{:>20}{:>20}{:>12}{:>14.2f}{:>10.1f}{:>16.2f}\n", r.name,
                fmt::format("{:.0f} -> {:.0f}", r.paper.grouping_without, r.paper.grouping_with),
                fmt::format("{:.0f} -> {:.0f}", r.all_threads.grouping_without, r.all_threads.grouping_with),
-               fmt::format("{:.1f} %", 100 * r.all_threads.grouping_with / r.paper.grouping_with), r.body_seconds,
-               r.bytes_per_node, r.bandwidth_fraction);
+               fmt::format("{:.1f} %", 100 * r.all_threads.grouping_with / r.paper.grouping_with),
+               r.body_seconds, r.bytes_per_node, r.bandwidth_fraction);
   fmt::print("\n{:<11}{:>24}{:>26}{:>26}{:>28}\n", "", "descent frame 1T/all[ms]", "residual pbd/descent[N]",
              "resample half/full[ms]", "growth: ns a node, pbd/desc");
   for (const SkinTensionRow& r : bench.rows) {
@@ -75,10 +78,12 @@ void print(const SkinTensionBench& bench) {
                fmt::format("{:.1f} / {:.1f}", r.descent_frame_one, r.descent_frame),
                fmt::format("{:.2e} / {:.2e}", r.residual_pbd, r.residual_descent),
                fmt::format("{:.0f} / {:.0f}", r.resample_half, r.resample_full),
-               fmt::format("{:.1f} / {:.1f}", 1e6 * r.all_threads.frame_with / nodes, 1e6 * r.descent_frame / nodes));
+               fmt::format("{:.1f} / {:.1f}", 1e6 * r.all_threads.frame_with / nodes,
+                           1e6 * r.descent_frame / nodes));
   }
-  fmt::print("\nA bar of {} tetrahedra, springs and volumes, 5 sweeps: {:.2f} ms on 1 thread, {:.2f} ms on {}.\n",
-             bench.bar_tets, bench.bar_frame_one, bench.bar_frame, bench.threads);
+  fmt::print(
+      "\nA bar of {} tetrahedra, springs and volumes, 5 sweeps: {:.2f} ms on 1 thread, {:.2f} ms on {}.\n",
+      bench.bar_tets, bench.bar_frame_one, bench.bar_frame, bench.threads);
 }
 
 void write_json(const std::string& path, const SkinTensionBench& bench) {
@@ -98,11 +103,14 @@ void add_bench_command(CLI::App& program, Global& global) {
     std::string only, json;
   };
   auto options = std::make_shared<Options>();
-  table->add_option("--only", options->only, "One data set: A, B or C")->check(CLI::IsMember({"A", "B", "C"}));
+  table->add_option("--only", options->only, "One data set: A, B or C")
+      ->check(CLI::IsMember({"A", "B", "C"}));
   table->add_option("--shrink", options->shrink, "Divide the paper's sizes by this")->check(CLI::Range(1, 8));
   table->add_option("--json", options->json, "Write the figures to a file too");
   for (CLI::App* app : {bench, table})
-    app->footer("Example:\n  turgor bench skin-tension --only A --json a.json\nData C needs 4 GB of memory; all three take minutes.");
+    app->footer(
+        "Example:\n  turgor bench skin-tension --only A --json a.json\nData C needs 4 GB of memory; all "
+        "three take minutes.");
   table->callback([options, &global] {
     const Exec exec(global.threads);
     ProgressBar bar("measuring");

@@ -55,7 +55,8 @@ double copy_bandwidth(const Exec& exec) {
   constexpr std::size_t kPieces = 64, kPiece = std::size_t(4) << 20;
   std::vector<char> from(kPieces * kPiece, 1), to(kPieces * kPiece, 2);
   const double ms = median_ms(7, [&] {
-    parallel_for(exec, kPieces, [&](std::size_t p) { std::memcpy(&to[p * kPiece], &from[p * kPiece], kPiece); });
+    parallel_for(exec, kPieces,
+                 [&](std::size_t p) { std::memcpy(&to[p * kPiece], &from[p * kPiece], kPiece); });
   });
   return 2.0 * kPieces * kPiece / (ms * 1e-3);
 }
@@ -84,10 +85,12 @@ void frames_by_turns(const Exec& exec, const Model& a, const Model& b, double& m
   ms_a = median(times_a), ms_b = median(times_b);
 }
 
-SkinTensionTimes measure_pbd(const Exec& exec, const BodyNodes& nodes, const Model& without, const Model& with) {
+SkinTensionTimes measure_pbd(const Exec& exec, const BodyNodes& nodes, const Model& without,
+                             const Model& with) {
   SkinTensionTimes times;
   const auto grouping = [&](bool skin) {
-    return median_ms(3, [&] { (void)lattice::assemble(exec, nodes, nullptr, solver_params(Method::kPbd, skin)); });
+    return median_ms(
+        3, [&] { (void)lattice::assemble(exec, nodes, nullptr, solver_params(Method::kPbd, skin)); });
   };
   times.grouping_without = grouping(false);
   times.grouping_with = grouping(true);
@@ -95,7 +98,8 @@ SkinTensionTimes measure_pbd(const Exec& exec, const BodyNodes& nodes, const Mod
   return times;
 }
 
-/// Forces left over after one frame of 5 sweeps under skin tension from the CT's own shape, by one energy for both solvers.
+/// Forces left over after one frame of 5 sweeps under skin tension from the CT's own shape, by one energy for
+/// both solvers.
 double residual_after_frame(const Exec& exec, const Model& solver, const Model& judge) {
   State state = make_state(judge);
   lattice::predict(exec, judge, state, {}, kDt);
@@ -107,7 +111,8 @@ double residual_after_frame(const Exec& exec, const Model& solver, const Model& 
   return lattice::measure_residual(exec, judge, state, {}, kDt).rms;
 }
 
-SkinTensionRow measure(const Exec& exec, double bandwidth, const DataSet& data, int shrink, const Progress& progress) {
+SkinTensionRow measure(const Exec& exec, double bandwidth, const DataSet& data, int shrink,
+                       const Progress& progress) {
   SkinTensionRow row{.name = data.name, .paper = data.paper};
   const Exec one(1);
 

@@ -22,9 +22,9 @@ struct SkinTensionRow {
   Int3 voxels, nodes;
   std::size_t skin_triangles = 0;
   SkinTensionTimes paper, one_thread, all_threads;
-  double body_seconds = 0;         // from the CT in memory
+  double body_seconds = 0;  // from the CT in memory
   double bytes_per_node = 0;
-  double bandwidth_fraction = 0;   // of a sweep without skin, on all threads
+  double bandwidth_fraction = 0;                    // of a sweep without skin, on all threads
   double descent_frame_one = 0, descent_frame = 0;  // 5 sweeps with skin [ms]
   double residual_pbd = 0, residual_descent = 0;    // rms after a frame [N]
   double resample_half = 0, resample_full = 0;      // to half and to full size [ms]
@@ -32,13 +32,14 @@ struct SkinTensionRow {
 
 struct SkinTensionBench {
   int threads = 0;
-  double copy_bandwidth = 0;        // all threads [B/s]
+  double copy_bandwidth = 0;                // all threads [B/s]
   double bar_frame_one = 0, bar_frame = 0;  // 51 000 tetrahedra, springs and volumes, 5 sweeps [ms]
   int bar_tets = 0;
   std::vector<SkinTensionRow> rows;
 };
 
-/// Runs it on phantoms of the paper's sizes divided by `shrink` (1 = the paper's own). `only` = "A", "B" or "C".
+/// Runs it on phantoms of the paper's sizes divided by `shrink` (1 = the paper's own). `only` = "A", "B" or
+/// "C".
 SkinTensionBench bench_skin_tension(const Exec& exec, int shrink, const std::optional<std::string>& only,
                                     const Progress& progress);
 

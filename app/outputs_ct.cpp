@@ -93,8 +93,8 @@ Status add_volume_rendering(const LatticeBody& body, const lattice::State& rest,
   const OutputScene& output = outputs.scene->output;
   const Camera& camera = outputs.views.front().camera;
   const auto drawn = [&](const lattice::State& state) {
-    const lattice::ResampledCt alone =
-        lattice::resample_ct(*outputs.exec, body.model, state, body.ct, body.ct.grid, {.keep_surroundings = false});
+    const lattice::ResampledCt alone = lattice::resample_ct(*outputs.exec, body.model, state, body.ct,
+                                                            body.ct.grid, {.keep_surroundings = false});
     return draw_volume(*outputs.exec, alone.ct, output.volume_rendering, camera, output.width, output.height);
   };
   return add_picture(
@@ -133,9 +133,8 @@ Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
       output.deformed_size ? lattice::resized(body.ct.grid, *output.deformed_size) : body.ct.grid;
   if (const Status status = write_fields(body, grid, outputs); !status || !wanted) return status;
 
-  const lattice::ResampledCt now =
-      lattice::resample_ct(*outputs.exec, body.model, body.state, body.ct, grid,
-                           {.conserve_mass = output.conserve_mass});
+  const lattice::ResampledCt now = lattice::resample_ct(*outputs.exec, body.model, body.state, body.ct, grid,
+                                                        {.conserve_mass = output.conserve_mass});
   const std::string file = output.deformed_ct.empty() ? "" : file_of(outputs, body, output.deformed_ct);
   outputs.facts.deformed.push_back(
       {body.name, file, grid.size, now.report.seconds, now.report.mass_error, now.report.folds});
@@ -144,7 +143,8 @@ Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
     outputs.facts.files.push_back(file);
   }
   if (!output.volume_rendering.empty())
-    if (const Status status = add_volume_rendering(body, outputs.bodies[index].rest, outputs); !status) return status;
+    if (const Status status = add_volume_rendering(body, outputs.bodies[index].rest, outputs); !status)
+      return status;
   if (!output.sections) return Done{};
   const Result<Window> window = window_preset(output.window);
   if (!window) return window.error();

@@ -1,4 +1,5 @@
-// Sweeps of the lattice over doubled sizes. Rates: edge projections, node solves, tetrahedra a second; bytes a sweep must move at least.
+// Sweeps of the lattice over doubled sizes. Rates: edge projections, node solves, tetrahedra a second; bytes
+// a sweep must move at least.
 #include <benchmark/benchmark.h>
 
 #include "tests/models/block_body.hpp"
@@ -34,8 +35,8 @@ void sweep(benchmark::State& bench, Method method, bool skin) {
       sweep_descent(exec, model, state, inputs, kDt);
   const auto nodes = double(node_count(model.lattice));
   bench.counters["nodes"] = nodes;
-  bench.counters["edges/s"] =
-      benchmark::Counter((method == Method::kPbd ? 7 : 14) * nodes, benchmark::Counter::kIsIterationInvariantRate);
+  bench.counters["edges/s"] = benchmark::Counter((method == Method::kPbd ? 7 : 14) * nodes,
+                                                 benchmark::Counter::kIsIterationInvariantRate);
   bench.SetBytesProcessed(bench.iterations() * std::int64_t(kSweepBytes * slot_count(model.lattice)));
 }
 
@@ -45,14 +46,18 @@ void descent_sweep(benchmark::State& bench) { sweep(bench, Method::kDescent, fal
 void descent_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kDescent, true); }
 
 void sizes(benchmark::internal::Benchmark* b) {
-  b->ArgsProduct({{32, 64, 128, 192}, {1, 2}})->ArgNames({"side", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
+  b->ArgsProduct({{32, 64, 128, 192}, {1, 2}})
+      ->ArgNames({"side", "threads"})
+      ->Unit(benchmark::kMillisecond)
+      ->UseRealTime();
 }
 BENCHMARK(pbd_sweep)->Apply(sizes);
 BENCHMARK(pbd_sweep_with_skin)->Apply(sizes);
 BENCHMARK(descent_sweep)->Apply(sizes);
 BENCHMARK(descent_sweep_with_skin)->Apply(sizes);
 
-/// A bar of about 51 000 tetrahedra (and twice, four times as many), springs and volumes, 5 sweeps: work that other engines are timed on.
+/// A bar of about 51 000 tetrahedra (and twice, four times as many), springs and volumes, 5 sweeps: work that
+/// other engines are timed on.
 void bar_frame(benchmark::State& bench) {
   const Exec exec(static_cast<int>(bench.range(1)));
   Params params;

@@ -1,9 +1,9 @@
 #include "turgor/core/exec.hpp"
 
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace turgor {
 namespace {

@@ -1,9 +1,9 @@
 #include "turgor/core/hash.hpp"
 
-#include <gtest/gtest.h>
-
 #include <set>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace turgor {
 namespace {
@@ -15,7 +15,8 @@ TEST(hash, a_change_of_any_bit_changes_it) {
   for (std::size_t n = 0; n < bytes.size(); n++)
     for (int bit = 0; bit < 8; bit++) {
       bytes[n] ^= static_cast<unsigned char>(1 << bit);
-      EXPECT_TRUE(seen.insert(hash_bytes(bytes.data(), bytes.size())).second) << "byte " << n << ", bit " << bit;
+      EXPECT_TRUE(seen.insert(hash_bytes(bytes.data(), bytes.size())).second)
+          << "byte " << n << ", bit " << bit;
       bytes[n] ^= static_cast<unsigned char>(1 << bit);
     }
 }

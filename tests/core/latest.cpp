@@ -1,9 +1,9 @@
 #include "turgor/core/latest.hpp"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <thread>
+
+#include <gtest/gtest.h>
 
 namespace turgor {
 namespace {

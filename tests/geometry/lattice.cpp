@@ -1,8 +1,8 @@
 #include "turgor/geometry/lattice.hpp"
 
-#include <gtest/gtest.h>
-
 #include <set>
+
+#include <gtest/gtest.h>
 
 namespace turgor {
 namespace {
@@ -27,7 +27,8 @@ TEST(lattice, offsets_lead_to_neighbours) {
       for (int i = 1; i < 5; i++)
         for (const Int3 family : kFamilies)
           for (const Int3 offset : {family, -family})
-            EXPECT_EQ(node_slot(l, i, j, k) + slot_offset(l, offset, i & 1), node_slot(l, Int3{i, j, k} + offset));
+            EXPECT_EQ(node_slot(l, i, j, k) + slot_offset(l, offset, i & 1),
+                      node_slot(l, Int3{i, j, k} + offset));
 }
 
 TEST(lattice, neighbours_off_the_border_have_slots_of_their_own_that_hold_no_node) {

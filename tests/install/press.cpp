@@ -17,7 +17,8 @@ int main() {
   const auto model = lattice::build(exec, ct, {}, {});
   if (!model) return std::fprintf(stderr, "%s\n", model.error().message.c_str()), 1;
   auto state = lattice::make_state(*model);
-  for (int frame = 0; frame < 60; frame++) lattice::step(exec, *model, state, {.gravity = {0, 0, -9.81}}, 1.0 / 60);
+  for (int frame = 0; frame < 60; frame++)
+    lattice::step(exec, *model, state, {.gravity = {0, 0, -9.81}}, 1.0 / 60);
   const double sag = -lattice::position(*model, state, {6, 6, 2}).z + 2 * 4e-3;
   std::printf("%d nodes, the underside sags by %.2f mm\n", model->body_nodes, sag * 1e3);
   return sag > 0 ? 0 : 1;

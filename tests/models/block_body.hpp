@@ -1,4 +1,5 @@
-// Bodies for tests of the lattice, made node by node: a block of one tissue, with air above it when it shall have skin.
+// Bodies for tests of the lattice, made node by node: a block of one tissue, with air above it when it shall
+// have skin.
 #pragma once
 
 #include <functional>

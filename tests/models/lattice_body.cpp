@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "turgor/models/lattice/body_nodes.hpp"
 
@@ -9,13 +9,15 @@ namespace {
 
 const Exec kExec(2);
 
-/// A lying cylinder along k with a lung inside, a bone, fat around, and a table underneath that does not touch it.
+/// A lying cylinder along k with a lung inside, a bone, fat around, and a table underneath that does not
+/// touch it.
 CtVolume body_on_table(Int3 size) {
   CtVolume ct{{.size = size, .spacing = {1e-3, 1e-3, 1e-3}}, {}};
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++) {
-        const double r = std::hypot(i - 31.5, j - 28.5), lung = std::hypot(i - 38, j - 28), bone = std::hypot(i - 24, j - 28);
+        const double r = std::hypot(i - 31.5, j - 28.5), lung = std::hypot(i - 38, j - 28),
+                     bone = std::hypot(i - 24, j - 28);
         std::int16_t hu = kAirHu;
         if (r < 20) hu = r > 17 ? -100 : 50;
         if (lung < 6) hu = -850;
@@ -55,7 +57,8 @@ TEST(lattice_body, the_table_and_the_air_go_the_lung_stays_and_bone_is_fixed) {
   EXPECT_EQ(tissue(24, 28), Tissue::kBone);
   EXPECT_EQ(tissue(32, 40), Tissue::kMuscle);
   EXPECT_EQ(tissue(32, 48), Tissue::kFat);
-  for (std::size_t n = 0; n < nodes.tissue.size(); n++) EXPECT_EQ(nodes.fixed[n] != 0, nodes.tissue[n] == Tissue::kBone);
+  for (std::size_t n = 0; n < nodes.tissue.size(); n++)
+    EXPECT_EQ(nodes.fixed[n] != 0, nodes.tissue[n] == Tissue::kBone);
 }
 
 TEST(lattice_body, labels_set_the_stiffness) {
@@ -81,7 +84,8 @@ TEST(lattice_body, a_ct_of_air_is_refused) {
 }
 
 TEST(lattice_body, a_ct_without_outside_air_has_no_skin_and_says_so) {
-  const CtVolume full{{.size = {16, 16, 16}, .spacing = {1e-3, 1e-3, 1e-3}}, std::vector<std::int16_t>(16 * 16 * 16, 40)};
+  const CtVolume full{{.size = {16, 16, 16}, .spacing = {1e-3, 1e-3, 1e-3}},
+                      std::vector<std::int16_t>(16 * 16 * 16, 40)};
   const auto model = build(kExec, full, {}, {});
   ASSERT_FALSE(model);
   EXPECT_NE(model.error().message.find("no skin"), std::string::npos);

@@ -1,10 +1,10 @@
 // Forces and stiffnesses of one element against finite differences of its energy.
-#include "turgor/models/lattice/kernels.hpp"
+#include <functional>
+#include <random>
 
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <random>
+#include "turgor/models/lattice/kernels.hpp"
 
 namespace turgor::lattice {
 namespace {
@@ -40,7 +40,9 @@ void expect_near(Vec3d found, Vec3d expected, double tolerance) {
   for (int axis = 0; axis < 3; axis++) EXPECT_NEAR(found[axis], expected[axis], tolerance) << "axis " << axis;
 }
 
-double amplified(double s, double r, double beta) { return s * s / 2 + (s > 0 ? beta * s * s * s / (3 * r) : 0); }
+double amplified(double s, double r, double beta) {
+  return s * s / 2 + (s > 0 ? beta * s * s * s / (3 * r) : 0);
+}
 
 TEST(lattice_kernels, spring_force_is_minus_the_gradient) {
   Random random;
@@ -60,11 +62,14 @@ TEST(lattice_kernels, volume_gradients_are_those_of_the_volume) {
   for (int n = 0; n < 200; n++) {
     const Vec3d a = random.point(), b = random.point(), c = random.point(), d = random.point();
     const VolumeGradients g = volume_gradients(Vec3(b - a), Vec3(c - a), Vec3(d - a));
-    const auto volume = [](Vec3d p, Vec3d q, Vec3d r, Vec3d s) { return dot(q - p, cross(r - p, s - p)); };  // sixths
+    const auto volume = [](Vec3d p, Vec3d q, Vec3d r, Vec3d s) {
+      return dot(q - p, cross(r - p, s - p));
+    };  // sixths
     expect_near(-Vec3d(g.g1), minus_gradient([&](Vec3d x) { return volume(a, x, c, d); }, b), 1e-4);
     expect_near(-Vec3d(g.g2), minus_gradient([&](Vec3d x) { return volume(a, b, x, d); }, c), 1e-4);
     expect_near(-Vec3d(g.g3), minus_gradient([&](Vec3d x) { return volume(a, b, c, x); }, d), 1e-4);
-    expect_near(Vec3d(g.g1 + g.g2 + g.g3), minus_gradient([&](Vec3d x) { return volume(x, b, c, d); }, a), 1e-4);
+    expect_near(Vec3d(g.g1 + g.g2 + g.g3), minus_gradient([&](Vec3d x) { return volume(x, b, c, d); }, a),
+                1e-4);
   }
 }
 
@@ -80,7 +85,9 @@ TEST(lattice_kernels, area_skin_force_is_minus_the_gradient_and_corners_sum_to_z
       const Vec3d b = x[(c + 1) % 3], d = x[(c + 2) % 3];
       NodeSystem s;
       add_skin_area(s, Vec3(x[c]), Vec3(b), Vec3(d), Real(rest), Real(k), Real(beta));
-      const Energy energy = [&](Vec3d p) { return k * amplified(0.5 * norm(cross(b - p, d - p)) - rest, rest, beta); };
+      const Energy energy = [&](Vec3d p) {
+        return k * amplified(0.5 * norm(cross(b - p, d - p)) - rest, rest, beta);
+      };
       expect_near(Vec3d(s.f), minus_gradient(energy, x[c]), 2e-4);
       EXPECT_TRUE(is_positive_definite(s));
       sum += Vec3d(s.f);
@@ -98,7 +105,8 @@ TEST(lattice_kernels, fibre_skin_force_is_minus_the_gradient_and_corners_sum_to_
       coefficients[1] = Real(random(-1, 1)), coefficients[2] = Real(random(-1, 1));
       coefficients[0] = -coefficients[1] - coefficients[2];
     }
-    const FibreLaw law{.rest_along = 0.8f, .rest_across = 0.9f, .stiffness = 3, .shear = 1, .amplification = 2};
+    const FibreLaw law{
+        .rest_along = 0.8f, .rest_across = 0.9f, .stiffness = 3, .shear = 1, .amplification = 2};
     Vec3d x[3] = {random.point(), random.point(), random.point()};
     Vec3d sum;
     for (int c = 0; c < 3; c++) {
@@ -110,8 +118,9 @@ TEST(lattice_kernels, fibre_skin_force_is_minus_the_gradient_and_corners_sum_to_
         q[c] = p;
         for (int i = 0; i < 3; i++) along += q[i] * double(t.along[i]), across += q[i] * double(t.across[i]);
         const double shear = dot(along, across);
-        return t.area * (3 * amplified(norm(along) - law.rest_along, law.rest_along, 2) +
-                         3 * amplified(norm(across) - law.rest_across, law.rest_across, 2) + 0.5 * shear * shear);
+        return t.area *
+               (3 * amplified(norm(along) - law.rest_along, law.rest_along, 2) +
+                3 * amplified(norm(across) - law.rest_across, law.rest_across, 2) + 0.5 * shear * shear);
       };
       expect_near(Vec3d(s.f), minus_gradient(energy, x[c]), 1e-3);
       sum += Vec3d(s.f);

@@ -1,8 +1,8 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <map>
 #include <set>
+
+#include <gtest/gtest.h>
 
 #include "block_body.hpp"
 #include "turgor/models/lattice/incision.hpp"
@@ -13,7 +13,8 @@ namespace {
 
 const Exec kExec(2);
 
-/// A body from a shape: hu where inside(point) else air; nodes a millimetre apart, the grid centred on the origin.
+/// A body from a shape: hu where inside(point) else air; nodes a millimetre apart, the grid centred on the
+/// origin.
 BodyNodes shape_nodes(Int3 size, const std::function<bool(Vec3d)>& inside) {
   BodyNodes nodes;
   nodes.grid = {.size = size, .spacing = {1e-3, 1e-3, 1e-3}};
@@ -44,14 +45,16 @@ TEST(lattice_skin, the_skin_of_a_ball_is_closed_and_faces_outward) {
     six_volumes += dot(x[0], cross(x[1], x[2]));
     EXPECT_GT(t.area, 0.49e-6f);
   }
-  for (const auto& [edge, count] : edges) EXPECT_EQ(count, (edges[{edge.second, edge.first}])) << "every edge is shared";
+  for (const auto& [edge, count] : edges)
+    EXPECT_EQ(count, (edges[{edge.second, edge.first}])) << "every edge is shared";
   const double ball = 4.0 / 3 * M_PI * std::pow(0.0102, 3);
   EXPECT_GT(six_volumes / 6, 0.7 * ball) << "positive: outward; smaller than the ball by up to a step";
   EXPECT_LT(six_volumes / 6, ball);
 }
 
 TEST(lattice_skin, batches_hold_every_triangle_once_and_no_two_that_share_a_node) {
-  const BodyNodes nodes = shape_nodes({41, 37, 31}, [](Vec3d p) { return norm(p) < 0.0142 && std::abs(p.x) > 0.001; });
+  const BodyNodes nodes =
+      shape_nodes({41, 37, 31}, [](Vec3d p) { return norm(p) < 0.0142 && std::abs(p.x) > 0.001; });
   const Model model = assemble(kExec, nodes, nullptr, {}).value();
   const Skin& skin = model.skin;
   ASSERT_EQ(std::size_t(skin.batch_begin.back()), skin.triangles.size());
@@ -60,9 +63,11 @@ TEST(lattice_skin, batches_hold_every_triangle_once_and_no_two_that_share_a_node
     EXPECT_LE(skin.batch_begin[b + 1] - skin.batch_begin[b], kSkinLanes);
     std::set<int> seen;
     for (int t = skin.batch_begin[b]; t < skin.batch_begin[b + 1]; t++)
-      for (int c = 0; c < 3; c++) EXPECT_TRUE(seen.insert(skin.triangles[std::size_t(t)].vertex[c]).second) << "batch " << b;
+      for (int c = 0; c < 3; c++)
+        EXPECT_TRUE(seen.insert(skin.triangles[std::size_t(t)].vertex[c]).second) << "batch " << b;
   }
-  EXPECT_GT(double(skin.triangles.size()) / double(skin.batch_begin.size() - 1), 0.7 * kSkinLanes) << "mean fill";
+  EXPECT_GT(double(skin.triangles.size()) / double(skin.batch_begin.size() - 1), 0.7 * kSkinLanes)
+      << "mean fill";
 }
 
 TEST(lattice_skin, a_sheet_one_node_thick_is_covered_once) {
@@ -78,11 +83,13 @@ TEST(lattice_skin, a_tense_body_stays_as_the_ct_shows_it) {
   for (const SkinLaw law : {SkinLaw::kArea, SkinLaw::kFibre}) {
     Params params;
     params.skin.law = law;
-    params.skin.tension_along = params.skin.tension_across = 5;  // a centimetre of soft tissue carries no more
+    params.skin.tension_along = params.skin.tension_across =
+        5;  // a centimetre of soft tissue carries no more
     const BodyNodes nodes = shape_nodes({31, 31, 31}, [](Vec3d p) { return norm(p) < 0.0102; });
     const Model model = assemble(kExec, nodes, nullptr, params).value();
     State state = make_state(model);
-    for (int n = 0; n < 10; n++) EXPECT_LT(step(kExec, model, state, {}, 1.0 / 60).largest_speed, 1e-7) << "m/s";
+    for (int n = 0; n < 10; n++)
+      EXPECT_LT(step(kExec, model, state, {}, 1.0 / 60).largest_speed, 1e-7) << "m/s";
   }
 }
 
@@ -107,7 +114,8 @@ TEST(lattice_skin, images_of_unit_vectors_are_unit_vectors_at_rest) {
 
 TEST(lattice_skin, a_field_of_lines_turns_the_fibres) {
   const BodyNodes nodes = shape_nodes({9, 9, 5}, [](Vec3d p) { return p.z < 1e-4; });
-  VectorVolume lines{{.size = {2, 1, 1}, .spacing = {4e-3, 1, 1}, .origin = {-2e-3, 0, 0}}, {{1, 0, 0}, {0, 1, 0}}};
+  VectorVolume lines{{.size = {2, 1, 1}, .spacing = {4e-3, 1, 1}, .origin = {-2e-3, 0, 0}},
+                     {{1, 0, 0}, {0, 1, 0}}};
   const Model model = assemble(kExec, nodes, &lines, {}).value();
   for (const SkinTriangle& t : model.skin.triangles) {
     Vec3d along, centre;
@@ -120,15 +128,19 @@ TEST(lattice_skin, a_field_of_lines_turns_the_fibres) {
   }
 }
 
-// A sheet under tension T with a slit of length 2a opens to an ellipse 4 T a / E wide in the middle, E the membrane's modulus. For an
-// orthotropic one without transverse contraction, E is K / √((1 + K/2G) / 2). [Westergaard 1939; Sih, Paris, Irwin 1965]
+// A sheet under tension T with a slit of length 2a opens to an ellipse 4 T a / E wide in the middle, E the
+// membrane's modulus. For an orthotropic one without transverse contraction, E is K / √((1 + K/2G) / 2).
+// [Westergaard 1939; Sih, Paris, Irwin 1965]
 TEST(lattice_skin, a_slit_in_a_tense_sheet_opens_as_a_crack_in_an_elastic_plane) {
   constexpr int kN = 91;
   constexpr double kStep = 0.001, kTension = 6, kStiffness = 300, kShear = 100;
   Block block{.size = {kN, kN, 1}, .step = kStep, .young = 0.5};
   block.is_fixed = [](Int3 p) { return p.x == 0 || p.y == 0 || p.x == kN - 1 || p.y == kN - 1; };
   Params params;
-  params.skin = {.tension_along = kTension, .tension_across = kTension, .stiffness = kStiffness, .shear = kShear,
+  params.skin = {.tension_along = kTension,
+                 .tension_across = kTension,
+                 .stiffness = kStiffness,
+                 .shear = kShear,
                  .amplification = 0};
   params.solver = {.sweeps = 40, .damping = 0};
   const Model model = block_model(block, params);
@@ -136,7 +148,8 @@ TEST(lattice_skin, a_slit_in_a_tense_sheet_opens_as_a_crack_in_an_elastic_plane)
     State state = make_state(model);
     const double a = half_length * kStep, middle = (kN - 1) / 2 * kStep, y = middle + 0.5 * kStep;
     const BladePath path =
-        lay_blade(model, state, {.from = {middle - a, y, 0}, .to = {middle + a, y, 0}, .depth = 0.002}).value();
+        lay_blade(model, state, {.from = {middle - a, y, 0}, .to = {middle + a, y, 0}, .depth = 0.002})
+            .value();
     ASSERT_GT(cut_edges(model, state, path, 0, 1, 0), half_length);
     for (int n = 0; n < 30; n++) step(kExec, model, state, {}, 0.1);  // long steps: inertia does not matter
     const Wound wound = measure_wound(model, state, path, 0);

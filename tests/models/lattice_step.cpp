@@ -1,7 +1,7 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <set>
+
+#include <gtest/gtest.h>
 
 #include "block_body.hpp"
 #include "turgor/models/lattice/incision.hpp"
@@ -35,7 +35,8 @@ Pushed pushed_block(Params params, double push = 1e-3) {
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++)
         if (!is_border({i, j, k}, size))
-          p.state.u.set(std::size_t(node_slot(p.model.lattice, i, j, k)), {wave(i, j), wave(j, k), wave(k, i)});
+          p.state.u.set(std::size_t(node_slot(p.model.lattice, i, j, k)),
+                        {wave(i, j), wave(j, k), wave(k, i)});
   return p;
 }
 
@@ -66,7 +67,8 @@ TEST(lattice_step, descent_never_raises_the_energy_of_its_step) {
       for (int sweep = 0; sweep < 20; sweep++) {
         sweep_descent(kOne, model, state, inputs, kDt);
         const double after = step_energy(kOne, model, state, inputs, kDt);
-        EXPECT_LE(after, before * (1 + 1e-6)) << "law " << int(law) << ", volume " << volume << ", sweep " << sweep;
+        EXPECT_LE(after, before * (1 + 1e-6))
+            << "law " << int(law) << ", volume " << volume << ", sweep " << sweep;
         before = after;
       }
     }
@@ -144,7 +146,8 @@ TEST(lattice_step, a_free_body_keeps_its_momentum_under_projections) {
   params.skin.enabled = false;
   const Model model = block_model({.size = {9, 8, 7}, .skin_on_top = false}, params);
   State state = make_state(model);
-  for (int i = 0; i < 9; i++) state.v.set(std::size_t(node_slot(model.lattice, i, 3, 3)), {0.1f, -0.2f, 0.3f});
+  for (int i = 0; i < 9; i++)
+    state.v.set(std::size_t(node_slot(model.lattice, i, 3, 3)), {0.1f, -0.2f, 0.3f});
   const auto momentum = [&] {
     Vec3d sum;
     for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
@@ -186,8 +189,10 @@ TEST(lattice_step, a_stretched_bar_answers_with_its_young_modulus) {
   for (const double volume : {0.0, 3.0}) {
     const Int3 size{97, 13, 13};  // long: the held ends keep the rest from narrowing
     Model model = bar(size, volume);
-    const double length = (size.x - 1) * 0.004, area = size.y * size.z * 0.004 * 0.004, stretch = 0.01 * length;
-    const double young = 2 * settled_energy(model, {Real(stretch), 0, 0}) * length / (stretch * stretch * area);
+    const double length = (size.x - 1) * 0.004, area = size.y * size.z * 0.004 * 0.004,
+                 stretch = 0.01 * length;
+    const double young =
+        2 * settled_energy(model, {Real(stretch), 0, 0}) * length / (stretch * stretch * area);
     EXPECT_NEAR(young, 1e4, 1e3) << "Pa, volume energy " << volume;
   }
 }
@@ -218,7 +223,8 @@ TEST(lattice_step, no_two_slabs_of_a_phase_touch_the_same_node) {
       std::set<int> touched;
       for (int slab = phase; slab < slab_count(layers); slab += 2) {
         std::set<int> nodes;  // layers that the slab writes: its own and, for edges and cells, the next
-        for (int k = slab * kSlabLayers; k < (slab + 1) * kSlabLayers && k < layers; k++) nodes.insert({k, k + 1});
+        for (int k = slab * kSlabLayers; k < (slab + 1) * kSlabLayers && k < layers; k++)
+          nodes.insert({k, k + 1});
         for (const int k : nodes) EXPECT_TRUE(touched.insert(k).second) << "layer " << k << " of " << layers;
       }
     }
@@ -242,7 +248,8 @@ TEST(lattice_step, no_two_lanes_of_a_row_pass_touch_the_same_node) {
         std::set<int> slots;
         for (const Int3 corner : tet)
           for (int i = 0; i < half_count(l, parity); i++)
-            EXPECT_TRUE(slots.insert(row_slot(l, 1, 1) + parity * l.half + slot_offset(l, corner, parity) + i).second);
+            EXPECT_TRUE(slots.insert(row_slot(l, 1, 1) + parity * l.half + slot_offset(l, corner, parity) + i)
+                            .second);
       }
   }
 }

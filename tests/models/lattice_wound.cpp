@@ -1,9 +1,10 @@
-// The reference scene: a block of 48×48×10 nodes, 4 mm apart, 5 kPa, sides and bottom fixed, skin on top, one straight cut of 15
-// steps, 2.5 steps deep. What an independent program finds: area law 36.8 mm; fibre law 12.0, 7.2 and 17.5 mm.
-#include <gtest/gtest.h>
-
+// The reference scene: a block of 48×48×10 nodes, 4 mm apart, 5 kPa, sides and bottom fixed, skin on top, one
+// straight cut of 15 steps, 2.5 steps deep. What an independent program finds: area law 36.8 mm; fibre
+// law 12.0, 7.2 and 17.5 mm.
 #include <cmath>
 #include <cstdio>
+
+#include <gtest/gtest.h>
 
 #include "block_body.hpp"
 #include "turgor/models/lattice/incision.hpp"
@@ -18,11 +19,17 @@ Model reference_model(SkinLaw law, double along, double across, int sweeps) {
   Block block{.size = {kN, kN, kDepthNodes}, .step = kStep, .young = 5e3};
   block.is_fixed = [](Int3 p) { return p.z == 0 || p.x == 0 || p.y == 0 || p.x == kN - 1 || p.y == kN - 1; };
   Params params;
-  params.skin = {.law = law, .tension_along = along, .tension_across = across, .stiffness = 300, .shear = 100,
-                 .amplification = 2, .direction = {1, 0, 0}};
+  params.skin = {.law = law,
+                 .tension_along = along,
+                 .tension_across = across,
+                 .stiffness = 300,
+                 .shear = 100,
+                 .amplification = 2,
+                 .direction = {1, 0, 0}};
   params.solver = {.sweeps = sweeps, .damping = -60 * std::log(0.98)};
   Model model = block_model(block, params);
-  // The reference has springs of 0.4 E h / √(number of axes) instead of calibrated ones, and 1000 kg/m³ everywhere.
+  // The reference has springs of 0.4 E h / √(number of axes) instead of calibrated ones, and 1000 kg/m³
+  // everywhere.
   for (std::size_t f = 0; f < kFamilyCount; f++)
     model.spring_scale[f] = Real(0.4 * kStep * kStep / double(model.rest_length[f]));
   return model;
@@ -36,8 +43,10 @@ struct Settled {
 Settled settle(const Model& model, double seconds) {
   const Exec exec(2);
   State state = make_state(model);
-  const double y = (kN / 2 - 0.5) * kStep, x = (kN / 2 - kCutSteps / 2 - 0.5) * kStep, z = (kDepthNodes - 1) * kStep;
-  // The reference leaves edges alone that only touch the blade's border; so does a blade that is a hair smaller.
+  const double y = (kN / 2 - 0.5) * kStep, x = (kN / 2 - kCutSteps / 2 - 0.5) * kStep,
+               z = (kDepthNodes - 1) * kStep;
+  // The reference leaves edges alone that only touch the blade's border; so does a blade that is a hair
+  // smaller.
   constexpr double kHair = 0.01 * kStep;
   const Incision incision{
       .from = {x + kHair, y, z}, .to = {x + kCutSteps * kStep - kHair, y, z}, .depth = 2.5 * kStep - kHair};
@@ -68,8 +77,10 @@ TEST(lattice_wound, fibre_skin_gapes_as_the_reference_and_least_along_the_lines)
   for (const auto& [along, across, gape] : {Case{45, 45, 0.0120}, {60, 30, 0.0072}, {30, 60, 0.0175}}) {
     for (const int sweeps : {5, 40}) {
       const Settled settled = settle(reference_model(SkinLaw::kFibre, along, across, sweeps), 3);
-      std::printf("  %2.0f / %2.0f N/m, %3d sweeps: %.2f mm\n", along, across, sweeps, settled.largest_gape * 1e3);
-      EXPECT_NEAR(settled.largest_gape, gape, 0.02 * gape) << along << "/" << across << " N/m, " << sweeps << " sweeps";
+      std::printf("  %2.0f / %2.0f N/m, %3d sweeps: %.2f mm\n", along, across, sweeps,
+                  settled.largest_gape * 1e3);
+      EXPECT_NEAR(settled.largest_gape, gape, 0.02 * gape)
+          << along << "/" << across << " N/m, " << sweeps << " sweeps";
       EXPECT_NEAR(settled.wound.gape_max, gape, 0.03 * gape) << "as measured along the cut";
       EXPECT_GT(settled.wound.opening_area, 0.5 * gape * settled.wound.length);
       EXPECT_LT(settled.wound.opening_area, gape * settled.wound.length);

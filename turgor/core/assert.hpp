@@ -1,5 +1,5 @@
-// TURGOR_ASSERT: a sentence about what the programmer promised. On in every build type but RELEASE without checks;
-// never used for files, devices or scenes (those return Result).
+// TURGOR_ASSERT: a sentence about what the programmer promised. On in every build type but RELEASE without
+// checks; never used for files, devices or scenes (those return Result).
 #pragma once
 
 #include <cstdio>
@@ -8,11 +8,11 @@
 #ifdef TURGOR_NO_ASSERT
 #define TURGOR_ASSERT(condition, sentence) ((void)0)
 #else
-#define TURGOR_ASSERT(condition, sentence)                                                                  \
-  do {                                                                                                      \
-    if (!(condition)) {                                                                                     \
-      std::fprintf(stderr, "%s:%d: %s (%s is false)\n", __FILE__, __LINE__, sentence, #condition);          \
-      std::abort();                                                                                         \
-    }                                                                                                       \
+#define TURGOR_ASSERT(condition, sentence)                                                         \
+  do {                                                                                             \
+    if (!(condition)) {                                                                            \
+      std::fprintf(stderr, "%s:%d: %s (%s is false)\n", __FILE__, __LINE__, sentence, #condition); \
+      std::abort();                                                                                \
+    }                                                                                              \
   } while (false)
 #endif

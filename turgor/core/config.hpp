@@ -1,5 +1,5 @@
-// The one number type of the simulation, the macro that marks functions a GPU backend may call as well, and the one that promises
-// the compiler that the iterations of the loop behind it touch different numbers.
+// The one number type of the simulation, the macro that marks functions a GPU backend may call as well, and
+// the one that promises the compiler that the iterations of the loop behind it touch different numbers.
 #pragma once
 
 #ifdef __CUDACC__

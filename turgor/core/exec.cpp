@@ -12,8 +12,8 @@
 
 namespace turgor {
 
-// Lets arenas have more threads than the machine has cores, as tests of determinism do. One for the process: of several, the
-// smallest would count.
+// Lets arenas have more threads than the machine has cores, as tests of determinism do. One for the process:
+// of several, the smallest would count.
 namespace {
 void allow_many_threads() {
   static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,

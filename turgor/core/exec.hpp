@@ -1,6 +1,6 @@
-// Where loops run. Exec owns a number of threads; parallel_for spreads independent indices over them. Loops never
-// depend on the order in which indices run, so results have the same bits for every thread count. A GPU backend is
-// one more overload of parallel_for over the same kernels.
+// Where loops run. Exec owns a number of threads; parallel_for spreads independent indices over them. Loops
+// never depend on the order in which indices run, so results have the same bits for every thread count. A GPU
+// backend is one more overload of parallel_for over the same kernels.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ class Exec {
   explicit Exec(int threads = 0);
   int threads() const { return threads_; }
 
-  /// Calls body(begin, end) on disjoint ranges that cover [0, count); ranges hold at least `grain` indices. Denormal numbers
-  /// are taken for zero in there.
+  /// Calls body(begin, end) on disjoint ranges that cover [0, count); ranges hold at least `grain` indices.
+  /// Denormal numbers are taken for zero in there.
   void run_ranges(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body) const;
 

@@ -1,5 +1,5 @@
-// A 64-bit content hash: equal bytes give equal hashes on every machine of the same byte order. Used to recognise
-// states, caches and inputs; not for security.
+// A 64-bit content hash: equal bytes give equal hashes on every machine of the same byte order. Used to
+// recognise states, caches and inputs; not for security.
 #pragma once
 
 #include <cstdint>
@@ -34,8 +34,8 @@ inline std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_
 
 /// Hash of plain values that contain no padding, continued from `seed`.
 template <class T>
-  requires std::is_trivially_copyable_v<T>
-std::uint64_t hash_values(std::span<const T> values, std::uint64_t seed = kHashSeed) {
+requires std::is_trivially_copyable_v<T> std::uint64_t hash_values(std::span<const T> values,
+                                                                   std::uint64_t seed = kHashSeed) {
   return hash_bytes(values.data(), values.size_bytes(), seed);
 }
 

@@ -1,5 +1,6 @@
-// latest<T>: one thread writes whole values, one other thread reads the newest whole value. Neither ever waits.
-// Three slots change hands: the writer's, the reader's, and the one in the middle that holds the newest value.
+// latest<T>: one thread writes whole values, one other thread reads the newest whole value. Neither ever
+// waits. Three slots change hands: the writer's, the reader's, and the one in the middle that holds the
+// newest value.
 #pragma once
 
 #include <atomic>
@@ -16,7 +17,8 @@ class latest {  // NOLINT(readability-identifier-naming): reads as a word in dec
   /// Writer's thread only.
   void write(const T& value) {
     slots_[writing_] = value;
-    writing_ = middle_.exchange(static_cast<std::uint8_t>(writing_ | kFresh), std::memory_order_acq_rel) & kSlot;
+    writing_ =
+        middle_.exchange(static_cast<std::uint8_t>(writing_ | kFresh), std::memory_order_acq_rel) & kSlot;
   }
 
   /// Reader's thread only: the newest value. The reference stays valid until the next read.

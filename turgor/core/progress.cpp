@@ -23,7 +23,8 @@ void ProgressBar::update(double fraction) {
   std::string bar(kWidth, '.');
   std::fill_n(bar.begin(), static_cast<int>(fraction * kWidth), '#');
   const double left = fraction > 0 ? seconds * (1 - fraction) / fraction : 0;
-  std::fprintf(stderr, "\r\033[K%s [%s] %3.0f %%  %.0f s left", label_.c_str(), bar.c_str(), 100 * fraction, left);
+  std::fprintf(stderr, "\r\033[K%s [%s] %3.0f %%  %.0f s left", label_.c_str(), bar.c_str(), 100 * fraction,
+               left);
   std::fflush(stderr);
 }
 

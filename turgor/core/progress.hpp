@@ -1,5 +1,5 @@
-// A progress bar on standard error for work that takes long: what is done, how much, time left. Silent unless a
-// person looks (standard error is a terminal); a bar that was never updated prints nothing.
+// A progress bar on standard error for work that takes long: what is done, how much, time left. Silent unless
+// a person looks (standard error is a terminal); a bar that was never updated prints nothing.
 #pragma once
 
 #include <atomic>

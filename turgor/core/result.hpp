@@ -1,5 +1,5 @@
-// Result<T>: a value, or a sentence that says what was wrong with the world (a file, a scene, a device): where,
-// what was expected, what was found. The programmer's own mistakes are assertions instead.
+// Result<T>: a value, or a sentence that says what was wrong with the world (a file, a scene, a device):
+// where, what was expected, what was found. The programmer's own mistakes are assertions instead.
 #pragma once
 
 #include <string>
@@ -17,8 +17,10 @@ struct Error {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}        // NOLINT(google-explicit-constructor)
-  Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}    // NOLINT(google-explicit-constructor)
+  Result(T value)
+      : content_(std::in_place_index<0>, std::move(value)) {}  // NOLINT(google-explicit-constructor)
+  Result(Error error)
+      : content_(std::in_place_index<1>, std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
   explicit operator bool() const { return content_.index() == 0; }
   T& value() & {

@@ -1,5 +1,5 @@
-// Small vectors and matrices: Vec3 in the simulation's precision, Vec3d where places are stored, Int3 for indices.
-// Only what the engine uses; large linear algebra is not here.
+// Small vectors and matrices: Vec3 in the simulation's precision, Vec3d where places are stored, Int3 for
+// indices. Only what the engine uses; large linear algebra is not here.
 #pragma once
 
 #include <cmath>
@@ -30,25 +30,41 @@ using Vec3d = Vec<double>;
 using Int3 = Vec<int>;
 
 template <class T>
-TURGOR_HD constexpr Vec<T> operator+(Vec<T> a, Vec<T> b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+TURGOR_HD constexpr Vec<T> operator+(Vec<T> a, Vec<T> b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
 template <class T>
-TURGOR_HD constexpr Vec<T> operator-(Vec<T> a, Vec<T> b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+TURGOR_HD constexpr Vec<T> operator-(Vec<T> a, Vec<T> b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 template <class T>
-TURGOR_HD constexpr Vec<T> operator-(Vec<T> a) { return {-a.x, -a.y, -a.z}; }
+TURGOR_HD constexpr Vec<T> operator-(Vec<T> a) {
+  return {-a.x, -a.y, -a.z};
+}
 template <class T>
-TURGOR_HD constexpr Vec<T> operator*(Vec<T> a, decltype(T{}) s) { return {a.x * s, a.y * s, a.z * s}; }
+TURGOR_HD constexpr Vec<T> operator*(Vec<T> a, decltype(T{}) s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
 template <class T>
-TURGOR_HD constexpr Vec<T> operator*(decltype(T{}) s, Vec<T> a) { return a * s; }
+TURGOR_HD constexpr Vec<T> operator*(decltype(T{}) s, Vec<T> a) {
+  return a * s;
+}
 template <class T>
-TURGOR_HD constexpr Vec<T> operator/(Vec<T> a, decltype(T{}) s) { return {a.x / s, a.y / s, a.z / s}; }
+TURGOR_HD constexpr Vec<T> operator/(Vec<T> a, decltype(T{}) s) {
+  return {a.x / s, a.y / s, a.z / s};
+}
 template <class T>
-TURGOR_HD constexpr T dot(Vec<T> a, Vec<T> b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+TURGOR_HD constexpr T dot(Vec<T> a, Vec<T> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 template <class T>
 TURGOR_HD constexpr Vec<T> cross(Vec<T> a, Vec<T> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
-TURGOR_HD T norm(Vec<T> a) { return std::sqrt(dot(a, a)); }
+TURGOR_HD T norm(Vec<T> a) {
+  return std::sqrt(dot(a, a));
+}
 /// a / |a|; the zero vector stays zero.
 template <class T>
 TURGOR_HD Vec<T> normalized(Vec<T> a) {
@@ -57,7 +73,9 @@ TURGOR_HD Vec<T> normalized(Vec<T> a) {
 }
 /// Component by component: products, smallest, largest.
 template <class T>
-TURGOR_HD constexpr Vec<T> hadamard(Vec<T> a, Vec<T> b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+TURGOR_HD constexpr Vec<T> hadamard(Vec<T> a, Vec<T> b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
 template <class T>
 TURGOR_HD constexpr Vec<T> min(Vec<T> a, Vec<T> b) {
   return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z};

@@ -1,5 +1,5 @@
-// A regular grid of samples placed in the patient: size, spacing, origin and axes, as in a CT. Lengths in metres, points in
-// the DICOM patient frame (LPS: x to the patient's left, y to the back, z to the head).
+// A regular grid of samples placed in the patient: size, spacing, origin and axes, as in a CT. Lengths in
+// metres, points in the DICOM patient frame (LPS: x to the patient's left, y to the back, z to the head).
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,8 @@ constexpr std::size_t sample_count(const Grid& grid) {
   return std::size_t(grid.size.x) * std::size_t(grid.size.y) * std::size_t(grid.size.z);
 }
 constexpr std::size_t sample_index(const Grid& grid, int i, int j, int k) {
-  return (std::size_t(k) * std::size_t(grid.size.y) + std::size_t(j)) * std::size_t(grid.size.x) + std::size_t(i);
+  return (std::size_t(k) * std::size_t(grid.size.y) + std::size_t(j)) * std::size_t(grid.size.x) +
+         std::size_t(i);
 }
 constexpr bool contains(const Grid& grid, Int3 p) {
   return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x < grid.size.x && p.y < grid.size.y && p.z < grid.size.z;
@@ -38,14 +39,15 @@ constexpr Vec3d index_at(const Grid& grid, Vec3d point) {
 /// Volume that one sample stands for [m³].
 constexpr double sample_volume(const Grid& grid) { return grid.spacing.x * grid.spacing.y * grid.spacing.z; }
 
-/// Whether two grids place their samples alike: same size, and every corner within a hundredth of the finest spacing
-/// (files round their origins and directions).
+/// Whether two grids place their samples alike: same size, and every corner within a hundredth of the finest
+/// spacing (files round their origins and directions).
 constexpr bool same_grid(const Grid& a, const Grid& b) {
   if (!(a.size == b.size)) return false;
   const auto finest = [](Vec3d s) { return s.x < s.y ? (s.x < s.z ? s.x : s.z) : (s.y < s.z ? s.y : s.z); };
   const double tolerance = 0.01 * finest(a.spacing);
   for (int corner = 0; corner < 8; corner++) {
-    const Vec3d index{corner & 1 ? a.size.x - 1.0 : 0.0, corner & 2 ? a.size.y - 1.0 : 0.0, corner & 4 ? a.size.z - 1.0 : 0.0};
+    const Vec3d index{corner & 1 ? a.size.x - 1.0 : 0.0, corner & 2 ? a.size.y - 1.0 : 0.0,
+                      corner & 4 ? a.size.z - 1.0 : 0.0};
     const Vec3d apart = point_at(a, index) - point_at(b, index);
     if (!(dot(apart, apart) <= tolerance * tolerance)) return false;
   }

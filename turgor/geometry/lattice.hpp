@@ -1,10 +1,10 @@
-// The lattice: nodes on a regular grid, every cell cut into six Kuhn tetrahedra around its main diagonal. All edges then
-// belong to seven families of constant offset, so that no index lists are needed.
+// The lattice: nodes on a regular grid, every cell cut into six Kuhn tetrahedra around its main diagonal. All
+// edges then belong to seven families of constant offset, so that no index lists are needed.
 //
-// Storage. Nodes of one row (fixed j, k) are stored as two halves, even i then odd i, and rows are surrounded by a
-// border of unused rows. Two things follow: the two ends of every edge family are contiguous runs of memory (plain
-// SIMD), and every neighbour of every node has a slot, so that loops need no tests at the border. Slots that hold no
-// node carry zero inverse mass and zero stiffness.
+// Storage. Nodes of one row (fixed j, k) are stored as two halves, even i then odd i, and rows are surrounded
+// by a border of unused rows. Two things follow: the two ends of every edge family are contiguous runs of
+// memory (plain SIMD), and every neighbour of every node has a slot, so that loops need no tests at the
+// border. Slots that hold no node carry zero inverse mass and zero stiffness.
 #pragma once
 
 #include <array>
@@ -23,8 +23,8 @@ struct Lattice {
 
 constexpr int kFamilyCount = 7;
 /// Offsets of the seven edge families: three axes, three face diagonals, the body diagonal.
-constexpr std::array<Int3, kFamilyCount> kFamilies = {
-    Int3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}};
+constexpr std::array<Int3, kFamilyCount> kFamilies = {Int3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0},
+                                                      {1, 0, 1},     {0, 1, 1}, {1, 1, 1}};
 
 /// Corner offsets of the six Kuhn tetrahedra of a cell, each a path from (0,0,0) to (1,1,1), axis by axis.
 /// Odd permutations of the axes have their middle corners swapped, so that all volumes are positive.
@@ -50,7 +50,9 @@ constexpr int kSpareSlots = 16;
 constexpr int slot_count(const Lattice& l) { return (l.size.z + 2) * layer_stride(l) + kSpareSlots; }
 constexpr int node_count(const Lattice& l) { return l.size.x * l.size.y * l.size.z; }
 /// First slot of row (j, k); -1 and size are the border.
-constexpr int row_slot(const Lattice& l, int j, int k) { return (k + 1) * layer_stride(l) + (j + 1) * row_stride(l); }
+constexpr int row_slot(const Lattice& l, int j, int k) {
+  return (k + 1) * layer_stride(l) + (j + 1) * row_stride(l);
+}
 constexpr int node_slot(const Lattice& l, int i, int j, int k) {
   return row_slot(l, j, k) + (i & 1) * l.half + (i >> 1);
 }
@@ -58,14 +60,18 @@ constexpr int node_slot(const Lattice& l, Int3 p) { return node_slot(l, p.x, p.y
 /// Which node a slot holds; the slot must hold one.
 constexpr Int3 slot_node(const Lattice& l, int slot) {
   const int column = slot % row_stride(l), odd = column >= l.half ? 1 : 0;
-  return {2 * (column - odd * l.half) + odd, slot / row_stride(l) % (l.size.y + 2) - 1, slot / layer_stride(l) - 1};
+  return {2 * (column - odd * l.half) + odd, slot / row_stride(l) % (l.size.y + 2) - 1,
+          slot / layer_stride(l) - 1};
 }
 constexpr bool contains(const Lattice& l, Int3 p) {
   return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x < l.size.x && p.y < l.size.y && p.z < l.size.z;
 }
-constexpr Vec3 rest_position(const Lattice& l, Int3 p) { return {float(p.x) * l.step.x, float(p.y) * l.step.y, float(p.z) * l.step.z}; }
+constexpr Vec3 rest_position(const Lattice& l, Int3 p) {
+  return {float(p.x) * l.step.x, float(p.y) * l.step.y, float(p.z) * l.step.z};
+}
 
-/// Distance in slots from a node with i of the given parity (0 even, 1 odd) to its neighbour at `offset` (components -1, 0, 1).
+/// Distance in slots from a node with i of the given parity (0 even, 1 odd) to its neighbour at `offset`
+/// (components -1, 0, 1).
 constexpr int slot_offset(const Lattice& l, Int3 offset, int parity) {
   const int rows = offset.z * layer_stride(l) + offset.y * row_stride(l);
   if (offset.x == 0) return rows;

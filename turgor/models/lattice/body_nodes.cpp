@@ -57,10 +57,12 @@ struct AverageLayer {
   }
 };
 
-/// Visits all nodes reachable from `seeds` over axis neighbours for which `enter(index)` is true; enter must mark what it accepts.
+/// Visits all nodes reachable from `seeds` over axis neighbours for which `enter(index)` is true; enter must
+/// mark what it accepts.
 template <class Enter>
 std::size_t flood(const Grid& grid, std::vector<std::size_t>& stack, const Enter& enter) {
-  const std::size_t strides[3] = {1, std::size_t(grid.size.x), std::size_t(grid.size.x) * std::size_t(grid.size.y)};
+  const std::size_t strides[3] = {1, std::size_t(grid.size.x),
+                                  std::size_t(grid.size.x) * std::size_t(grid.size.y)};
   std::size_t visited = 0;
   while (!stack.empty()) {
     const std::size_t n = stack.back();
@@ -75,7 +77,8 @@ std::size_t flood(const Grid& grid, std::vector<std::size_t>& stack, const Enter
   return visited;
 }
 
-/// 1 where air is connected to the four sides of the scan. Not to its ends: there lungs and bowel are cut open.
+/// 1 where air is connected to the four sides of the scan. Not to its ends: there lungs and bowel are cut
+/// open.
 std::vector<std::uint8_t> outside_air(const BodyNodes& nodes, double air_max) {
   const Int3 size = nodes.grid.size;
   std::vector<std::uint8_t> outside(nodes.hu.size());
@@ -122,15 +125,20 @@ Tissue tissue_of(double hu, const TissueParams& params) {
   return hu < params.bone_min ? Tissue::kMuscle : Tissue::kBone;
 }
 
-/// A bone that never moves only shows in the springs to its neighbours; twice muscle makes those about as stiff as half a spring of
-/// tissue on a rigid wall.
+/// A bone that never moves only shows in the springs to its neighbours; twice muscle makes those about as
+/// stiff as half a spring of tissue on a rigid wall.
 float young_of(Tissue tissue, const Params& params) {
   switch (tissue) {
-    case Tissue::kOutside: return 0;
-    case Tissue::kGas: return float(params.tissue.gas);
-    case Tissue::kFat: return float(params.tissue.fat);
-    case Tissue::kMuscle: return float(params.tissue.muscle);
-    case Tissue::kBone: return float(params.fix_bone ? 2 * params.tissue.muscle : params.tissue.bone);
+    case Tissue::kOutside:
+      return 0;
+    case Tissue::kGas:
+      return float(params.tissue.gas);
+    case Tissue::kFat:
+      return float(params.tissue.fat);
+    case Tissue::kMuscle:
+      return float(params.tissue.muscle);
+    case Tissue::kBone:
+      return float(params.fix_bone ? 2 * params.tissue.muscle : params.tissue.bone);
   }
   return 0;
 }
@@ -143,7 +151,8 @@ int label_at(const LabelVolume& labels, Vec3d point) {
 
 }  // namespace
 
-Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolume* labels, const Params& params) {
+Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolume* labels,
+                           const Params& params) {
   BodyNodes nodes;
   nodes.grid = node_grid(ct.grid, params.block);
   const Int3 size = nodes.grid.size;
@@ -157,14 +166,15 @@ Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolu
 
   std::vector<std::uint8_t> outside = outside_air(nodes, params.tissue.air_max);
   if (keep_largest(nodes.grid, outside) == 0)
-    return Error{"the CT holds nothing but air: expected voxels above " + std::to_string(int(params.tissue.air_max)) +
-                 " HU"};
+    return Error{"the CT holds nothing but air: expected voxels above " +
+                 std::to_string(int(params.tissue.air_max)) + " HU"};
 
   nodes.tissue.resize(count);
   nodes.young.resize(count);
   nodes.fixed.resize(count);
   parallel_for(exec, std::size_t(size.z), [&](std::size_t k) {
-    for (std::size_t n = k * count / std::size_t(size.z), end = (k + 1) * count / std::size_t(size.z); n < end; n++) {
+    for (std::size_t n = k * count / std::size_t(size.z), end = (k + 1) * count / std::size_t(size.z);
+         n < end; n++) {
       const Tissue tissue = outside[n] ? Tissue::kOutside : tissue_of(nodes.hu[n], params.tissue);
       const bool at_end = k == 0 || int(k) == size.z - 1;
       nodes.tissue[n] = tissue;

@@ -8,17 +8,19 @@ namespace turgor::lattice {
 /// One value a node, i fastest.
 struct BodyNodes {
   Grid grid;
-  std::vector<std::int16_t> hu;      // mean of the block around the node [HU]
+  std::vector<std::int16_t> hu;  // mean of the block around the node [HU]
   std::vector<Tissue> tissue;
-  std::vector<float> young;          // Young's modulus; 0 outside [Pa]
-  std::vector<std::uint8_t> fixed;   // 1 = never moves
+  std::vector<float> young;         // Young's modulus; 0 outside [Pa]
+  std::vector<std::uint8_t> fixed;  // 1 = never moves
 };
 
-/// Mean of each node's block, the outside by flood fill from the sides, the largest connected rest as the body (the table goes),
-/// tissues by Hounsfield units. [STC 4.1.1]
-Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolume* labels, const Params& params);
+/// Mean of each node's block, the outside by flood fill from the sides, the largest connected rest as the
+/// body (the table goes), tissues by Hounsfield units. [STC 4.1.1]
+Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolume* labels,
+                           const Params& params);
 
 /// Masses, springs and skin for nodes that are already known. `lines` may be null.
-Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVolume* lines, const Params& params);
+Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVolume* lines,
+                       const Params& params);
 
 }  // namespace turgor::lattice

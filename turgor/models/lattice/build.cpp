@@ -33,16 +33,19 @@ struct PlaceLayer {
         model.tissue[slot] = nodes.tissue[n];
         model.hu[slot] = nodes.hu[n];
         if (!is_body(nodes.tissue[n])) continue;
-        const double density = std::max(50.0, 1000.0 + nodes.hu[n]);  // water = 1000; gas keeps a little mass [kg/m³]
+        const double density =
+            std::max(50.0, 1000.0 + nodes.hu[n]);  // water = 1000; gas keeps a little mass [kg/m³]
         model.inverse_mass[slot] = nodes.fixed[n] ? Real(0) : Real(1 / (density * volume));
-        model.root_stiffness[slot] = Real(std::sqrt(pbd ? density_stiffness(nodes.hu[n], params) : nodes.young[n]));
+        model.root_stiffness[slot] =
+            Real(std::sqrt(pbd ? density_stiffness(nodes.hu[n], params) : nodes.young[n]));
       }
   }
 };
 
 }  // namespace
 
-Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVolume* lines, const Params& params) {
+Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVolume* lines,
+                       const Params& params) {
   Model model{.params = params,
               .grid = nodes.grid,
               .lattice = make_lattice(nodes.grid.size, Vec3(nodes.grid.spacing))};

@@ -1,6 +1,7 @@
-// Vertex block descent on the lattice (Chen et al. 2024): each node in turn moves to the minimum of the quadratic that its
-// springs, volumes and skin, and its own inertia, make of the step's energy. Nodes of a half row have no edge in common,
-// so a half row is done at once: forces and stiffnesses into a buffer as SIMD, skin node by node, one Newton step as SIMD.
+// Vertex block descent on the lattice (Chen et al. 2024): each node in turn moves to the minimum of the
+// quadratic that its springs, volumes and skin, and its own inertia, make of the step's energy. Nodes of a
+// half row have no edge in common, so a half row is done at once: forces and stiffnesses into a buffer as
+// SIMD, skin node by node, one Newton step as SIMD.
 #include <algorithm>
 #include <vector>
 
@@ -29,10 +30,11 @@ struct SystemBuffer {
   }
 };
 
-/// Springs and volumes around the nodes of [slot, slot + count). Distances to the neighbours are computed once and serve both.
+/// Springs and volumes around the nodes of [slot, slot + count). Distances to the neighbours are computed
+/// once and serve both.
 template <bool kWithCuts, bool kWithVolumes>
-void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_volume, Real volume_scale, int slot, int count,
-                     SystemBuffer& __restrict out) {
+void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_volume, Real volume_scale,
+                     int slot, int count, SystemBuffer& __restrict out) {
   TURGOR_LANES
   for (int i = 0; i < count; i++) {
     const int a = slot + i;
@@ -53,8 +55,8 @@ void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_vo
       for (int t = 0; t < 24; t++) {
         const TetAround tet = kTetsAround[std::size_t(t)];
         const auto root_of = [&](int neighbour) { return neighbour < 0 ? n.root[a] : root[neighbour]; };
-        Real k = tet_stiffness(root_of(tet.far[0]), root_of(tet.far[1]), root[tet.corner[0]], root[tet.corner[1]],
-                               root[tet.corner[2]]);
+        Real k = tet_stiffness(root_of(tet.far[0]), root_of(tet.far[1]), root[tet.corner[0]],
+                               root[tet.corner[1]], root[tet.corner[2]]);
         k *= volume_scale / rest_volume;
         if constexpr (kWithCuts) {
           int cut = 0;
@@ -72,7 +74,8 @@ void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_vo
 }
 
 /// Adds what the skin around the nodes of [slot, slot + count) asks of them.
-void gather_skin(const Model& model, const State& state, const NodeArrays& n, int slot, int count, SystemBuffer& out) {
+void gather_skin(const Model& model, const State& state, const NodeArrays& n, int slot, int count,
+                 SystemBuffer& out) {
   const Skin& skin = model.skin;
   const SkinForces forces(model);
   const auto row = std::size_t(slot / model.lattice.half);
@@ -104,8 +107,10 @@ struct GatherRow {
 
   template <bool kWithCuts>
   void gather(int parity, int slot, int count, SystemBuffer& out) const {
-    const auto elements = model.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
-    const int whole_vectors = (count + kSpareSlots - 1) / kSpareSlots * kSpareSlots;  // of which the last lanes are not used
+    const auto elements =
+        model.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
+    const int whole_vectors =
+        (count + kSpareSlots - 1) / kSpareSlots * kSpareSlots;  // of which the last lanes are not used
     elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot, whole_vectors, out);
     if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, slot, count, out);
   }
@@ -124,9 +129,16 @@ struct Inertia {
   Real dt;
 
   Inertia(const Model& model, const State& s, const Inputs& inputs, double step)
-      : bx(s.u_before.x.data()), by(s.u_before.y.data()), bz(s.u_before.z.data()),
-        vx(s.v.x.data()), vy(s.v.y.data()), vz(s.v.z.data()), w(model.inverse_mass.data()), removed(s.removed.data()),
-        fall(lattice_gravity(model, inputs) * Real(step * step)), dt(Real(step)) {}
+      : bx(s.u_before.x.data()),
+        by(s.u_before.y.data()),
+        bz(s.u_before.z.data()),
+        vx(s.v.x.data()),
+        vy(s.v.y.data()),
+        vz(s.v.z.data()),
+        w(model.inverse_mass.data()),
+        removed(s.removed.data()),
+        fall(lattice_gravity(model, inputs) * Real(step * step)),
+        dt(Real(step)) {}
 
   Vec3 operator()(int s) const {
     const Real moves = ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0);
@@ -141,7 +153,8 @@ void for_each_piece(const Lattice& l, int k, const Body& body) {
   for (int j = 0; j < l.size.y; j++)
     for (int parity = 0; parity < 2; parity++) {
       const int slot = row_slot(l, j, k) + parity * l.half, count = half_count(l, parity);
-      for (int begin = 0; begin < count; begin += kLanes) body(parity, slot + begin, std::min(kLanes, count - begin));
+      for (int begin = 0; begin < count; begin += kLanes)
+        body(parity, slot + begin, std::min(kLanes, count - begin));
     }
 }
 
@@ -159,9 +172,9 @@ struct DescendLayer {
 
   void solve(int slot, int count, const SystemBuffer& buffer) const {
     const NodeArrays& n = gather.nodes;
-    Real *__restrict ux = n.ux + slot, *__restrict uy = n.uy + slot, *__restrict uz = n.uz + slot;
+    Real* __restrict ux = n.ux + slot, * __restrict uy = n.uy + slot, * __restrict uz = n.uz + slot;
     const Inertia y = inertia;  // a copy that the stores below cannot reach
-TURGOR_LANES
+    TURGOR_LANES
     for (int i = 0; i < count; i++) {
       const Vec3 to_inertial = y(slot + i) - Vec3{ux[i], uy[i], uz[i]};
       const Vec3 change = newton_step(buffer.get(i), to_inertial, y.dt * y.dt * y.w[slot + i]);
@@ -182,9 +195,12 @@ void sweep_descent(const Exec& exec, const Model& model, State& state, const Inp
   sweep_slabs(exec, model.lattice.size.z, DescendLayer{gather, inertia});
 }
 
-Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt) {
-  TURGOR_ASSERT(model.params.solver.method == Method::kDescent, "stiffness must be in pascals to measure forces");
-  const GatherRow gather(model, const_cast<State&>(state));  // node_arrays has one type for readers and writers
+Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
+                          double dt) {
+  TURGOR_ASSERT(model.params.solver.method == Method::kDescent,
+                "stiffness must be in pascals to measure forces");
+  const GatherRow gather(model,
+                         const_cast<State&>(state));  // node_arrays has one type for readers and writers
   const Inertia inertia(model, state, inputs, dt);
   std::vector<LayerResidual> layers(std::size_t(model.lattice.size.z));
   parallel_for(exec, layers.size(), [&](std::size_t k) {
@@ -192,7 +208,7 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
     LayerResidual& layer = layers[k];
     for_each_piece(model.lattice, int(k), [&](int parity, int slot, int count) {
       gather(parity, slot, count, buffer);
-TURGOR_LANES
+      TURGOR_LANES
       for (int i = 0; i < count; i++) {
         const Real w = gather.nodes.w[slot + i];
         if (w == 0 || state.removed[std::size_t(slot + i)]) continue;
@@ -204,7 +220,8 @@ TURGOR_LANES
     });
   });
   LayerResidual all;
-  for (const LayerResidual& layer : layers) all.largest2 = std::max(all.largest2, layer.largest2), all.sum2 += layer.sum2;
+  for (const LayerResidual& layer : layers)
+    all.largest2 = std::max(all.largest2, layer.largest2), all.sum2 += layer.sum2;
   return {.largest = std::sqrt(all.largest2), .rms = std::sqrt(all.sum2 / std::max(1, model.free_nodes))};
 }
 

@@ -10,7 +10,8 @@ namespace turgor::lattice {
 
 namespace {
 
-/// ∫ k (1 + β max(0, s/r)) s ds from 0: what the amplified force k (1 + β s/r) s has stored at strain s over rest r.
+/// ∫ k (1 + β max(0, s/r)) s ds from 0: what the amplified force k (1 + β s/r) s has stored at strain s over
+/// rest r.
 double amplified(double s, double r, double amplification) {
   return s > 0 ? s * s / 2 + amplification * s * s * s / (3 * r) : s * s / 2;
 }
@@ -70,16 +71,18 @@ double skin_energy(const Model& model, const State& state, const SkinTriangle& t
   Vec3d x[3];
   for (int c = 0; c < 3; c++) x[c] = Vec3d(position(model, state, slot_node(model.lattice, t.vertex[c])));
   if (p.law == SkinLaw::kArea) {
-    const double area = 0.5 * norm(cross(x[1] - x[0], x[2] - x[0])), rest = double(rest_area_ratio(p)) * t.area;
+    const double area = 0.5 * norm(cross(x[1] - x[0], x[2] - x[0])),
+                 rest = double(rest_area_ratio(p)) * t.area;
     return p.stiffness / rest * amplified(area - rest, rest, p.amplification);
   }
   const FibreLaw law = fibre_law(p);
   Vec3d along, across;
   for (int c = 0; c < 3; c++) along += x[c] * double(t.along[c]), across += x[c] * double(t.across[c]);
   const double shear = dot(along, across);
-  return t.area * (p.stiffness * (amplified(norm(along) - law.rest_along, law.rest_along, p.amplification) +
-                                  amplified(norm(across) - law.rest_across, law.rest_across, p.amplification)) +
-                   0.5 * p.shear * shear * shear);
+  return t.area *
+         (p.stiffness * (amplified(norm(along) - law.rest_along, law.rest_along, p.amplification) +
+                         amplified(norm(across) - law.rest_across, law.rest_across, p.amplification)) +
+          0.5 * p.shear * shear * shear);
 }
 
 }  // namespace
@@ -97,7 +100,8 @@ double energy(const Exec& exec, const Model& model, const State& state) {
   return sum;
 }
 
-double step_energy(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt) {
+double step_energy(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
+                   double dt) {
   double sum = energy(exec, model, state);
   const Vec3d gravity(lattice_gravity(model, inputs));
   for (std::size_t s = 0; s < model.inverse_mass.size(); s++) {

@@ -19,7 +19,8 @@ Vec3d skin_corner(const Model& model, const State& state, const SkinTriangle& t,
 double smallest_step(const Lattice& l) { return std::min({l.step.x, l.step.y, l.step.z}); }
 double largest_step(const Lattice& l) { return std::max({l.step.x, l.step.y, l.step.z}); }
 
-/// Into the body: against the mean normal of the skin around the point of it that is nearest to `point`, at right angles to `line`.
+/// Into the body: against the mean normal of the skin around the point of it that is nearest to `point`, at
+/// right angles to `line`.
 Vec3d direction_into(const Model& model, const State& state, Vec3d point, Vec3d line, double around) {
   double nearest = std::numeric_limits<double>::max();
   Vec3d centre;
@@ -35,7 +36,8 @@ Vec3d direction_into(const Model& model, const State& state, Vec3d point, Vec3d 
   return normalized(line * dot(normal, line) - normal);
 }
 
-/// How far along `direction` from `origin` a line meets a triangle; NaN when it does not. [Möller, Trumbore 1997]
+/// How far along `direction` from `origin` a line meets a triangle; NaN when it does not. [Möller, Trumbore
+/// 1997]
 double meet(Vec3d origin, Vec3d direction, Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d e1 = b - a, e2 = c - a, p = cross(direction, e2);
   const double det = dot(e1, p);
@@ -60,7 +62,8 @@ struct Place {
 Place place_on(const BladePath& path, Vec3d point) {
   const Vec3d line = cross(path.into, path.across);
   const double along = dot(point - path.skin.front(), line);
-  const double last = double(path.skin.size() - 1), spacing = dot(path.skin.back() - path.skin.front(), line) / last;
+  const double last = double(path.skin.size() - 1),
+               spacing = dot(path.skin.back() - path.skin.front(), line) / last;
   const double at = std::clamp(along / spacing, 0.0, last);
   const auto n = std::min(std::size_t(at), path.skin.size() - 2);
   const Vec3d skin = path.skin[n] + (path.skin[n + 1] - path.skin[n]) * (at - double(n));
@@ -74,7 +77,8 @@ double path_length(const BladePath& path) {
 void mark_rows(const Model& model, State& state, int slot) {
   const int stride = row_stride(model.lattice), layer = layer_stride(model.lattice);
   for (int dk = -1; dk <= 1; dk++)
-    for (int dj = -1; dj <= 1; dj++) state.row_cut[std::size_t((slot + dk * layer + dj * stride) / stride)] = 1;
+    for (int dj = -1; dj <= 1; dj++)
+      state.row_cut[std::size_t((slot + dk * layer + dj * stride) / stride)] = 1;
 }
 
 void cut_edge(const Model& model, State& state, const CutEdge& edge) {
@@ -91,14 +95,17 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   const double length = norm(to - from);
   const std::string place = "incision '" + incision.name + "': ";
   if (!(length > 0)) return Error{place + "from and to are the same point: expected a line on the skin"};
-  if (model.skin.triangles.empty()) return Error{place + "the body has no skin to cut: expected skin to be on"};
+  if (model.skin.triangles.empty())
+    return Error{place + "the body has no skin to cut: expected skin to be on"};
 
   BladePath path;
   path.depth = incision.depth;
   const Vec3d line = (to - from) / length;
   const double step = smallest_step(model.lattice);
-  path.into = direction_into(model, state, (from + to) * 0.5, line, std::max(0.01, 3 * largest_step(model.lattice)));
-  if (norm(path.into) == 0) return Error{place + "the skin there has no direction: expected it to face out of the body"};
+  path.into =
+      direction_into(model, state, (from + to) * 0.5, line, std::max(0.01, 3 * largest_step(model.lattice)));
+  if (norm(path.into) == 0)
+    return Error{place + "the skin there has no direction: expected it to face out of the body"};
   path.across = cross(line, path.into);
 
   std::vector<std::array<Vec3d, 3>> near;  // skin that the blade's plane may meet
@@ -114,21 +121,25 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
     double best = kReach;
     bool found = false;
     for (const auto& [a, b, c] : near)
-      if (const double t = meet(point, path.into, a, b, c); std::abs(t) < std::abs(best)) best = t, found = true;
+      if (const double t = meet(point, path.into, a, b, c); std::abs(t) < std::abs(best))
+        best = t, found = true;
     if (!found)
       return Error{place + "no skin within " + std::to_string(int(kReach * 1e3)) + " mm of " +
-                   millimetres(model.grid.origin + model.grid.axes * point) + ": expected a line on the skin"};
+                   millimetres(model.grid.origin + model.grid.axes * point) +
+                   ": expected a line on the skin"};
     path.skin.push_back(point + path.into * best);
   }
   return path;
 }
 
-int cut_edges(const Model& model, State& state, const BladePath& path, double begin, double end, int incision) {
+int cut_edges(const Model& model, State& state, const BladePath& path, double begin, double end,
+              int incision) {
   const Lattice& l = model.lattice;
   const Vec3d origin = path.skin.front();
   const double length = path_length(path), margin = 2 * largest_step(l);
   const double reach = 1.8 * largest_step(l) + path.depth;
-  // The body moves between two calls. What lay ahead of the blade then may lie behind its start now, and must not be missed.
+  // The body moves between two calls. What lay ahead of the blade then may lie behind its start now, and must
+  // not be missed.
   const double first = begin * length - margin, last = end * length;
   int count = 0;
   for (int k = 0; k < l.size.z; k++)
@@ -172,7 +183,8 @@ int cut_region(const Model& model, State& state, const BladePath& path, double w
         const Vec3d x(position(model, state, node));
         const Place place = place_on(path, x);
         if (std::abs(dot(x - path.skin.front(), path.across)) > 0.5 * width) continue;
-        if (place.along < 0 || place.along > length || place.under < -margin || place.under > path.depth) continue;
+        if (place.along < 0 || place.along > length || place.under < -margin || place.under > path.depth)
+          continue;
         state.removed[slot] = 1;
         count++;
         for (std::size_t f = 0; f < kFamilyCount; f++)

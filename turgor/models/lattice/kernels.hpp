@@ -1,5 +1,6 @@
-// The mathematics of one element: a spring, a tetrahedron's volume, a triangle of skin. Everything is a pure function of a few
-// numbers, for CPU lanes and GPU threads alike. Derivations, and what differs from the paper: docs/models/lattice.md.
+// The mathematics of one element: a spring, a tetrahedron's volume, a triangle of skin. Everything is a pure
+// function of a few numbers, for CPU lanes and GPU threads alike. Derivations, and what differs from the
+// paper: docs/models/lattice.md.
 #pragma once
 
 #include <cmath>
@@ -9,17 +10,21 @@
 namespace turgor::lattice {
 
 TURGOR_HD inline Real positive(Real a) { return a > 0 ? a : 0; }
-/// A divisor that may be zero only where the quotient does not matter. Branches would keep loops from being SIMD.
+/// A divisor that may be zero only where the quotient does not matter. Branches would keep loops from being
+/// SIMD.
 TURGOR_HD inline Real nonzero(Real a) { return a > Real(1e-30) ? a : Real(1e-30); }
 TURGOR_HD inline Real square_root(Real a) { return __builtin_sqrtf(a); }
 
-/// What a tetrahedron takes from its corners' root stiffness: the product over the cell's diagonal, nothing when a corner is no body.
-TURGOR_HD inline Real tet_stiffness(Real diagonal_a, Real diagonal_b, Real corner_a, Real corner_b, Real corner_c) {
+/// What a tetrahedron takes from its corners' root stiffness: the product over the cell's diagonal, nothing
+/// when a corner is no body.
+TURGOR_HD inline Real tet_stiffness(Real diagonal_a, Real diagonal_b, Real corner_a, Real corner_b,
+                                    Real corner_c) {
   const bool whole = (corner_a > 0) & (corner_b > 0) & (corner_c > 0);
   return whole ? diagonal_a * diagonal_b : 0;
 }
 
-// ---------------------------------------------------------------- pbd: projections -------------------------------
+// ---------------------------------------------------------------- pbd: projections
+// -------------------------------
 
 /// How far the ends of a spring move along d = b − a: a by +wa·s·d, b by −wb·s·d. [Müller 2007, eq. 10]
 TURGOR_HD inline Real project_spring(Vec3 d, Real rest, Real stiffness, Real wa, Real wb) {
@@ -27,7 +32,8 @@ TURGOR_HD inline Real project_spring(Vec3 d, Real rest, Real stiffness, Real wa,
   return stiffness * (length - rest) / nonzero((wa + wb) * length);
 }
 
-/// Gradients of the volume of (0, e1, e2, e3) by its last three corners, in sixths; the first has minus their sum.
+/// Gradients of the volume of (0, e1, e2, e3) by its last three corners, in sixths; the first has minus their
+/// sum.
 struct VolumeGradients {
   Vec3 g1, g2, g3;
 };
@@ -36,8 +42,8 @@ TURGOR_HD inline VolumeGradients volume_gradients(Vec3 e1, Vec3 e2, Vec3 e3) {
 }
 
 /// Corner i moves by w_i · s · gradient_i (gradients in sixths). [Müller 2007, eq. 8]
-TURGOR_HD inline Real project_volume(Vec3 e1, const VolumeGradients& g, Real rest_volume, Real stiffness, Real w0, Real w1,
-                                     Real w2, Real w3) {
+TURGOR_HD inline Real project_volume(Vec3 e1, const VolumeGradients& g, Real rest_volume, Real stiffness,
+                                     Real w0, Real w1, Real w2, Real w3) {
   const Vec3 g0 = g.g1 + g.g2 + g.g3;
   const Real sum = w0 * dot(g0, g0) + w1 * dot(g.g1, g.g1) + w2 * dot(g.g2, g.g2) + w3 * dot(g.g3, g.g3);
   const Real change = dot(e1, g.g1) - 6 * rest_volume;
@@ -49,9 +55,11 @@ struct SkinShift {
   Vec3 a, b, c;
 };
 
-/// The skin tension constraint C = A − A_rest, k·F_amp at most 1; w are the inverse masses. [STC Algorithm 1, corrected]
-/// A gradient is the opposite side times the normal, half; so |∇i|² is a quarter of that side squared.
-TURGOR_HD inline SkinShift project_skin(Vec3 a, Vec3 b, Vec3 c, Vec3 w, Real rest_area, Real stiffness, Real amplification) {
+/// The skin tension constraint C = A − A_rest, k·F_amp at most 1; w are the inverse masses. [STC Algorithm 1,
+/// corrected] A gradient is the opposite side times the normal, half; so |∇i|² is a quarter of that side
+/// squared.
+TURGOR_HD inline SkinShift project_skin(Vec3 a, Vec3 b, Vec3 c, Vec3 w, Real rest_area, Real stiffness,
+                                        Real amplification) {
   const Vec3 side_a = b - c, side_b = c - a, side_c = a - b;
   const Vec3 n = cross(side_b, side_c);  // (b − a) × (c − a)
   const Real twice_area = square_root(dot(n, n)), change = Real(0.5) * twice_area - rest_area;
@@ -63,9 +71,11 @@ TURGOR_HD inline SkinShift project_skin(Vec3 a, Vec3 b, Vec3 c, Vec3 w, Real res
   return {cross(side_a, n) * (s * w.x), cross(side_b, n) * (s * w.y), cross(side_c, n) * (s * w.z)};
 }
 
-// ---------------------------------------------------------------- descent: force and stiffness at one node --------
+// ---------------------------------------------------------------- descent: force and stiffness at one node
+// --------
 
-/// Minus the gradient of the energy by one node's place [N], and its second derivative kept positive definite [N/m].
+/// Minus the gradient of the energy by one node's place [N], and its second derivative kept positive definite
+/// [N/m].
 struct NodeSystem {
   Vec3 f;
   Real xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
@@ -93,7 +103,8 @@ TURGOR_HD inline void add_volume(NodeSystem& s, Vec3 g, Real stiffness, Real cha
   add_outer(s, g, stiffness);
 }
 
-/// A membrane that resists area, ½ K (A − A_rest)²/A_rest, seen from corner a. `stiffness` = K/A_rest. [STC eq. 3]
+/// A membrane that resists area, ½ K (A − A_rest)²/A_rest, seen from corner a. `stiffness` = K/A_rest. [STC
+/// eq. 3]
 TURGOR_HD inline void add_skin_area(NodeSystem& s, Vec3 a, Vec3 b, Vec3 c, Real rest_area, Real stiffness,
                                     Real amplification) {
   const Vec3 n = cross(b - a, c - a);
@@ -113,10 +124,12 @@ struct FibreLaw {
 };
 
 /// ½ K A₀ (|g| − rest)² with g = F d, seen from a corner whose coefficient in g is c.
-TURGOR_HD inline void add_fibre(NodeSystem& s, Vec3 g, Real c, Real rest, Real stiffness, Real amplification) {
+TURGOR_HD inline void add_fibre(NodeSystem& s, Vec3 g, Real c, Real rest, Real stiffness,
+                                Real amplification) {
   const Real length = square_root(dot(g, g)), strain = length - rest;
   if (!(length > 0)) return;
-  const Real k = stiffness * c * c * (1 + amplification * positive(strain / rest)), inverse_length = 1 / length;
+  const Real k = stiffness * c * c * (1 + amplification * positive(strain / rest)),
+             inverse_length = 1 / length;
   const Real lateral = k * positive(strain) * inverse_length;
   s.f -= g * (c != 0 ? k / c * strain * inverse_length : 0);
   add_outer(s, g, (k - lateral) * inverse_length * inverse_length);
@@ -124,7 +137,8 @@ TURGOR_HD inline void add_fibre(NodeSystem& s, Vec3 g, Real c, Real rest, Real s
 }
 
 /// Skin with fibres along Langer's lines, seen from corner `at`. [theory: docs/models/lattice.md, fibre law]
-TURGOR_HD inline void add_skin_fibre(NodeSystem& s, const Vec3 (&x)[3], int at, const SkinTriangle& t, const FibreLaw& law) {
+TURGOR_HD inline void add_skin_fibre(NodeSystem& s, const Vec3 (&x)[3], int at, const SkinTriangle& t,
+                                     const FibreLaw& law) {
   const Vec3 along = x[0] * t.along[0] + x[1] * t.along[1] + x[2] * t.along[2];
   const Vec3 across = x[0] * t.across[0] + x[1] * t.across[1] + x[2] * t.across[2];
   add_fibre(s, along, t.along[at], law.rest_along, law.stiffness * t.area, law.amplification);
@@ -146,7 +160,8 @@ TURGOR_HD inline Vec3 newton_step(const NodeSystem& s, Vec3 to_inertial, Real c)
          inverse_determinant;
 }
 
-// ---------------------------------------------------------------- what skin weighs in both solvers -------------
+// ---------------------------------------------------------------- what skin weighs in both solvers
+// -------------
 
 /// Rest area under pretension, relative to the area in the CT: 1 − T/K.
 inline Real rest_area_ratio(const SkinParams& skin) {

@@ -1,8 +1,10 @@
-// The lattice model: a CT volume as a body of springs, volumes and tense skin, that can be cut. [STC] Jeon, Seo, Kye 2025,
-// with the corrections listed in docs/models/lattice.md. Two solvers run on the same constraints: position-based
-// dynamics as in the paper, and vertex block descent (Chen et al. 2024), whose answer does not depend on its effort.
+// The lattice model: a CT volume as a body of springs, volumes and tense skin, that can be cut. [STC] Jeon,
+// Seo, Kye 2025, with the corrections listed in docs/models/lattice.md. Two solvers run on the same
+// constraints: position-based dynamics as in the paper, and vertex block descent (Chen et al. 2024), whose
+// answer does not depend on its effort.
 //
-// Displacements, velocities and forces are along the lattice's own axes (Model::grid.axes turns them into the patient frame).
+// Displacements, velocities and forces are along the lattice's own axes (Model::grid.axes turns them into the
+// patient frame).
 #pragma once
 
 #include <array>
@@ -41,15 +43,15 @@ struct TissueParams {
   double fat_max = -30;                                   // below: fat [HU]
   double bone_min = 200;                                  // above: bone [HU]
   double volume = 0;  // descent: bulk stiffness added by a volume energy, in multiples of Young's modulus [1]
-  std::map<int, double> young_of_label;                   // Young's modulus by label of a segmentation [Pa]
+  std::map<int, double> young_of_label;  // Young's modulus by label of a segmentation [Pa]
 };
 
 struct SolverParams {
   Method method = Method::kDescent;
   int sweeps = 5;
-  double damping = 1.2;         // velocities lose exp(-damping·t) [1/s]
-  double pbd_stiffness = 1;     // pbd only: scales the density-based stiffness in [0, 1] [1]
-  bool pbd_volume = false;      // pbd only: project the tetrahedra's volumes too
+  double damping = 1.2;      // velocities lose exp(-damping·t) [1/s]
+  double pbd_stiffness = 1;  // pbd only: scales the density-based stiffness in [0, 1] [1]
+  bool pbd_volume = false;   // pbd only: project the tetrahedra's volumes too
 };
 
 struct Params {
@@ -70,68 +72,71 @@ struct VecField {
   void resize(std::size_t count) { x.resize(count), y.resize(count), z.resize(count); }
 };
 
-/// A triangle of skin. F d = Σ along[q] x[vertex[q]] is the image of the unit vector d along Langer's lines, and
-/// likewise across.
+/// A triangle of skin. F d = Σ along[q] x[vertex[q]] is the image of the unit vector d along Langer's lines,
+/// and likewise across.
 struct SkinTriangle {
-  Int3 vertex;       // slots, counter-clockwise seen from outside
+  Int3 vertex;        // slots, counter-clockwise seen from outside
   Vec3 edge1, edge2;  // rest, from the first corner to the others [m]
-  Real area;         // as in the CT [m²]
-  Real along[3];     // [1/m]
-  Real across[3];    // [1/m]
-  Real stiffness;    // pbd only, from the nodes' density, in [0, 1]
+  Real area;          // as in the CT [m²]
+  Real along[3];      // [1/m]
+  Real across[3];     // [1/m]
+  Real stiffness;     // pbd only, from the nodes' density, in [0, 1]
 };
 
 constexpr int kSkinLanes = 16;
 
-/// All skin, sorted by cell layer, and within a layer in batches whose triangles share no node. Batch b is triangles
-/// [batch_begin[b], batch_begin[b + 1]); the batches of layer k are [layer_begin[k], layer_begin[k + 1]).
+/// All skin, sorted by cell layer, and within a layer in batches whose triangles share no node. Batch b is
+/// triangles [batch_begin[b], batch_begin[b + 1]); the batches of layer k are [layer_begin[k], layer_begin[k
+/// + 1]).
 struct Skin {
   std::vector<SkinTriangle> triangles;
   std::vector<int> batch_begin, layer_begin;  // empty without skin
-  // Which triangles meet at which node: nodes in slot order; row_begin has one entry per half row of the storage.
+  // Which triangles meet at which node: nodes in slot order; row_begin has one entry per half row of the
+  // storage.
   struct Corner {
     int triangle, corner;
   };
-  std::vector<int> nodes;         // slots
-  std::vector<Vec3> pull;         // descent: of the skin at each node in the CT; the tissue's own prestress answers it [N]
+  std::vector<int> nodes;  // slots
+  std::vector<Vec3>
+      pull;  // descent: of the skin at each node in the CT; the tissue's own prestress answers it [N]
   std::vector<int> corner_begin;  // nodes.size() + 1
   std::vector<Corner> corners;
-  std::vector<int> row_begin;     // 2 · rows + 1, indices into nodes
+  std::vector<int> row_begin;  // 2 · rows + 1, indices into nodes
 };
 
 /// What does not change while the body moves.
 struct Model {
   Params params;
-  Grid grid;        // of the nodes, in the patient
-  Lattice lattice;  // of the nodes, in memory
-  aligned_vector<Real> inverse_mass;        // by slot; 0 = fixed, or no node [1/kg]
-  aligned_vector<Real> root_stiffness;      // by slot; an edge has the product of its two ends [√Pa, pbd: 1]
-  aligned_vector<Tissue> tissue;            // by slot
-  aligned_vector<std::int16_t> hu;          // by slot, mean of the block [HU]
-  std::array<Real, kFamilyCount> rest_length{};  // [m]
+  Grid grid;                            // of the nodes, in the patient
+  Lattice lattice;                      // of the nodes, in memory
+  aligned_vector<Real> inverse_mass;    // by slot; 0 = fixed, or no node [1/kg]
+  aligned_vector<Real> root_stiffness;  // by slot; an edge has the product of its two ends [√Pa, pbd: 1]
+  aligned_vector<Tissue> tissue;        // by slot
+  aligned_vector<std::int16_t> hu;      // by slot, mean of the block [HU]
+  std::array<Real, kFamilyCount> rest_length{};   // [m]
   std::array<Real, kFamilyCount> spring_scale{};  // spring stiffness = scale · root · root [m]
-  Real rest_volume = 0;                          // of a tetrahedron [m³]
-  Real volume_scale = 0;                         // volume stiffness = scale · mean root² [1]
+  Real rest_volume = 0;                           // of a tetrahedron [m³]
+  Real volume_scale = 0;                          // volume stiffness = scale · mean root² [1]
   Skin skin;
   int body_nodes = 0, free_nodes = 0;
 };
 
 /// An edge that a blade went through.
 struct CutEdge {
-  int slot = 0;            // lower end
+  int slot = 0;  // lower end
   std::uint8_t family = 0;
   std::uint8_t incision = 0;  // which incision of the scene
-  Real fraction = 0;       // where, from the lower end, in [0, 1]
+  Real fraction = 0;          // where, from the lower end, in [0, 1]
 };
 
 /// What changes.
 struct State {
-  double time = 0;                        // [s]
-  VecField u, u_before, v;                // displacement now and a step ago [m], velocity [m/s]
-  aligned_vector<std::uint8_t> cut;       // by slot: bit f = the edge of family f that starts here is cut
-  aligned_vector<std::uint8_t> removed;   // by slot: 1 = left the body (the paper's static incision)
-  std::vector<std::uint8_t> row_cut;      // by row: is an edge cut that touches this row or one beside it?
-  std::vector<std::uint8_t> skin_cut;     // by skin triangle: 1 = holds no tension
+  double time = 0;                       // [s]
+  VecField u, u_before, v;               // displacement now and a step ago [m], velocity [m/s]
+  aligned_vector<std::uint8_t> cut;      // by slot: bit f = the edge of family f that starts here is cut
+  aligned_vector<std::uint8_t> removed;  // by slot: 1 = left the body (the paper's static incision)
+  std::vector<std::uint8_t> row_cut;     // by row: is an edge cut that touches this row or one beside it?
+  std::vector<std::uint8_t> skin_cut;    // by skin triangle: 1 = holds no tension
   std::vector<CutEdge> cut_edges;
 };
 

@@ -1,5 +1,6 @@
-// What surrounds a node of the lattice: fourteen neighbours, and twenty-four tetrahedra whose other corners are among them. Where the
-// neighbours are in memory depends only on whether the node's i is even or odd; which of them make a tetrahedron does not change at all.
+// What surrounds a node of the lattice: fourteen neighbours, and twenty-four tetrahedra whose other corners
+// are among them. Where the neighbours are in memory depends only on whether the node's i is even or odd;
+// which of them make a tetrahedron does not change at all.
 #pragma once
 
 #include <array>
@@ -21,7 +22,8 @@ constexpr int neighbour_at(Int3 offset) {
   return -1;
 }
 
-/// An edge of a tetrahedron, seen from a node: its lower end (a neighbour, or -1 for the node itself) and its family.
+/// An edge of a tetrahedron, seen from a node: its lower end (a neighbour, or -1 for the node itself) and its
+/// family.
 struct EdgeAround {
   int lower = -1, family = 0;
 };
@@ -29,7 +31,7 @@ struct EdgeAround {
 /// A tetrahedron around a node: its other corners as neighbours, positively oriented with the node first.
 struct TetAround {
   int corner[3];
-  int far[2];           // the two ends of the cell's diagonal, -1 = the node itself
+  int far[2];  // the two ends of the cell's diagonal, -1 = the node itself
   EdgeAround edge[6];
 };
 
@@ -39,14 +41,17 @@ constexpr std::array<TetAround, 24> make_tets_around() {
   std::size_t t = 0;
   for (const auto& tet : kKuhnTets)
     for (std::size_t at = 0; at < 4; at++, t++) {
-      const auto neighbour = [&](std::size_t corner) { return corner == at ? -1 : neighbour_at(tet[corner] - tet[at]); };
+      const auto neighbour = [&](std::size_t corner) {
+        return corner == at ? -1 : neighbour_at(tet[corner] - tet[at]);
+      };
       for (std::size_t c = 0; c < 3; c++) around[t].corner[c] = neighbour(std::size_t(kEvenOrder[at][c + 1]));
       around[t].far[0] = neighbour(0), around[t].far[1] = neighbour(3);
       std::size_t e = 0;
       for (std::size_t p = 0; p < 4; p++)
         for (std::size_t q = p + 1; q < 4; q++, e++) {
           const bool forward = family_of(tet[q] - tet[p]) >= 0;
-          around[t].edge[e] = {neighbour(forward ? p : q), family_of(forward ? tet[q] - tet[p] : tet[p] - tet[q])};
+          around[t].edge[e] = {neighbour(forward ? p : q),
+                               family_of(forward ? tet[q] - tet[p] : tet[p] - tet[q])};
         }
     }
   return around;
@@ -55,10 +60,10 @@ inline constexpr std::array<TetAround, 24> kTetsAround = make_tets_around();
 
 /// The neighbours of a node whose i has one parity.
 struct Neighbours {
-  int offset[kNeighbourCount];   // in slots
-  Vec3 edge[kNeighbourCount];    // rest vector to the neighbour [m]
-  Real rest[kNeighbourCount];    // its length [m]
-  Real scale[kNeighbourCount];   // of the spring, Model::spring_scale [m]
+  int offset[kNeighbourCount];  // in slots
+  Vec3 edge[kNeighbourCount];   // rest vector to the neighbour [m]
+  Real rest[kNeighbourCount];   // its length [m]
+  Real scale[kNeighbourCount];  // of the spring, Model::spring_scale [m]
 };
 Neighbours neighbours_of(const Model& model, int parity);
 

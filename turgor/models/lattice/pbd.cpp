@@ -1,5 +1,6 @@
-// Position-based dynamics on the lattice, as in the paper: springs, then volumes if asked for, then skin. A layer of cells is done
-// row by row; both ends of an edge family are contiguous runs of nodes without a node in common, so lanes never meet.
+// Position-based dynamics on the lattice, as in the paper: springs, then volumes if asked for, then skin. A
+// layer of cells is done row by row; both ends of an edge family are contiguous runs of nodes without a node
+// in common, so lanes never meet.
 #include "turgor/models/lattice/kernels.hpp"
 #include "turgor/models/lattice/rows.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
@@ -11,12 +12,12 @@ namespace {
 /// One family between two runs of nodes; a and b are the first slots of the runs.
 template <bool kWithCuts>
 void project_edges(const NodeArrays& n, int a, int b, int count, Vec3 edge, Real rest, int family) {
-  Real *__restrict ax = n.ux + a, *__restrict ay = n.uy + a, *__restrict az = n.uz + a;
-  Real *__restrict bx = n.ux + b, *__restrict by = n.uy + b, *__restrict bz = n.uz + b;
-  const Real *__restrict wa = n.w + a, *__restrict wb = n.w + b, *__restrict ra = n.root + a, *__restrict rb = n.root + b;
+  Real* __restrict ax = n.ux + a, * __restrict ay = n.uy + a, * __restrict az = n.uz + a;
+  Real* __restrict bx = n.ux + b, * __restrict by = n.uy + b, * __restrict bz = n.uz + b;
+  const Real* __restrict wa = n.w + a, * __restrict wb = n.w + b, * __restrict ra = n.root + a, * __restrict rb = n.root + b;
   const std::uint8_t* __restrict cut = n.cut + a;
   const auto [ex, ey, ez] = edge;
-TURGOR_LANES
+  TURGOR_LANES
   for (int i = 0; i < count; i++) {
     const Vec3 d{ex + (bx[i] - ax[i]), ey + (by[i] - ay[i]), ez + (bz[i] - az[i])};
     Real stiffness = ra[i] * rb[i];
@@ -28,7 +29,8 @@ TURGOR_LANES
   }
 }
 
-/// Four runs of corner nodes, for tetrahedra of one kind whose cells have i of one parity: they share no node.
+/// Four runs of corner nodes, for tetrahedra of one kind whose cells have i of one parity: they share no
+/// node.
 struct TetRuns {
   int slot[4];
   Vec3 e1, e2, e3;  // rest edges from the first corner [m]
@@ -40,17 +42,16 @@ struct TetRuns {
 template <bool kWithCuts>
 void project_volumes(const NodeArrays& n, const TetRuns& runs, int count, Real rest_volume) {
   const auto [a, b, c, d] = runs.slot;
-  Real *__restrict ax = n.ux + a, *__restrict ay = n.uy + a, *__restrict az = n.uz + a;
-  Real *__restrict bx = n.ux + b, *__restrict by = n.uy + b, *__restrict bz = n.uz + b;
-  Real *__restrict cx = n.ux + c, *__restrict cy = n.uy + c, *__restrict cz = n.uz + c;
-  Real *__restrict dx = n.ux + d, *__restrict dy = n.uy + d, *__restrict dz = n.uz + d;
-  const Real *__restrict wa = n.w + a, *__restrict wb = n.w + b, *__restrict wc = n.w + c, *__restrict wd = n.w + d;
-  const Real *__restrict ra = n.root + a, *__restrict rb = n.root + b, *__restrict rc = n.root + c,
-             *__restrict rd = n.root + d;
+  Real* __restrict ax = n.ux + a, * __restrict ay = n.uy + a, * __restrict az = n.uz + a;
+  Real* __restrict bx = n.ux + b, * __restrict by = n.uy + b, * __restrict bz = n.uz + b;
+  Real* __restrict cx = n.ux + c, * __restrict cy = n.uy + c, * __restrict cz = n.uz + c;
+  Real* __restrict dx = n.ux + d, * __restrict dy = n.uy + d, * __restrict dz = n.uz + d;
+  const Real* __restrict wa = n.w + a, * __restrict wb = n.w + b, * __restrict wc = n.w + c, * __restrict wd = n.w + d;
+  const Real* __restrict ra = n.root + a, * __restrict rb = n.root + b, * __restrict rc = n.root + c, * __restrict rd = n.root + d;
   const auto [e1x, e1y, e1z] = runs.e1;
   const auto [e2x, e2y, e2z] = runs.e2;
   const auto [e3x, e3y, e3z] = runs.e3;
-TURGOR_LANES
+  TURGOR_LANES
   for (int i = 0; i < count; i++) {
     const Vec3 e1{e1x + (bx[i] - ax[i]), e1y + (by[i] - ay[i]), e1z + (bz[i] - az[i])};
     const Vec3 e2{e2x + (cx[i] - ax[i]), e2y + (cy[i] - ay[i]), e2z + (cz[i] - az[i])};
@@ -74,7 +75,8 @@ TURGOR_LANES
 
 TetRuns tet_runs(const Lattice& l, int row, int parity, const std::array<Int3, 4>& tet) {
   TetRuns runs{};
-  for (int c = 0; c < 4; c++) runs.slot[c] = row + parity * l.half + slot_offset(l, tet[std::size_t(c)], parity);
+  for (int c = 0; c < 4; c++)
+    runs.slot[c] = row + parity * l.half + slot_offset(l, tet[std::size_t(c)], parity);
   const auto rest = [&](int c) { return hadamard(l.step, Vec3(tet[std::size_t(c)] - tet[0])); };
   runs.e1 = rest(1), runs.e2 = rest(2), runs.e3 = rest(3);
   int e = 0;
@@ -110,7 +112,8 @@ struct SweepRow {
     if (model.volume_scale <= 0 || j + 1 >= l.size.y || k + 1 >= l.size.z) return;
     for (const auto& tet : kKuhnTets)
       for (int parity = 0; parity < 2; parity++)
-        project_volumes<kWithCuts>(nodes, tet_runs(l, row, parity, tet), half_count(l, parity), model.rest_volume);
+        project_volumes<kWithCuts>(nodes, tet_runs(l, row, parity, tet), half_count(l, parity),
+                                   model.rest_volume);
   }
 
   void operator()(int j, int k) const {
@@ -119,7 +122,8 @@ struct SweepRow {
   }
 };
 
-/// A batch of skin triangles on its way through the projection: one lane each. Unused lanes hold a triangle that cannot move.
+/// A batch of skin triangles on its way through the projection: one lane each. Unused lanes hold a triangle
+/// that cannot move.
 struct SkinLanes {
   alignas(64) Real x[9][kSkinLanes];  // corner c, axis a: x[3 c + a]
   alignas(64) Real w[3][kSkinLanes];
@@ -128,9 +132,9 @@ struct SkinLanes {
   void project(Real amplification) {
     TURGOR_LANES
     for (int i = 0; i < kSkinLanes; i++) {
-      const SkinShift shift = project_skin({x[0][i], x[1][i], x[2][i]}, {x[3][i], x[4][i], x[5][i]},
-                                           {x[6][i], x[7][i], x[8][i]}, {w[0][i], w[1][i], w[2][i]}, rest_area[i],
-                                           stiffness[i], amplification);
+      const SkinShift shift =
+          project_skin({x[0][i], x[1][i], x[2][i]}, {x[3][i], x[4][i], x[5][i]}, {x[6][i], x[7][i], x[8][i]},
+                       {w[0][i], w[1][i], w[2][i]}, rest_area[i], stiffness[i], amplification);
       x[0][i] = shift.a.x, x[1][i] = shift.a.y, x[2][i] = shift.a.z;
       x[3][i] = shift.b.x, x[4][i] = shift.b.y, x[5][i] = shift.b.z;
       x[6][i] = shift.c.x, x[7][i] = shift.c.y, x[8][i] = shift.c.z;
@@ -140,15 +144,18 @@ struct SkinLanes {
 
 /// Projects batch after batch of a layer: corners into lanes, all lanes at once, shifts back to the corners.
 void project_skin_layer(const Model& model, const State& state, const NodeArrays& n, int k) {
-  const Real ratio = rest_area_ratio(model.params.skin), amplification = Real(model.params.skin.amplification);
+  const Real ratio = rest_area_ratio(model.params.skin),
+             amplification = Real(model.params.skin.amplification);
   const Skin& skin = model.skin;
   SkinLanes lanes{};
   for (int batch = skin.layer_begin[std::size_t(k)]; batch < skin.layer_begin[std::size_t(k) + 1]; batch++) {
-    const int begin = skin.batch_begin[std::size_t(batch)], count = skin.batch_begin[std::size_t(batch) + 1] - begin;
+    const int begin = skin.batch_begin[std::size_t(batch)],
+              count = skin.batch_begin[std::size_t(batch) + 1] - begin;
     const SkinTriangle* triangles = &skin.triangles[std::size_t(begin)];
     for (int i = 0; i < count; i++) {
       const SkinTriangle& t = triangles[i];
-      const Vec3 origin = n.u(t.vertex.x), b = t.edge1 + (n.u(t.vertex.y) - origin), c = t.edge2 + (n.u(t.vertex.z) - origin);
+      const Vec3 origin = n.u(t.vertex.x), b = t.edge1 + (n.u(t.vertex.y) - origin),
+                 c = t.edge2 + (n.u(t.vertex.z) - origin);
       lanes.x[0][i] = 0, lanes.x[1][i] = 0, lanes.x[2][i] = 0;
       lanes.x[3][i] = b.x, lanes.x[4][i] = b.y, lanes.x[5][i] = b.z;
       lanes.x[6][i] = c.x, lanes.x[7][i] = c.y, lanes.x[8][i] = c.z;
@@ -160,7 +167,8 @@ void project_skin_layer(const Model& model, const State& state, const NodeArrays
     for (int i = 0; i < count; i++)
       for (int q = 0; q < 3; q++) {
         const int slot = triangles[i].vertex[q];
-        n.ux[slot] += lanes.x[3 * q][i], n.uy[slot] += lanes.x[3 * q + 1][i], n.uz[slot] += lanes.x[3 * q + 2][i];
+        n.ux[slot] += lanes.x[3 * q][i], n.uy[slot] += lanes.x[3 * q + 1][i],
+            n.uz[slot] += lanes.x[3 * q + 2][i];
       }
   }
 }

@@ -1,4 +1,5 @@
-// The rows of a lattice as the sweeps see them: plain pointers, and constant offsets between the ends of edges.
+// The rows of a lattice as the sweeps see them: plain pointers, and constant offsets between the ends of
+// edges.
 #pragma once
 
 #include <array>
@@ -18,8 +19,12 @@ struct NodeArrays {
 };
 
 inline NodeArrays node_arrays(const Model& model, State& state) {
-  return {state.u.x.data(),           state.u.y.data(),            state.u.z.data(),
-          model.inverse_mass.data(), model.root_stiffness.data(), state.cut.data()};
+  return {state.u.x.data(),
+          state.u.y.data(),
+          state.u.z.data(),
+          model.inverse_mass.data(),
+          model.root_stiffness.data(),
+          state.cut.data()};
 }
 
 /// Rest vectors of the seven families [m].
@@ -29,8 +34,9 @@ inline std::array<Vec3, kFamilyCount> rest_edges(const Lattice& lattice) {
   return edges;
 }
 
-/// Sweeps run over slabs of layers: first all even slabs at once, then all odd ones. Within a slab, in order. Two slabs of one
-/// phase never touch the same node, whatever the number of threads. `layers` counts node layers or cell layers.
+/// Sweeps run over slabs of layers: first all even slabs at once, then all odd ones. Within a slab, in order.
+/// Two slabs of one phase never touch the same node, whatever the number of threads. `layers` counts node
+/// layers or cell layers.
 constexpr int kSlabLayers = 2;
 constexpr int slab_count(int layers) { return (layers + kSlabLayers - 1) / kSlabLayers; }
 

@@ -1,9 +1,10 @@
 #include "turgor/models/lattice/skin.hpp"
-#include "turgor/models/lattice/skin_forces.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+
+#include "turgor/models/lattice/skin_forces.hpp"
 
 namespace turgor::lattice {
 
@@ -12,7 +13,8 @@ namespace {
 /// Corners of a face of a tetrahedron, counter-clockwise seen from the corner opposite to it.
 constexpr std::array<std::array<int, 3>, 4> kFaceTowards = {{{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
 
-/// The skin of one layer of cells: every tetrahedron with exactly one corner outside gives the triangle of the others.
+/// The skin of one layer of cells: every tetrahedron with exactly one corner outside gives the triangle of
+/// the others.
 void detect_layer(const Model& model, int k, std::vector<Int3>& found) {
   const Lattice& l = model.lattice;
   for (int j = 0; j + 1 < l.size.y; j++)
@@ -46,7 +48,9 @@ void detect_layer(const Model& model, int k, std::vector<Int3>& found) {
 void drop_doubles(std::vector<std::vector<Int3>>& layers) {
   struct Key {
     int a, b, c, layer, index;
-    bool operator<(const Key& o) const { return std::tie(a, b, c, layer, index) < std::tie(o.a, o.b, o.c, o.layer, o.index); }
+    bool operator<(const Key& o) const {
+      return std::tie(a, b, c, layer, index) < std::tie(o.a, o.b, o.c, o.layer, o.index);
+    }
   };
   std::vector<Key> keys;
   for (std::size_t k = 0; k < layers.size(); k++)
@@ -63,12 +67,13 @@ void drop_doubles(std::vector<std::vector<Int3>>& layers) {
   for (auto& layer : layers) std::erase_if(layer, [](Int3 t) { return t.x < 0; });
 }
 
-/// Orders the triangles of layer `k` in batches of up to kSkinLanes that share no node, each from near the front of what is left, so
-/// that its nodes are still in the cache. In the paper's words, grouping. [STC 4.3]
+/// Orders the triangles of layer `k` in batches of up to kSkinLanes that share no node, each from near the
+/// front of what is left, so that its nodes are still in the cache. In the paper's words, grouping. [STC 4.3]
 std::vector<int> order_in_batches(const Lattice& l, int k, std::vector<Int3>& triangles) {
   constexpr std::size_t kLookAhead = 128;
   const int first = row_slot(l, -1, k);
-  std::vector<int> taken(std::size_t(2 * layer_stride(l)), 0);  // by node of layers k and k + 1: the batch that has it
+  std::vector<int> taken(std::size_t(2 * layer_stride(l)),
+                         0);  // by node of layers k and k + 1: the batch that has it
   std::vector<Int3> left = std::move(triangles), skipped;
   std::vector<int> sizes;
   triangles.clear();
@@ -104,14 +109,17 @@ Vec3d lines_at(const VectorVolume& lines, Vec3d point) {
 void measure_triangle(const Vec3d (&x)[3], Vec3d line, SkinTriangle& triangle) {
   const Vec3d e1 = x[1] - x[0], e2 = x[2] - x[0], n = cross(e1, e2), normal = normalized(n);
   Vec3d along = line - normal * dot(normal, line);
-  if (norm(along) < 1e-6 * norm(line) || norm(line) == 0) along = e1;  // lines straight into the skin: any direction
+  if (norm(along) < 1e-6 * norm(line) || norm(line) == 0)
+    along = e1;  // lines straight into the skin: any direction
   along = normalized(along);
   const Vec3d across = cross(normal, along);
-  const double a = dot(e1, along), b = dot(e2, along), c = dot(e1, across), d = dot(e2, across), det = a * d - b * c;
+  const double a = dot(e1, along), b = dot(e2, along), c = dot(e1, across), d = dot(e2, across),
+               det = a * d - b * c;
   triangle.edge1 = Vec3(e1);
   triangle.edge2 = Vec3(e2);
   triangle.area = Real(0.5 * norm(n));
-  const double inverse[2][2] = {{d / det, -b / det}, {-c / det, a / det}};  // of (e1 e2) in the frame (along, across)
+  const double inverse[2][2] = {{d / det, -b / det},
+                                {-c / det, a / det}};  // of (e1 e2) in the frame (along, across)
   for (int q = 0; q < 2; q++) {
     triangle.along[q + 1] = Real(inverse[q][0]);
     triangle.across[q + 1] = Real(inverse[q][1]);
@@ -138,12 +146,14 @@ struct MeasureTriangle {
     const Vec3d patient = model.grid.origin + model.grid.axes * centre;
     const Vec3d line = lines != nullptr ? lines_at(*lines, patient) : model.params.skin.direction;
     measure_triangle(x, inverse(model.grid.axes) * line, triangle);
-    triangle.stiffness = Real(std::clamp((hu - tissue.air_max) / (tissue.bone_min - tissue.air_max), 0.05, 1.0));
+    triangle.stiffness =
+        Real(std::clamp((hu - tissue.air_max) / (tissue.bone_min - tissue.air_max), 0.05, 1.0));
   }
 };
 
-/// The CT shows a body at rest under its skin's tension. So whatever the skin pulls at a node there, curved skin inward and the steps of
-/// the lattice every way, is answered by the tissue's own prestress, and stays answered when the skin is cut.
+/// The CT shows a body at rest under its skin's tension. So whatever the skin pulls at a node there, curved
+/// skin inward and the steps of the lattice every way, is answered by the tissue's own prestress, and stays
+/// answered when the skin is cut.
 void measure_pull(const Model& model, Skin& skin) {
   const SkinForces forces(model);
   skin.pull.resize(skin.nodes.size());
@@ -188,7 +198,8 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
   parallel_for(exec, layers.size(), [&](std::size_t k) { detect_layer(model, int(k), layers[k]); });
   drop_doubles(layers);
   std::vector<std::vector<int>> sizes(layers.size());
-  parallel_for(exec, layers.size(), [&](std::size_t k) { sizes[k] = order_in_batches(model.lattice, int(k), layers[k]); });
+  parallel_for(exec, layers.size(),
+               [&](std::size_t k) { sizes[k] = order_in_batches(model.lattice, int(k), layers[k]); });
   skin.batch_begin = {0};
   for (std::size_t k = 0; k < layers.size(); k++) {
     skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);

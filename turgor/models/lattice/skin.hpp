@@ -5,8 +5,8 @@
 
 namespace turgor::lattice {
 
-/// Fills model.skin from model.lattice, tissue and hu. `lines` = Langer's lines in the patient frame, or null for
-/// model.params.skin.direction.
+/// Fills model.skin from model.lattice, tissue and hu. `lines` = Langer's lines in the patient frame, or null
+/// for model.params.skin.direction.
 void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model);
 
 /// Family and lower end of the edge between two slots that are neighbours.

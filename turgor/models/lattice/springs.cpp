@@ -25,8 +25,9 @@ Matrix6 stiffness(Vec3d step, const Weights& weights, double volume) {
 
 }  // namespace
 
-// Uniaxial tension asks for the compliance matrix, shear between plates for the stiffness matrix. Six of the seven weights
-// are found by scaling each by the root of what it lacks, again and again; the body diagonal keeps its share.
+// Uniaxial tension asks for the compliance matrix, shear between plates for the stiffness matrix. Six of the
+// seven weights are found by scaling each by the root of what it lacks, again and again; the body diagonal
+// keeps its share.
 std::array<Real, kFamilyCount> calibrate_springs(Vec3 step, double volume) {
   constexpr double kShear = 0.4, kDiagonal = 0.6;
   constexpr std::array<int, 3> kFaceOfShear = {5, 4, 3};  // families in the planes yz, xz, xy

@@ -31,8 +31,8 @@ struct PredictLayer {
   }
 };
 
-/// v = (u − u_before)/h, damped, and the largest |v|²: the largest of bit patterns, since those of positive numbers are in order and
-/// those of not-a-number come last.
+/// v = (u − u_before)/h, damped, and the largest |v|²: the largest of bit patterns, since those of positive
+/// numbers are in order and those of not-a-number come last.
 struct FinishLayer {
   const Model& model;
   State& state;
@@ -102,11 +102,14 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
 
 std::size_t memory_bytes(const Model& model, const State& state) {
   const std::size_t slots = model.inverse_mass.size();
-  const std::size_t per_slot = 2 * sizeof(Real) + sizeof(Tissue) + sizeof(std::int16_t) + 9 * sizeof(Real) + 2;
+  const std::size_t per_slot =
+      2 * sizeof(Real) + sizeof(Tissue) + sizeof(std::int16_t) + 9 * sizeof(Real) + 2;
   const Skin& skin = model.skin;
   return slots * per_slot + state.row_cut.size() + state.cut_edges.size() * sizeof(CutEdge) +
-         skin.triangles.size() * (sizeof(SkinTriangle) + 1) + skin.corners.size() * sizeof(Skin::Corner) + skin.pull.size() * sizeof(Vec3) +
-         (skin.nodes.size() + skin.corner_begin.size() + skin.row_begin.size() + skin.layer_begin.size()) * sizeof(int);
+         skin.triangles.size() * (sizeof(SkinTriangle) + 1) + skin.corners.size() * sizeof(Skin::Corner) +
+         skin.pull.size() * sizeof(Vec3) +
+         (skin.nodes.size() + skin.corner_begin.size() + skin.row_begin.size() + skin.layer_begin.size()) *
+             sizeof(int);
 }
 
 std::uint64_t state_hash(const Model& model, const State& state) {
@@ -115,7 +118,8 @@ std::uint64_t state_hash(const Model& model, const State& state) {
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
       for (int parity = 0; parity < 2; parity++) {
-        const auto begin = std::size_t(row_slot(l, j, k) + parity * l.half), count = std::size_t(half_count(l, parity));
+        const auto begin = std::size_t(row_slot(l, j, k) + parity * l.half),
+                   count = std::size_t(half_count(l, parity));
         for (const VecField* field : {&state.u, &state.v})
           for (const auto* values : {&field->x, &field->y, &field->z})
             hash = hash_values(std::span<const Real>(values->data() + begin, count), hash);

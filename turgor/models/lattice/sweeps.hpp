@@ -1,5 +1,5 @@
-// The parts of a step: predict, sweeps of one solver or the other, finish. step() strings them together; tests and benches look at
-// them one by one.
+// The parts of a step: predict, sweeps of one solver or the other, finish. step() strings them together;
+// tests and benches look at them one by one.
 #pragma once
 
 #include "turgor/models/lattice/lattice.hpp"
@@ -16,7 +16,8 @@ void sweep_descent(const Exec& exec, const Model& model, State& state, const Inp
 StepReport finish(const Exec& exec, const Model& model, State& state, double dt);
 
 /// The gradient of what implicit Euler minimises, between predict and finish.
-Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt);
+Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
+                          double dt);
 /// That energy itself: ½ Σ m/h² |u − y|² + elastic [J], between predict and finish.
 double step_energy(const Exec& exec, const Model& model, const State& state, const Inputs& inputs, double dt);
 

@@ -15,9 +15,12 @@ struct LipPair {
   double moved;  // the larger displacement of the two [m]
 };
 
-bool is_skin(const Skin& skin, int slot) { return std::binary_search(skin.nodes.begin(), skin.nodes.end(), slot); }
+bool is_skin(const Skin& skin, int slot) {
+  return std::binary_search(skin.nodes.begin(), skin.nodes.end(), slot);
+}
 
-LipPair lip_pair(const Model& model, const State& state, const BladePath& path, const CutEdge& edge, Vec3d line) {
+LipPair lip_pair(const Model& model, const State& state, const BladePath& path, const CutEdge& edge,
+                 Vec3d line) {
   const Int3 a = slot_node(model.lattice, edge.slot), b = a + kFamilies[edge.family];
   const Vec3d rest_a(rest_position(model.lattice, a)), rest_b(rest_position(model.lattice, b));
   const Vec3d ua(state.u[std::size_t(edge.slot)]), ub(state.u[std::size_t(node_slot(model.lattice, b))]);
@@ -28,7 +31,8 @@ LipPair lip_pair(const Model& model, const State& state, const BladePath& path, 
 }
 
 /// Lips of a cut through edges: the skin edges that were cut.
-std::vector<LipPair> cut_lips(const Model& model, const State& state, const BladePath& path, int incision, Vec3d line) {
+std::vector<LipPair> cut_lips(const Model& model, const State& state, const BladePath& path, int incision,
+                              Vec3d line) {
   std::vector<LipPair> pairs;
   for (const CutEdge& edge : state.cut_edges) {
     if (edge.incision != incision) continue;
@@ -40,8 +44,10 @@ std::vector<LipPair> cut_lips(const Model& model, const State& state, const Blad
   return pairs;
 }
 
-/// Lips of a removed region: skin nodes beside it, each paired with the nearest one along the cut on the other side.
-std::vector<LipPair> region_lips(const Model& model, const State& state, const BladePath& path, int incision, Vec3d line) {
+/// Lips of a removed region: skin nodes beside it, each paired with the nearest one along the cut on the
+/// other side.
+std::vector<LipPair> region_lips(const Model& model, const State& state, const BladePath& path, int incision,
+                                 Vec3d line) {
   struct Lip {
     double along, across;
     Vec3d u;
@@ -60,7 +66,8 @@ std::vector<LipPair> region_lips(const Model& model, const State& state, const B
   for (const int slot : seen) {
     const Vec3d rest(rest_position(model.lattice, slot_node(model.lattice, slot)));
     const double across = dot(rest - path.skin.front(), path.across);
-    sides[across >= 0].push_back({dot(rest - path.skin.front(), line), across, Vec3d(state.u[std::size_t(slot)])});
+    sides[across >= 0].push_back(
+        {dot(rest - path.skin.front(), line), across, Vec3d(state.u[std::size_t(slot)])});
   }
   std::vector<LipPair> pairs;
   for (const Lip& lip : sides[1]) {
@@ -108,7 +115,8 @@ Wound measure_wound(const Model& model, const State& state, const BladePath& pat
     wound.gape_max = n == 0 ? point.gape : std::max(wound.gape_max, point.gape);
     if (n == 0) continue;
     const GapePoint& before = wound.profile[n - 1];
-    wound.opening_area += 0.5 * (std::max(0.0, point.gape) + std::max(0.0, before.gape)) * (point.along - before.along);
+    wound.opening_area +=
+        0.5 * (std::max(0.0, point.gape) + std::max(0.0, before.gape)) * (point.along - before.along);
   }
   if (wound.length > 0) wound.gape_mean = wound.opening_area / wound.length;
   return wound;
