@@ -70,6 +70,12 @@ Place place_on(const BladePath& path, Vec3d point) {
   return {along, dot(point - skin, path.into)};
 }
 
+/// A node as it lay when the blade was set on the skin. What the wound does to the tissue ahead of the blade
+/// does not bend the cut: else it would leave bridges and islands.
+Vec3d place_when_laid(const Model& model, const BladePath& path, Int3 node) {
+  return Vec3d(rest_position(model.lattice, node) + path.u[std::size_t(node_slot(model.lattice, node))]);
+}
+
 double path_length(const BladePath& path) {
   return dot(path.skin.back() - path.skin.front(), cross(path.into, path.across));
 }
@@ -100,6 +106,7 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
 
   BladePath path;
   path.depth = incision.depth;
+  path.u = state.u;
   const Vec3d line = (to - from) / length;
   const double step = smallest_step(model.lattice);
   path.into =
@@ -138,9 +145,6 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
   const Vec3d origin = path.skin.front();
   const double length = path_length(path), margin = 2 * largest_step(l);
   const double reach = 1.8 * largest_step(l) + path.depth;
-  // The body moves between two calls. What lay ahead of the blade then may lie behind its start now, and must
-  // not be missed.
-  const double first = begin * length - margin, last = end * length;
   int count = 0;
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
@@ -148,19 +152,19 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
         const Int3 node{i, j, k};
         const int slot = node_slot(l, node);
         if (!is_body(model.tissue[std::size_t(slot)])) continue;
-        const Vec3d a(position(model, state, node));
+        const Vec3d a = place_when_laid(model, path, node);
         const double side_a = dot(a - origin, path.across);
         if (std::abs(side_a) > reach) continue;
         for (int f = 0; f < kFamilyCount; f++) {
           const Int3 other = node + kFamilies[std::size_t(f)];
           if (!contains(l, other) || state.cut[std::size_t(slot)] >> f & 1) continue;
           if (!is_body(model.tissue[std::size_t(node_slot(l, other))])) continue;
-          const Vec3d b(position(model, state, other));
+          const Vec3d b = place_when_laid(model, path, other);
           const double side_b = dot(b - origin, path.across);
           if ((side_a >= 0) == (side_b >= 0)) continue;
           const double fraction = side_a / (side_a - side_b);
           const Place hit = place_on(path, a + (b - a) * fraction);
-          if (hit.along < std::max(0.0, first) || hit.along > last) continue;
+          if (hit.along < begin * length || hit.along > end * length) continue;
           if (hit.under < -margin || hit.under > path.depth) continue;
           cut_edge(model, state, {slot, std::uint8_t(f), std::uint8_t(incision), Real(fraction)});
           count++;
@@ -180,7 +184,7 @@ int cut_region(const Model& model, State& state, const BladePath& path, double w
         const Int3 node{i, j, k};
         const auto slot = std::size_t(node_slot(l, node));
         if (!is_body(model.tissue[slot]) || state.removed[slot]) continue;
-        const Vec3d x(position(model, state, node));
+        const Vec3d x = place_when_laid(model, path, node);
         const Place place = place_on(path, x);
         if (std::abs(dot(x - path.skin.front(), path.across)) > 0.5 * width) continue;
         if (place.along < 0 || place.along > length || place.under < -margin || place.under > path.depth)

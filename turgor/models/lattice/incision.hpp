@@ -19,11 +19,11 @@ struct Incision {
 
 /// The blade's path laid on the skin as it is now. Made when the blade starts, followed while it moves.
 struct BladePath {
-  std::vector<Vec3d>
-      skin;          // points on the skin from `from` to `to`, half a lattice step apart, lattice frame [m]
-  Vec3d into;        // unit, into the body
-  Vec3d across;      // unit, across the cut
-  double depth = 0;  // [m]
+  std::vector<Vec3d> skin;  // points on it from `from` to `to`, half a step apart, lattice frame [m]
+  Vec3d into;               // unit, into the body
+  Vec3d across;             // unit, across the cut
+  double depth = 0;         // [m]
+  VecField u;               // where the tissue was then, by slot; the cut is one clean surface in it [m]
 };
 
 /// Lays the path on the skin. Error: no skin there, or an incision without length.
