@@ -11,25 +11,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "folders.hpp"
+
 namespace turgor::test {
-
-/// A new empty folder.
-inline std::filesystem::path fresh_folder() {
-  std::string path = testing::TempDir() + "/turgor-XXXXXX";
-  return std::filesystem::canonical(mkdtemp(path.data()));
-}
-
-inline void write(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
-
-/// Names in a folder, hidden ones too.
-inline std::set<std::string> names_in(const std::filesystem::path& folder) {
-  std::set<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    names.insert(entry.path().filename().string());
-  return names;
-}
 
 struct Ended {
   int code = 0;

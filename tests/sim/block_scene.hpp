@@ -7,17 +7,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "folders.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/sim/scene.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor::test {
-
-/// A new empty folder.
-inline std::filesystem::path fresh_folder() {
-  std::string path = testing::TempDir() + "/turgor-XXXXXX";
-  return std::filesystem::canonical(mkdtemp(path.data()));
-}
 
 /// 40×24×40 voxels of 4 mm: air around 40 mm of fat on a slab of bone; the front is at y = −20 mm.
 inline CtVolume block_ct() {

@@ -8,24 +8,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "folders.hpp"
+
 namespace turgor {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A new empty folder for one test.
-fs::path fresh_folder() {
-  std::string path = testing::TempDir() + "/turgor-XXXXXX";
-  return fs::canonical(mkdtemp(path.data()));
-}
-
-void write(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
-
-std::set<std::string> names_in(const fs::path& folder) {
-  std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
-  return names;
-}
+using test::fresh_folder;
+using test::names_in;
+using test::write;
 
 std::string text_of(const fs::path& path) {
   std::ifstream stream(path);
