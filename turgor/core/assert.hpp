@@ -1,5 +1,5 @@
-// TURGOR_ASSERT: a sentence about what the programmer promised. On in every build type but RELEASE without
-// checks; never used for files, devices or scenes (those return Result).
+// TURGOR_ASSERT: a sentence about what the programmer promised. On unless TURGOR_NO_ASSERT is defined; never
+// used for files, devices or scenes (those return Result).
 #pragma once
 
 #include <cstdio>
