@@ -1,0 +1,53 @@
+#include "turgor/geometry/solid_mesh.hpp"
+
+#include <gtest/gtest.h>
+
+#include "turgor/geometry/hex_block.hpp"
+
+namespace turgor {
+namespace {
+
+double enclosed_volume(const SolidMesh& mesh, const SolidSurface& outer) {
+  double sum = 0;
+  for (const auto [a, b, c] : outer.triangles)
+    sum += orientation({}, mesh.vertices[std::size_t(a)], mesh.vertices[std::size_t(b)],
+                       mesh.vertices[std::size_t(c)]) /
+           6;
+  return sum;
+}
+
+TEST(SolidMesh, the_surface_of_a_block_encloses_its_volume) {
+  const SolidMesh block = hex_block({0.3, 0.2, 0.1}, {3, 4, 5});
+  const SolidMesh tets = tetrahedralize(block);
+  EXPECT_NEAR(volume(block), 0.006, 1e-15);
+  EXPECT_NEAR(volume(tets), 0.006, 1e-15);
+  EXPECT_NEAR(enclosed_volume(block, surface(block)), 0.006, 1e-15);
+  EXPECT_NEAR(enclosed_volume(tets, surface(tets)), 0.006, 1e-15);
+  EXPECT_EQ(surface(block).triangles.size(), 2u * 2 * (3 * 4 + 4 * 5 + 5 * 3));
+}
+
+TEST(SolidMesh, every_tetrahedron_of_a_cut_block_is_the_right_way_round) {
+  const SolidMesh tets = tetrahedralize(hex_block({1, 1, 1}, {2, 2, 2}));
+  for (std::size_t e = 0; e < element_count(tets); e++) EXPECT_NEAR(volume(tets, e), 1.0 / 48, 1e-15) << e;
+}
+
+TEST(SolidMesh, the_volume_of_a_skewed_hexahedron_is_that_of_its_map) {
+  SolidMesh block = hex_block({1, 1, 1}, {1, 1, 1});
+  for (Vec3d& x : block.vertices) x = {x.x + 0.5 * x.z, x.y + 0.2 * x.x, 2 * x.z};
+  EXPECT_NEAR(volume(block, 0), 2.0, 1e-14);
+}
+
+TEST(SolidMesh, parts_that_share_only_an_edge_are_not_connected) {
+  SolidMesh two = hex_block({2, 2, 1}, {2, 2, 1});
+  // Keep the elements at (0, 0) and (1, 1), which share an edge, and append one more beside the first.
+  std::vector<int> kept;
+  for (const std::size_t e : {0u, 3u, 1u})
+    for (const int v : element(two, e)) kept.push_back(v);
+  two.elements = {kept.begin(), kept.begin() + 16};
+  EXPECT_EQ(connected_parts(two), (std::vector<int>{0, 1}));
+  two.elements = kept;
+  EXPECT_EQ(connected_parts(two), (std::vector<int>{0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace turgor

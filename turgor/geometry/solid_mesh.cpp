@@ -1,0 +1,143 @@
+#include "turgor/geometry/solid_mesh.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+namespace turgor {
+
+namespace {
+
+struct FaceTable {
+  int count, size;                           // faces an element, corners a face
+  std::array<std::array<int, 4>, 6> corner;  // counter-clockwise seen from outside
+};
+constexpr FaceTable kTetFaces{4, 3, {{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}}};
+constexpr FaceTable kHexFaces{
+    6, 4, {{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}}};
+
+const FaceTable& faces_of(const SolidMesh& mesh) { return mesh.corners == 4 ? kTetFaces : kHexFaces; }
+
+/// A face of an element, with its vertices sorted so that both elements of a face name it alike.
+struct Face {
+  std::array<int, 4> sorted;
+  int element, number;
+
+  bool operator<(const Face& other) const {
+    return std::tie(sorted, element, number) < std::tie(other.sorted, other.element, other.number);
+  }
+};
+
+std::vector<Face> sorted_faces(const SolidMesh& mesh) {
+  const FaceTable& table = faces_of(mesh);
+  std::vector<Face> faces;
+  faces.reserve(element_count(mesh) * std::size_t(table.count));
+  for (std::size_t e = 0; e < element_count(mesh); e++)
+    for (int f = 0; f < table.count; f++) {
+      Face face{{-1, -1, -1, -1}, int(e), f};
+      for (int c = 0; c < table.size; c++)
+        face.sorted[std::size_t(c)] =
+            element(mesh, e)[std::size_t(table.corner[std::size_t(f)][std::size_t(c)])];
+      std::sort(face.sorted.begin(), face.sorted.begin() + table.size);
+      faces.push_back(face);
+    }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+/// Determinant of a hexahedron's trilinear map at a point of the cube [-1, 1]³.
+double hex_jacobian(const SolidMesh& mesh, std::size_t e, Vec3d p) {
+  static constexpr std::array<Vec3d, 8> kCorner{
+      {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
+  Mat3d map{{{}, {}, {}}};
+  for (std::size_t c = 0; c < 8; c++) {
+    const Vec3d x = mesh.vertices[std::size_t(element(mesh, e)[c])], s = kCorner[c];
+    const Vec3d t{1 + s.x * p.x, 1 + s.y * p.y, 1 + s.z * p.z};
+    map.column[0] += x * (s.x * t.y * t.z / 8);
+    map.column[1] += x * (s.y * t.x * t.z / 8);
+    map.column[2] += x * (s.z * t.x * t.y / 8);
+  }
+  return determinant(map);
+}
+
+int root(std::vector<int>& parent, int e) {
+  while (parent[std::size_t(e)] != e)
+    e = parent[std::size_t(e)] = parent[std::size_t(parent[std::size_t(e)])];
+  return e;
+}
+
+}  // namespace
+
+double volume(const SolidMesh& mesh, std::size_t e) {
+  const auto x = [&](std::size_t c) { return mesh.vertices[std::size_t(element(mesh, e)[c])]; };
+  if (mesh.corners == 4) return orientation(x(0), x(1), x(2), x(3)) / 6;
+  const double g = 1 / std::sqrt(3.0);
+  double sum = 0;
+  for (const double a : {-g, g})
+    for (const double b : {-g, g})
+      for (const double c : {-g, g}) sum += hex_jacobian(mesh, e, {a, b, c});
+  return sum;
+}
+
+double volume(const SolidMesh& mesh) {
+  double sum = 0;
+  for (std::size_t e = 0; e < element_count(mesh); e++) sum += volume(mesh, e);
+  return sum;
+}
+
+Vec3d centroid(const SolidMesh& mesh, std::size_t e) {
+  Vec3d sum;
+  for (const int v : element(mesh, e)) sum += mesh.vertices[std::size_t(v)];
+  return sum / double(mesh.corners);
+}
+
+SolidSurface surface(const SolidMesh& mesh) {
+  const std::vector<Face> faces = sorted_faces(mesh);
+  const FaceTable& table = faces_of(mesh);
+  std::vector<std::pair<int, int>> outer;  // element and face, in the elements' order
+  for (std::size_t i = 0; i < faces.size();) {
+    std::size_t end = i + 1;
+    while (end < faces.size() && faces[end].sorted == faces[i].sorted) end++;
+    if (end == i + 1) outer.emplace_back(faces[i].element, faces[i].number);
+    i = end;
+  }
+  std::sort(outer.begin(), outer.end());
+  SolidSurface result;
+  for (const auto [e, f] : outer) {
+    const auto vertex = [&](int corner) {
+      return element(mesh, std::size_t(e))[std::size_t(table.corner[std::size_t(f)][std::size_t(corner)])];
+    };
+    for (int t = 0; t + 2 < table.size; t++) {
+      result.triangles.push_back({vertex(0), vertex(t + 1), vertex(t + 2)});
+      result.element.push_back(e);
+    }
+  }
+  return result;
+}
+
+std::vector<int> connected_parts(const SolidMesh& mesh) {
+  const std::size_t count = element_count(mesh);
+  std::vector<int> parent(count);
+  std::iota(parent.begin(), parent.end(), 0);
+  const std::vector<Face> faces = sorted_faces(mesh);
+  for (std::size_t i = 1; i < faces.size(); i++)
+    if (faces[i].sorted == faces[i - 1].sorted) {
+      const int a = root(parent, faces[i - 1].element), b = root(parent, faces[i].element);
+      parent[std::size_t(std::max(a, b))] = std::min(a, b);
+    }
+  // Number the parts by size; equal sizes by their first element.
+  std::vector<int> size(count, 0), roots;
+  for (std::size_t e = 0; e < count; e++) size[std::size_t(root(parent, int(e)))]++;
+  for (std::size_t e = 0; e < count; e++)
+    if (size[e] > 0) roots.push_back(int(e));
+  std::stable_sort(roots.begin(), roots.end(),
+                   [&](int a, int b) { return size[std::size_t(a)] > size[std::size_t(b)]; });
+  std::vector<int> number(count, -1), part(count);
+  for (std::size_t i = 0; i < roots.size(); i++) number[std::size_t(roots[i])] = int(i);
+  for (std::size_t e = 0; e < count; e++) part[e] = number[std::size_t(root(parent, int(e)))];
+  return part;
+}
+
+}  // namespace turgor
