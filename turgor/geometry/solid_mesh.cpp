@@ -10,15 +10,12 @@ namespace turgor {
 
 namespace {
 
-struct FaceTable {
-  int count, size;                           // faces an element, corners a face
-  std::array<std::array<int, 4>, 6> corner;  // counter-clockwise seen from outside
-};
-constexpr FaceTable kTetFaces{4, 3, {{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}}};
-constexpr FaceTable kHexFaces{
-    6, 4, {{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}}};
+constexpr std::array<std::array<int, 4>, 4> kTetFaces{
+    {{0, 2, 1, -1}, {0, 1, 3, -1}, {1, 2, 3, -1}, {2, 0, 3, -1}}};
+constexpr std::array<std::array<int, 4>, 6> kHexFaces{
+    {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
 
-const FaceTable& faces_of(const SolidMesh& mesh) { return mesh.corners == 4 ? kTetFaces : kHexFaces; }
+int face_size(const SolidMesh& mesh) { return mesh.corners == 4 ? 3 : 4; }
 
 /// A face of an element, with its vertices sorted so that both elements of a face name it alike.
 struct Face {
@@ -31,16 +28,15 @@ struct Face {
 };
 
 std::vector<Face> sorted_faces(const SolidMesh& mesh) {
-  const FaceTable& table = faces_of(mesh);
+  const auto table = element_faces(mesh);
   std::vector<Face> faces;
-  faces.reserve(element_count(mesh) * std::size_t(table.count));
+  faces.reserve(element_count(mesh) * table.size());
   for (std::size_t e = 0; e < element_count(mesh); e++)
-    for (int f = 0; f < table.count; f++) {
-      Face face{{-1, -1, -1, -1}, int(e), f};
-      for (int c = 0; c < table.size; c++)
-        face.sorted[std::size_t(c)] =
-            element(mesh, e)[std::size_t(table.corner[std::size_t(f)][std::size_t(c)])];
-      std::sort(face.sorted.begin(), face.sorted.begin() + table.size);
+    for (std::size_t f = 0; f < table.size(); f++) {
+      Face face{{-1, -1, -1, -1}, int(e), int(f)};
+      for (int c = 0; c < face_size(mesh); c++)
+        face.sorted[std::size_t(c)] = element(mesh, e)[std::size_t(table[f][std::size_t(c)])];
+      std::sort(face.sorted.begin(), face.sorted.begin() + face_size(mesh));
       faces.push_back(face);
     }
   std::sort(faces.begin(), faces.end());
@@ -93,27 +89,38 @@ Vec3d centroid(const SolidMesh& mesh, std::size_t e) {
   return sum / double(mesh.corners);
 }
 
-SolidSurface surface(const SolidMesh& mesh) {
+std::span<const std::array<int, 4>> element_faces(const SolidMesh& mesh) {
+  if (mesh.corners == 4) return kTetFaces;
+  return kHexFaces;
+}
+
+std::vector<int> face_neighbours(const SolidMesh& mesh) {
+  const std::size_t count = element_faces(mesh).size();
+  std::vector<int> neighbours(element_count(mesh) * count, -1);
   const std::vector<Face> faces = sorted_faces(mesh);
-  const FaceTable& table = faces_of(mesh);
-  std::vector<std::pair<int, int>> outer;  // element and face, in the elements' order
-  for (std::size_t i = 0; i < faces.size();) {
-    std::size_t end = i + 1;
-    while (end < faces.size() && faces[end].sorted == faces[i].sorted) end++;
-    if (end == i + 1) outer.emplace_back(faces[i].element, faces[i].number);
-    i = end;
-  }
-  std::sort(outer.begin(), outer.end());
-  SolidSurface result;
-  for (const auto [e, f] : outer) {
-    const auto vertex = [&](int corner) {
-      return element(mesh, std::size_t(e))[std::size_t(table.corner[std::size_t(f)][std::size_t(corner)])];
-    };
-    for (int t = 0; t + 2 < table.size; t++) {
-      result.triangles.push_back({vertex(0), vertex(t + 1), vertex(t + 2)});
-      result.element.push_back(e);
+  for (std::size_t i = 1; i < faces.size(); i++)
+    if (const Face& a = faces[i - 1], &b = faces[i]; a.sorted == b.sorted) {
+      neighbours[std::size_t(a.element) * count + std::size_t(a.number)] = b.element;
+      neighbours[std::size_t(b.element) * count + std::size_t(b.number)] = a.element;
     }
-  }
+  return neighbours;
+}
+
+SolidSurface surface(const SolidMesh& mesh) {
+  const auto table = element_faces(mesh);
+  const std::vector<int> neighbours = face_neighbours(mesh);
+  SolidSurface result;
+  for (std::size_t e = 0; e < element_count(mesh); e++)
+    for (std::size_t f = 0; f < table.size(); f++) {
+      if (neighbours[e * table.size() + f] >= 0) continue;
+      const auto vertex = [&](int corner) {
+        return element(mesh, e)[std::size_t(table[f][std::size_t(corner)])];
+      };
+      for (int t = 0; t + 2 < face_size(mesh); t++) {
+        result.triangles.push_back({vertex(0), vertex(t + 1), vertex(t + 2)});
+        result.element.push_back(int(e));
+      }
+    }
   return result;
 }
 
@@ -121,10 +128,11 @@ std::vector<int> connected_parts(const SolidMesh& mesh) {
   const std::size_t count = element_count(mesh);
   std::vector<int> parent(count);
   std::iota(parent.begin(), parent.end(), 0);
-  const std::vector<Face> faces = sorted_faces(mesh);
-  for (std::size_t i = 1; i < faces.size(); i++)
-    if (faces[i].sorted == faces[i - 1].sorted) {
-      const int a = root(parent, faces[i - 1].element), b = root(parent, faces[i].element);
+  const std::vector<int> neighbours = face_neighbours(mesh);
+  const std::size_t faces = element_faces(mesh).size();
+  for (std::size_t i = 0; i < neighbours.size(); i++)
+    if (neighbours[i] >= 0) {
+      const int a = root(parent, int(i / faces)), b = root(parent, neighbours[i]);
       parent[std::size_t(std::max(a, b))] = std::min(a, b);
     }
   // Number the parts by size; equal sizes by their first element.

@@ -3,6 +3,7 @@
 // io/solid_files.hpp.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -43,6 +44,12 @@ struct SolidSurface {
   std::vector<int> element;     // behind each triangle
 };
 SolidSurface surface(const SolidMesh& mesh);
+
+/// The element across every face of every element, -1 outside: 4 a tetrahedron, 6 a hexahedron, in the order
+/// of element_faces.
+std::vector<int> face_neighbours(const SolidMesh& mesh);
+/// Corners of each face of an element, counter-clockwise seen from outside; the fourth is -1 for triangles.
+std::span<const std::array<int, 4>> element_faces(const SolidMesh& mesh);
 
 /// The connected part (elements that share a face, numbered by size, largest first) of every element.
 std::vector<int> connected_parts(const SolidMesh& mesh);

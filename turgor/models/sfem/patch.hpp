@@ -1,12 +1,13 @@
 // The superposed patch: every coarse element near a tool, subdivided `refinement` times along each edge. Fine
 // functions are added to the coarse ones, u = u_G + u_L, where u_L is zero on the patch's border inside the
-// body and at the coarse nodes; the coupled system is condensed to the surface of the patch with one dense
+// body and at the coarse nodes. The coupled system is condensed to the surface of the patch with one dense
 // factor, S = K_L − K_LG Ξ K_GL. [SFEM; docs/models/sfem.md]
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "turgor/models/sfem/sfem.hpp"
@@ -18,32 +19,55 @@ struct PatchParams {
   int refinement = 2;    // parts an edge: 1 = coarse only, 2 … 4
 };
 
-/// A point of the patch's surface: how it hangs on the coarse nodes, and whether it has a function of its
-/// own.
+/// A point of the patch's surface: how it hangs on the coarse vertices, and its own function if it has one.
+/// u = Σ weight · u_G(coarse) + u_L(local).
 struct PatchPoint {
   Vec3d x;                         // at rest [m]
   std::uint64_t key = 0;           // equal for the same point of another patch
-  std::array<int, 8> coarse{};     // indices into Patch::coarse
-  std::array<double, 8> weight{};  // of each; zero = not used
+  std::array<int, 4> coarse{};     // indices into Patch::coarse; the first `supports` count
+  std::array<double, 4> weight{};  // of each
+  int supports = 0;
+  int local = -1;  // index of its own function; -1 = none
 };
 
-/// The surface near the tools, and how it answers. All matrices are column-major.
+/// The coupled system after elimination. Column-major.
+template <class T>
+struct CondensedSystem {
+  std::vector<T> factor;    // lower triangle of S = L Lᵀ, 3·local square
+  std::vector<T> coupling;  // K_LG, 3·local × 3·coarse
+  std::vector<T> green;     // Ξ between the coarse vertices, with the patch's own material, 3·coarse square
+  std::vector<T> change;    // of the coarse stiffness by the patch, 3·coarse square; empty = none
+};
+
+/// The surface near the tools, and how it answers.
 struct Patch {
   std::vector<int> elements;  // coarse ones that are subdivided, ascending
-  std::vector<int> coarse;    // their vertices
+  std::vector<int> coarse;    // vertices that take part, ascending
   std::vector<PatchPoint> points;
-  std::vector<Int3> triangles;  // of points, counter-clockwise seen from outside
-  std::vector<double>
-      compliance;  // 3·points square: displacements of all points to a unit force at one [m/N]
-  std::vector<double> resultant;  // 3·coarse × 3·points: the same force as the coarse body feels it [1]
-  int local_nodes = 0;            // fine nodes with a function of their own
+  std::vector<Int3> triangles;     // of points, counter-clockwise seen from outside
+  std::vector<double> compliance;  // 3·points square, symmetric: displacement of all for a unit force [m/N]
+  int local_nodes = 0;             // fine nodes with a function of their own
+  std::variant<CondensedSystem<float>, CondensedSystem<double>> system;
 };
 
-/// The coarse elements near the touches: centroid within the radius, at least those behind the nearest
-/// triangle. Ascending.
+/// The coarse elements near the touches: those around the surface vertex nearest to each, and from there all
+/// that hang together by faces and have their centroid within the radius. Only elements whose Green's
+/// functions are kept. Ascending.
 std::vector<int> patch_elements(const Model& model, std::span<const Vec3d> touches, double radius);
 
-/// Builds the patch over these elements. Needs Model::green with the columns of all their vertices.
-Patch build_patch(const Model& model, std::span<const int> elements, int refinement);
+/// Builds the patch over these elements; its points are the parts of its outer surface that the touches are
+/// nearest to, or all of it without touches. Calculates in the precision of Model::green, and needs there the
+/// columns of all vertices of the elements. [Theory: S, Ξ_L, Ξ_LG, Ξ_GG of docs/models/sfem.md]
+Patch build_patch(const Model& model, std::span<const int> elements, int refinement,
+                  std::span<const Vec3d> touches = {});
+
+/// Forces on the vertices Patch::coarse that move the coarse body as `forces` on the points do (three a
+/// point): what the rest of the body feels [N].
+std::vector<double> coarse_forces(const Patch& patch, std::span<const double> forces);
+
+/// Displacements of vertices under forces on others: u = Ξ f, with the stored functions. `to` and `from` must
+/// be kept or fixed. Three numbers each. [m], [N]
+void displacements(const Exec& exec, const Model& model, std::span<const int> to, std::span<const int> from,
+                   std::span<const double> forces, std::span<double> out);
 
 }  // namespace turgor::sfem

@@ -84,9 +84,10 @@ struct Model {
   Body body;
   Params params;
   SolidSurface surface;
-  std::vector<int> free_node;  // row of each vertex in K; -1 = fixed or unused
-  std::vector<int> vertex;     // of each row of K
-  BlockMatrix stiffness;       // K [N/m]
+  std::vector<int> neighbours;  // across each face of each element (face_neighbours)
+  std::vector<int> free_node;   // row of each vertex in K; -1 = fixed or unused
+  std::vector<int> vertex;      // of each row of K
+  BlockMatrix stiffness;        // K [N/m]
   std::optional<Cholesky> factor;
   Green green;
 };
