@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 
 namespace turgor {
 
@@ -15,17 +14,14 @@ constexpr std::array<std::array<int, 4>, 4> kTetFaces{
 constexpr std::array<std::array<int, 4>, 6> kHexFaces{
     {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
 
-int face_size(const SolidMesh& mesh) { return mesh.corners == 4 ? 3 : 4; }
+std::size_t face_size(const SolidMesh& mesh) { return mesh.corners == 4 ? 3 : 4; }
 
-/// A face of an element, with its vertices sorted so that both elements of a face name it alike.
-struct Face {
-  std::array<int, 4> sorted;
-  int element, number;
+/// A face of an element: its vertices sorted, so that both elements of a face name it alike, then the element
+/// and the number of the face.
+using Face = std::array<int, 6>;
+constexpr std::size_t kElement = 4, kNumber = 5;
 
-  bool operator<(const Face& other) const {
-    return std::tie(sorted, element, number) < std::tie(other.sorted, other.element, other.number);
-  }
-};
+bool same_vertices(const Face& a, const Face& b) { return std::equal(a.begin(), a.begin() + 4, b.begin()); }
 
 std::vector<Face> sorted_faces(const SolidMesh& mesh) {
   const auto table = element_faces(mesh);
@@ -33,10 +29,9 @@ std::vector<Face> sorted_faces(const SolidMesh& mesh) {
   faces.reserve(element_count(mesh) * table.size());
   for (std::size_t e = 0; e < element_count(mesh); e++)
     for (std::size_t f = 0; f < table.size(); f++) {
-      Face face{{-1, -1, -1, -1}, int(e), int(f)};
-      for (int c = 0; c < face_size(mesh); c++)
-        face.sorted[std::size_t(c)] = element(mesh, e)[std::size_t(table[f][std::size_t(c)])];
-      std::sort(face.sorted.begin(), face.sorted.begin() + face_size(mesh));
+      Face face{-1, -1, -1, -1, int(e), int(f)};
+      for (std::size_t c = 0; c < face_size(mesh); c++) face[c] = element(mesh, e)[std::size_t(table[f][c])];
+      std::sort(face.begin(), face.begin() + int(face_size(mesh)));
       faces.push_back(face);
     }
   std::sort(faces.begin(), faces.end());
@@ -113,10 +108,8 @@ SolidSurface surface(const SolidMesh& mesh) {
   for (std::size_t e = 0; e < element_count(mesh); e++)
     for (std::size_t f = 0; f < table.size(); f++) {
       if (neighbours[e * table.size() + f] >= 0) continue;
-      const auto vertex = [&](int corner) {
-        return element(mesh, e)[std::size_t(table[f][std::size_t(corner)])];
-      };
-      for (int t = 0; t + 2 < face_size(mesh); t++) {
+      const auto vertex = [&](std::size_t corner) { return element(mesh, e)[std::size_t(table[f][corner])]; };
+      for (std::size_t t = 0; t + 2 < face_size(mesh); t++) {
         result.triangles.push_back({vertex(0), vertex(t + 1), vertex(t + 2)});
         result.element.push_back(int(e));
       }
