@@ -93,11 +93,12 @@ std::vector<int> face_neighbours(const SolidMesh& mesh) {
   const std::size_t count = element_faces(mesh).size();
   std::vector<int> neighbours(element_count(mesh) * count, -1);
   const std::vector<Face> faces = sorted_faces(mesh);
-  for (std::size_t i = 1; i < faces.size(); i++)
-    if (const Face& a = faces[i - 1], &b = faces[i]; a.sorted == b.sorted) {
-      neighbours[std::size_t(a.element) * count + std::size_t(a.number)] = b.element;
-      neighbours[std::size_t(b.element) * count + std::size_t(b.number)] = a.element;
-    }
+  for (std::size_t i = 1; i < faces.size(); i++) {
+    const Face &a = faces[i - 1], &b = faces[i];
+    if (!same_vertices(a, b)) continue;
+    neighbours[std::size_t(a[kElement]) * count + std::size_t(a[kNumber])] = b[kElement];
+    neighbours[std::size_t(b[kElement]) * count + std::size_t(b[kNumber])] = a[kElement];
+  }
   return neighbours;
 }
 
