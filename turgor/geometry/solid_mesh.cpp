@@ -31,7 +31,8 @@ std::vector<Face> sorted_faces(const SolidMesh& mesh) {
     for (std::size_t f = 0; f < table.size(); f++) {
       Face face{-1, -1, -1, -1, int(e), int(f)};
       for (std::size_t c = 0; c < face_size(mesh); c++) face[c] = element(mesh, e)[std::size_t(table[f][c])];
-      std::sort(face.begin(), face.begin() + int(face_size(mesh)));
+      for (std::size_t i = 1; i < face_size(mesh); i++)
+        for (std::size_t k = i; k > 0 && face[k] < face[k - 1]; k--) std::swap(face[k], face[k - 1]);
       faces.push_back(face);
     }
   std::sort(faces.begin(), faces.end());
