@@ -1,0 +1,82 @@
+// What the hand holds, as contact sees it: a rigid shape that knows how far any point is from its surface.
+// Distances are negative inside; normals point away from the tool, at the tissue.
+#pragma once
+
+#include <cstddef>
+#include <variant>
+#include <vector>
+
+#include "turgor/core/result.hpp"
+#include "turgor/core/vec.hpp"
+#include "turgor/geometry/tri_mesh.hpp"
+
+namespace turgor::contact {
+
+/// About the tool's origin.
+struct Sphere {
+  double radius = 0.005;  // [m]
+};
+
+/// Around the segment from -half_length to half_length on the tool's z axis.
+struct Capsule {
+  double radius = 0.005;      // [m]
+  double half_length = 0.01;  // [m]
+};
+
+/// A closed surface, kept as distances on a regular grid around it and interpolated between its nodes: sharp
+/// edges are rounded by about one spacing.
+struct MeshShape {
+  Vec3d corner;        // of the grid [m]
+  double spacing = 0;  // [m]
+  Int3 size;           // nodes along each axis
+  struct Node {
+    float distance;  // [m]
+    Vec3 normal;     // unit
+  };
+  std::vector<Node> nodes;      // x fastest
+  double bounding_radius = 0;   // about the tool's origin [m]
+  double curvature_radius = 0;  // of a ball that would touch the mesh's finest triangles alike [m]
+};
+
+using Shape = std::variant<Sphere, Capsule, MeshShape>;
+
+/// Distances of a closed mesh in the tool's frame, `resolution` grid cells along its longest side. Error: no
+/// triangles, a vertex that is not finite, an edge that is not shared by two triangles.
+Result<Shape> mesh_shape(const TriMesh& mesh, int resolution = 48);
+
+/// Where the tool's frame is. The columns of `axes` are its axes in the world.
+struct Pose {
+  Vec3d position;  // [m]
+  Mat3d axes;
+};
+inline Vec3d to_world(const Pose& pose, Vec3d x) { return pose.position + pose.axes * x; }
+/// Of a pose whose axes are orthonormal.
+inline Vec3d to_tool(const Pose& pose, Vec3d x) {
+  const auto& [a, b, c] = pose.axes.column;
+  const Vec3d d = x - pose.position;
+  return {dot(a, d), dot(b, d), dot(c, d)};
+}
+/// Finite, with axes that are orthonormal and right-handed to 1e-3.
+bool is_valid(const Pose& pose);
+
+/// Of a point from the surface of a shape.
+struct ShapeDistance {
+  double distance = 0;  // [m]
+  Vec3d normal;         // unit, the direction in which the distance grows
+};
+/// All in the shape's frame.
+ShapeDistance distance(const Shape& shape, Vec3d x);
+/// All in the world.
+ShapeDistance distance(const Shape& shape, const Pose& pose, Vec3d x);
+
+/// No point of the shape is farther from its origin [m].
+double bounding_radius(const Shape& shape);
+/// Triangles with edges longer than this can be entered between their corners [m].
+double tip_radius(const Shape& shape);
+
+/// The point of a triangle that is nearest to a shape, as weights of the corners (each ≥ 0, their sum 1).
+Vec3d closest_weights(const Shape& shape, const Pose& pose, Vec3d a, Vec3d b, Vec3d c);
+/// The point of a triangle that is nearest to a point.
+Vec3d closest_weights(Vec3d x, Vec3d a, Vec3d b, Vec3d c);
+
+}  // namespace turgor::contact
