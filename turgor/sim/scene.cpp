@@ -8,7 +8,9 @@
 #include <iterator>
 
 #include "turgor/sim/scene_lattice.hpp"
+#include "turgor/sim/scene_sfem.hpp"
 #include "turgor/sim/scene_table.hpp"
+#include "turgor/sim/scene_tool.hpp"
 
 namespace turgor {
 
@@ -64,8 +66,8 @@ Status apply_override(toml::table& root, const std::string& text, SceneProblems&
   toml::table* table = &root;
   std::string path;
   for (std::size_t i = 0; i + 1 < parts.size(); i++) {
-    // Bodies and incisions are not made by naming them: a misspelt one would be silently alone.
-    const bool names_one = i == 1 && (parts[0] == "body" || parts[0] == "incision");
+    // Bodies, incisions and tools are not made by naming them: a misspelt one would be silently alone.
+    const bool names_one = i == 1 && (parts[0] == "body" || parts[0] == "incision" || parts[0] == "tool");
     if (names_one && !table->contains(parts[i]))
       return Error{fmt::format("--set {}: the scene has no {} {}{}", key, parts[0], parts[i],
                                suggestion(parts[i], keys_of(*table)))};
@@ -93,9 +95,12 @@ void read_bodies(SceneTable bodies, Scene& scene) {
     if (!is_name(name)) bodies.fail(name, "expected a name of letters, digits, _ and -");
     SceneTable body = bodies.table(name);
     std::string model = "lattice";
-    body.require({"model"}, "\"lattice\"");
-    body.read_choice("model", model, {"lattice"});
-    scene.lattices.push_back(read_lattice_scene(body, name));
+    body.require({"model"}, "\"lattice\" or \"sfem\"");
+    body.read_choice("model", model, {"lattice", "sfem"});
+    if (model == "sfem")
+      scene.organs.push_back(read_sfem_scene(body, name));
+    else
+      scene.lattices.push_back(read_lattice_scene(body, name));
   }
   bodies.finish();
 }
@@ -161,6 +166,14 @@ void read_incisions(SceneTable incisions, Scene& scene) {
   incisions.finish();
 }
 
+void read_tools(SceneTable tools, Scene& scene) {
+  for (const std::string& name : tools.names()) {
+    if (!is_name(name)) tools.fail(name, "expected a name of letters, digits, _ and -");
+    scene.tools.push_back(read_tool_scene(tools.table(name), name, scene));
+  }
+  tools.finish();
+}
+
 /// The name of a volume file inside the output folder.
 void read_volume_name(SceneTable& output, std::string_view key, std::string& name) {
   output.read(key, name);
@@ -201,13 +214,19 @@ void read_output(SceneTable output, Scene& scene) {
   output.read_choice<SkinColor>("color", out.color,
                                 {{"none", SkinColor::kNone},
                                  {"displacement", SkinColor::kDisplacement},
-                                 {"stretch", SkinColor::kStretch}});
+                                 {"stretch", SkinColor::kStretch},
+                                 {"pressure", SkinColor::kPressure}});
+  if (out.color == SkinColor::kStretch && scene.lattices.empty())
+    output.fail("color", "stretch is known of the skin of a lattice, and the scene has none");
+  if (out.color == SkinColor::kPressure && scene.organs.empty())
+    output.fail("color", "pressure is known of bodies with model = \"sfem\", and the scene has none");
   if (const toml::node* range = output.find("color_range")) {
-    const std::vector<double> ends = output.numbers("color_range", *range, any_number("m or 1"));
+    const std::vector<double> ends = output.numbers("color_range", *range, any_number("m, 1 or Pa"));
     if (ends.size() == 2 && ends[0] < ends[1])
       out.color_range = {ends[0], ends[1]};
     else
-      output.fail_value("color_range", *range, "[low, high] of the displacement [m] or the stretch [1]");
+      output.fail_value("color_range", *range,
+                        "[low, high] of the displacement [m], the stretch [1] or the pressure [Pa]");
   }
   read_choice_or_off(output, "volume_rendering", out.volume_rendering, known_volume_presets());
   output.read("sections", out.sections);
@@ -233,6 +252,7 @@ void read_scene_table(SceneTable root, Scene& scene) {
   read_world(root.table("world"), scene);
   read_bodies(root.table("body"), scene);
   read_incisions(root.table("incision"), scene);
+  read_tools(root.table("tool"), scene);
   read_output(root.table("output"), scene);
   if (root.has("body") && root.table("body").names().empty())
     root.fail("body", "a scene needs at least one body, as in [body.torso]");

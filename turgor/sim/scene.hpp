@@ -14,6 +14,7 @@
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
+#include "turgor/sim/sfem_scene.hpp"
 
 namespace turgor {
 
@@ -43,8 +44,8 @@ struct IncisionScene {
   bool by_fraction = false;
 };
 
-/// What colours the skin in pictures and meshes.
-enum class SkinColor : std::uint8_t { kNone, kDisplacement, kStretch };
+/// What colours surfaces in pictures: stretch is known of skin, pressure of organs that tools touch.
+enum class SkinColor : std::uint8_t { kNone, kDisplacement, kStretch, kPressure };
 
 /// [output]. File names are inside the output folder; empty = not written.
 struct OutputScene {
@@ -57,7 +58,7 @@ struct OutputScene {
   std::string deformed_ct, displacement, jacobian;
   std::optional<Int3> deformed_size;  // voxels; the CT's own when not given
   bool conserve_mass = false;
-  std::optional<std::pair<double, double>> color_range;  // ends of the colours [m] or [1]; has a default each
+  std::optional<std::pair<double, double>> color_range;  // ends of the colours [m], [1] or [Pa]
   bool meshes = true;                                    // .vtu and .pvd
   bool obj = true;
   bool recording = true;
@@ -73,6 +74,8 @@ struct Scene {
   double frame_rate = 60;              // steps a second [1/s]
   std::vector<LatticeScene> lattices;
   std::vector<IncisionScene> incisions;
+  std::vector<SfemScene> organs;
+  std::vector<ToolScene> tools;
   OutputScene output;
 };
 

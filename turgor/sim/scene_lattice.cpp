@@ -1,7 +1,9 @@
 #include "turgor/sim/scene_lattice.hpp"
 
-#include <charconv>
 #include <cmath>
+
+#include "turgor/sim/label_number.hpp"
+#include "turgor/sim/scene_phantom.hpp"
 
 namespace turgor {
 
@@ -9,15 +11,6 @@ namespace {
 
 using lattice::Method;
 using lattice::SkinLaw;
-
-/// Organs by the numbers that the usual segmentation tool gives them (TotalSegmentator 2).
-const std::vector<std::pair<std::string, int>>& organ_labels() {
-  static const std::vector<std::pair<std::string, int>> kLabels = {
-      {"spleen", 1},       {"kidney_right", 2}, {"kidney_left", 3}, {"gallbladder", 4},
-      {"liver", 5},        {"stomach", 6},      {"pancreas", 7},    {"esophagus", 15},
-      {"small_bowel", 18}, {"duodenum", 19},    {"colon", 20},      {"urinary_bladder", 21}};
-  return kLabels;
-}
 
 CtSource read_ct_source(SceneTable& body) {
   CtSource source;
@@ -29,22 +22,7 @@ CtSource read_ct_source(SceneTable& body) {
     body.read_path("ct", source.file);
     return source;
   }
-  SceneTable table = body.table("ct");
-  PhantomKind kind = PhantomKind::kTorso;
-  table.require({"phantom"}, "which anatomy: \"torso\", \"head\" or \"leg\"");
-  table.read_choice<PhantomKind>(
-      "phantom", kind,
-      {{"torso", PhantomKind::kTorso}, {"head", PhantomKind::kHead}, {"leg", PhantomKind::kLeg}});
-  PhantomParams phantom = default_phantom(kind);
-  table.read("size", phantom.size, within(8, 2048, "voxels"));
-  Vec3d spacing_mm = phantom.spacing * 1e3;
-  table.read("spacing_mm", spacing_mm, within(0.05, 50, "mm"));
-  phantom.spacing = spacing_mm / 1e3;
-  int seed = int(phantom.seed);
-  table.read("seed", seed, within(0, 2e9));
-  phantom.seed = std::uint64_t(seed);
-  table.finish();
-  source.phantom = phantom;
+  source.phantom = read_phantom(body.table("ct"));
   return source;
 }
 
@@ -81,26 +59,14 @@ void read_fixed(SceneTable& body, lattice::Params& params) {
   }
 }
 
-int label_number(const std::string& name) {
-  for (const auto& [organ, label] : organ_labels())
-    if (organ == name) return label;
-  int label = 0;
-  const char* end = name.data() + name.size();
-  const auto [stop, error] = std::from_chars(name.data(), end, label);
-  return error == std::errc() && stop == end && label > 0 && label <= 65535 ? label : -1;
-}
-
 void read_young_of_labels(SceneTable& tissue, lattice::TissueParams& params) {
   SceneTable labels = tissue.table("labels");
-  std::vector<std::string> organs;
-  for (const auto& [organ, label] : organ_labels()) organs.push_back(organ);
   for (const std::string& name : labels.names()) {
     double young = 0;
     labels.read(name, young, positive("Pa"));
     const int label = label_number(name);
     if (label < 0)
-      labels.fail(name,
-                  "expected a label's number (1 to 65535) or an organ's name" + suggestion(name, organs));
+      labels.fail(name, "expected a label's number (1 to 65535) or an organ's name" + label_suggestion(name));
     else if (young > 0)
       params.young_of_label[label] = young;
   }

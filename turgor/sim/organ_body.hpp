@@ -1,0 +1,24 @@
+// Which vertices of an organ are held, and which elements are of which material: what a scene says about a
+// body, said to its mesh.
+#pragma once
+
+#include "turgor/core/result.hpp"
+#include "turgor/models/sfem/sfem.hpp"
+#include "turgor/sim/sfem_scene.hpp"
+
+namespace turgor {
+
+/// Smallest box around the vertices of a mesh [m].
+struct SolidBox {
+  Vec3d low, high;
+};
+SolidBox solid_box(const SolidMesh& mesh);
+
+/// 1 for every vertex that is held.
+std::vector<std::uint8_t> held_vertices(const SolidMesh& mesh, const HeldBy& held);
+
+/// The mesh with its materials and what holds it. Error: an `inside` whose label no element has (the message
+/// says which there are), or an inclusion that no element lies in.
+Result<sfem::Body> make_body(SolidMesh mesh, const SfemScene& scene);
+
+}  // namespace turgor

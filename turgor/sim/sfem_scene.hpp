@@ -1,0 +1,145 @@
+// [body.NAME] with model = "sfem", and [tool.NAME]: an organ and what touches it, as the plain structs that a
+// scene becomes. Keys, units and defaults are listed in docs/scene.md; nothing is loaded here.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "turgor/geometry/phantom.hpp"
+#include "turgor/models/sfem/sfem.hpp"
+
+namespace turgor {
+
+/// A file of tetrahedra or hexahedra.
+struct SolidFile {
+  std::filesystem::path file;
+  double scale = 1;  // metres a unit of the file
+};
+/// A closed surface that is filled with tetrahedra.
+struct ClosedSurface {
+  std::filesystem::path file;
+  double scale = 1;           // metres a unit of the file
+  double resolution = 0.012;  // of the tetrahedra's lattice [m]
+};
+/// One label of a segmentation that is filled with tetrahedra.
+struct LabelledOrgan {
+  std::filesystem::path file;            // of labels
+  std::optional<PhantomParams> phantom;  // instead of a file
+  int label = 0;
+  double resolution = 0.012;  // of the tetrahedra's lattice [m]
+};
+/// Hexahedra from the origin to `size`.
+struct HexBlock {
+  Vec3d size{0.1, 0.1, 0.1};  // [m]
+  Int3 count{10, 10, 10};
+};
+using SolidSource = std::variant<SolidFile, ClosedSurface, LabelledOrgan, HexBlock>;
+
+/// Sides of the box around a body, in the patient frame: low and high x, y, z.
+enum class Side : std::uint8_t { kRight, kLeft, kFront, kBack, kFeet, kHead };
+
+/// What holds an organ: the vertices near sides of its box, or inside a box of their own.
+struct HeldBy {
+  std::vector<Side> sides{Side::kBack};
+  double depth = 0.1;                       // how far from a side, of the box's extent [1]
+  std::optional<std::array<Vec3d, 2>> box;  // low and high corner, instead of sides [m or 1]
+  bool by_fraction = false;                 // is `box` in fractions of the body's box?
+};
+
+/// Elements of another material: those with a number from the file or the segmentation.
+struct InsideScene {
+  std::string name;
+  int label = 0;
+  sfem::Material material;
+};
+/// A sphere of another material.
+struct InclusionScene {
+  std::string name;
+  Vec3d centre;  // [m or 1]
+  bool by_fraction = false;
+  double radius = 0.01;  // [m]
+  sfem::Material material;
+};
+
+/// The superposed patch that follows the tools.
+struct PatchScene {
+  double radius = 0.02;      // [m]
+  int refinement = 2;        // 1 = none
+  double hysteresis = 0.25;  // of the radius: how far a touch moves before the patch follows [1]
+};
+
+struct SfemScene {
+  std::string name;
+  std::string place;  // "scene.toml:7:1: body.liver", for errors found later
+  SolidSource source;
+  sfem::Material material;
+  std::vector<InsideScene> inside;
+  std::vector<InclusionScene> inclusions;
+  HeldBy fixed;
+  sfem::Formulation formulation = sfem::Formulation::kStandard;
+  sfem::Precision precision = sfem::Precision::kSingle;
+  PatchScene patch;
+  double viscosity = 0;       // how much stiffer a sudden press is [1]
+  double viscous_time = 0.5;  // in which that relaxes [s]
+  bool rotations = false;
+  double memory = 4;            // for Green's functions; beyond it, columns on demand [GB]
+  std::filesystem::path cache;  // a folder
+  bool cached = true;
+  std::filesystem::path seen;  // a finer surface that moves with the body; may be empty
+  double seen_scale = 1;       // metres a unit of that file
+};
+
+/// The shape of a tool: a ball, a rod with round ends along its z axis, or a closed mesh.
+struct BallTool {
+  double radius = 0.006;  // [m]
+};
+struct RodTool {
+  double radius = 0.003, half_length = 0.02;  // [m]
+};
+struct MeshTool {
+  std::filesystem::path file;
+  double scale = 1;  // metres a unit of the file
+};
+using ToolShape = std::variant<BallTool, RodTool, MeshTool>;
+
+/// Where a tool is at a time.
+struct PathRow {
+  double time = 0;  // [s]
+  Vec3d position;   // of the tool's origin [m]
+  bool hold = false;
+  std::array<double, 4> orientation{1, 0, 0, 0};  // unit quaternion w, x, y, z
+};
+struct GivenPath {
+  std::vector<PathRow> rows;
+  bool smooth = true;  // cubic between the rows instead of straight
+};
+struct PathFile {
+  std::filesystem::path file;  // .csv: t, x, y, z [, hold [, qw, qx, qy, qz]]
+  bool smooth = true;
+};
+/// Presses from outside along the surface's normal, slides, and leaves: fits every organ.
+struct Press {
+  Vec3d at, to;  // on the surface [m or 1]
+  bool by_fraction = false;
+  double depth = 0.005;   // of the tool's tip below the surface at rest [m]
+  double start = 0.1;     // [s]
+  double duration = 0.5;  // from touching to `depth`, and back [s]
+  double hold = 0.2;      // at `at` before sliding, and at `to` after it [s]
+  double slide = 0;       // from `at` to `to`; 0 = no sliding [s]
+};
+using ToolMotion = std::variant<GivenPath, PathFile, Press>;
+
+struct ToolScene {
+  std::string name;
+  std::string place;
+  int body = 0;  // index into Scene::organs
+  ToolShape shape;
+  double friction = 0.3;  // [1]
+  ToolMotion motion;
+};
+
+}  // namespace turgor
