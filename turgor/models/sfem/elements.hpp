@@ -1,21 +1,51 @@
 // Stiffness of one element, and the assembly of many. Linear tetrahedra; trilinear hexahedra with 2×2×2 Gauss
-// points; their averaged forms for nearly incompressible tissue.
+// points; their averaged forms for nearly incompressible tissue, in which the change of volume is measured as
+// a mean, over the element [Hughes 1980, B-bar] or around each node [Bonet, Burton 1998].
 #pragma once
 
+#include <array>
 #include <span>
 
+#include "turgor/models/sfem/lists.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 
 namespace turgor::sfem {
 
+/// What resists a change of volume without shear, and what resists shear.
+struct Moduli {
+  double bulk = 0, shear = 0;  // [Pa]
+};
+inline Moduli moduli(const Material& m) {
+  return {m.young / (3 * (1 - 2 * m.poisson)), m.young / (2 * (1 + m.poisson))};
+}
+
 /// 12×12, row by row, unknowns x0 y0 z0 x1 … [N/m].
-void tet_stiffness(const std::array<Vec3d, 4>& x, const Material& material, std::span<double, 144> k);
+void tet_stiffness(const std::array<Vec3d, 4>& x, Moduli moduli, std::span<double, 144> k);
+inline void tet_stiffness(const std::array<Vec3d, 4>& x, const Material& material, std::span<double, 144> k) {
+  tet_stiffness(x, moduli(material), k);
+}
 /// 24×24, row by row [N/m].
 void hex_stiffness(const std::array<Vec3d, 8>& x, const Material& material, Formulation formulation,
                    std::span<double, 576> k);
+/// The smallest determinant of a hexahedron's map at its Gauss points, times 8 [m³]: its volume if it is a
+/// box, not positive if it cannot be an element.
+double least_hex_volume(const std::array<Vec3d, 8>& x);
+
+/// The vertices of every element.
+Lists element_lists(const SolidMesh& mesh);
 
 /// The material of every element of a body: its own, or that of the last inclusion its centroid is in.
 std::vector<int> element_materials(const Body& body);
+
+/// The tetrahedra of one material around each vertex: u changes their volume (a quarter of it) by
+/// Σ gradient·u, and that costs ½ bulk/volume (Σ gradient·u)².
+struct NodalVolumes {
+  Lists vertices;               // around each, ascending
+  std::vector<Vec3d> gradient;  // for each of `vertices.item` [m²]
+  std::vector<double> volume;   // [m³]
+  std::vector<int> material;
+};
+NodalVolumes nodal_volumes(const SolidMesh& mesh, std::span<const int> material);
 
 /// K over all nodes of a mesh, row i = vertex i; `material` is an index into `materials` for every element.
 BlockMatrix assemble(const Exec& exec, const SolidMesh& mesh, std::span<const Material> materials,

@@ -1,0 +1,100 @@
+#include "turgor/core/hash.hpp"
+#include "turgor/models/sfem/check_body.hpp"
+#include "turgor/models/sfem/elements.hpp"
+#include "turgor/models/sfem/near_surface.hpp"
+
+namespace turgor::sfem {
+
+namespace {
+
+/// Numbers the vertices that elements use and nothing fixes.
+void number_free_nodes(Model& model) {
+  const Body& body = model.body;
+  model.free_node.assign(body.mesh.vertices.size(), -1);
+  for (const int v : body.mesh.elements)
+    if (!body.fixed[std::size_t(v)]) model.free_node[std::size_t(v)] = 0;
+  for (std::size_t v = 0; v < model.free_node.size(); v++)
+    if (model.free_node[v] == 0) {
+      model.free_node[v] = int(model.vertex.size());
+      model.vertex.push_back(int(v));
+    }
+}
+
+/// The rows and columns of free nodes.
+BlockMatrix restricted(const BlockMatrix& all, const Model& model) {
+  BlockMatrix k;
+  k.row_begin.assign(1, 0);
+  for (const int v : model.vertex) {
+    for (std::size_t b = all.row_begin[std::size_t(v)]; b < all.row_begin[std::size_t(v) + 1]; b++) {
+      const int column = model.free_node[std::size_t(all.column[b])];
+      if (column < 0) continue;
+      k.column.push_back(column);
+      k.value.insert(k.value.end(), &all.value[9 * b], &all.value[9 * b] + 9);
+    }
+    k.row_begin.push_back(k.column.size());
+  }
+  return k;
+}
+
+/// The free vertices of the surface, then those of the elements that a tool can reach.
+void choose_kept_nodes(Model& model) {
+  const SolidMesh& mesh = model.body.mesh;
+  const std::vector<std::uint8_t> near = near_surface(mesh, model.surface, model.params.touch_depth);
+  std::vector<std::uint8_t> wanted(mesh.vertices.size(), 0);  // 1: near the surface, 2: on it
+  for (std::size_t e = 0; e < near.size(); e++)
+    if (near[e])
+      for (const int v : element(mesh, e)) wanted[std::size_t(v)] = 1;
+  for (const auto [a, b, c] : model.surface.triangles)
+    wanted[std::size_t(a)] = wanted[std::size_t(b)] = wanted[std::size_t(c)] = 2;
+
+  Green& green = model.green;
+  green.slot.assign(mesh.vertices.size(), -1);
+  for (const std::uint8_t kind : {2, 1}) {
+    for (const int v : model.vertex)
+      if (wanted[std::size_t(v)] == kind) {
+        green.slot[std::size_t(v)] = int(green.nodes.size());
+        green.nodes.push_back(v);
+      }
+    if (kind == 2) green.surface_count = green.nodes.size();
+  }
+}
+
+}  // namespace
+
+Result<Model> build(const Exec& exec, Body body, const Params& params) {
+  if (const Status fit = check_body(body); !fit) return fit.error();
+  if (!(params.touch_depth >= 0)) return Error{"touch_depth must be 0 m or more"};
+  Model model;
+  model.body = std::move(body);
+  model.params = params;
+  model.surface = surface(model.body.mesh);
+  model.neighbours = face_neighbours(model.body.mesh);
+  number_free_nodes(model);
+  const BlockMatrix all = assemble(exec, model.body.mesh, model.body.materials, element_materials(model.body),
+                                   params.formulation);
+  model.stiffness = restricted(all, model);
+  choose_kept_nodes(model);
+  return model;
+}
+
+std::uint64_t content_hash(const Model& model) {
+  constexpr std::uint64_t kVersion = 1;  // of what the store holds and how it is computed
+  const Body& body = model.body;
+  const std::vector<int> material = element_materials(body);
+  std::vector<double> numbers;
+  for (const Vec3d x : body.mesh.vertices) numbers.insert(numbers.end(), {x.x, x.y, x.z});
+  for (const int m : material) {
+    numbers.push_back(body.materials[std::size_t(m)].young);
+    numbers.push_back(body.materials[std::size_t(m)].poisson);
+  }
+  const std::uint64_t header[] = {kVersion, std::uint64_t(body.mesh.corners),
+                                  std::uint64_t(model.params.formulation),
+                                  std::uint64_t(model.params.precision)};
+  std::uint64_t hash = hash_values(std::span<const std::uint64_t>(header));
+  hash = hash_values(std::span<const double>(numbers), hash);
+  hash = hash_values(std::span<const int>(body.mesh.elements), hash);
+  hash = hash_values(std::span<const int>(model.vertex), hash);
+  return hash_values(std::span<const int>(model.green.nodes), hash);
+}
+
+}  // namespace turgor::sfem

@@ -1,0 +1,169 @@
+#include "turgor/models/sfem/elements.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace turgor::sfem {
+
+namespace {
+
+/// K of an isotropic material from the moments G_ai,bj = ∫ ∂N_a/∂x_i ∂N_b/∂x_j dV:
+/// K_ai,bj = λ G_ai,bj + μ G_aj,bi + μ δ_ij Σ_k G_ak,bk with λ = bulk − 2/3 μ.
+template <std::size_t kCorners>
+void stiffness_of_moments(const double* g, Moduli m, double* k) {
+  constexpr std::size_t n = 3 * kCorners;
+  const double lambda = m.bulk - 2.0 / 3 * m.shear;
+  for (std::size_t a = 0; a < n; a += 3)
+    for (std::size_t b = 0; b < n; b += 3) {
+      const double trace = g[a * n + b] + g[(a + 1) * n + b + 1] + g[(a + 2) * n + b + 2];
+      for (std::size_t i = 0; i < 3; i++)
+        for (std::size_t j = 0; j < 3; j++)
+          k[(a + i) * n + b + j] = lambda * g[(a + i) * n + b + j] + m.shear * g[(a + j) * n + b + i] +
+                                   (i == j ? m.shear * trace : 0);
+    }
+}
+
+/// What each corner's motion adds to a tetrahedron's volume [m²]; divided by the volume, the gradient of the
+/// corner's shape function.
+std::array<Vec3d, 4> volume_gradients(const std::array<Vec3d, 4>& x) {
+  const Vec3d a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0];
+  const Vec3d g1 = cross(b, c) / 6, g2 = cross(c, a) / 6, g3 = cross(a, b) / 6;
+  return {-(g1 + g2 + g3), g1, g2, g3};
+}
+
+/// Gradients of a hexahedron's shape functions and the volume that each Gauss point stands for.
+struct HexPoints {
+  std::array<std::array<double, 24>, 8> gradient;  // of each point [1/m]
+  std::array<double, 8> volume;                    // [m³]
+};
+
+constexpr std::array<Vec3d, 8> kHexCorner{
+    {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
+constexpr double kGauss = 0.57735026918962576451;  // 1/√3
+
+HexPoints hex_points(const std::array<Vec3d, 8>& x) {
+  HexPoints points;
+  for (std::size_t p = 0; p < 8; p++) {
+    std::array<Vec3d, 8> slope;  // of each shape function in the cube [-1, 1]³
+    Mat3d map{{{}, {}, {}}};
+    for (std::size_t c = 0; c < 8; c++) {
+      const Vec3d s = kHexCorner[c], t = Vec3d{1, 1, 1} + hadamard(s, kHexCorner[p] * kGauss);
+      slope[c] = Vec3d{s.x * t.y * t.z, s.y * t.x * t.z, s.z * t.x * t.y} / 8;
+      for (int axis = 0; axis < 3; axis++) map.column[axis] += x[c] * slope[c][axis];
+    }
+    points.volume[p] = determinant(map);
+    const Mat3d to_space = transposed(inverse(map));
+    for (std::size_t c = 0; c < 8; c++) {
+      const Vec3d g = to_space * slope[c];
+      for (int axis = 0; axis < 3; axis++) points.gradient[p][3 * c + std::size_t(axis)] = g[axis];
+    }
+  }
+  return points;
+}
+
+/// What one corner of a tetrahedron brings to the volume around one of its vertices.
+struct VolumeShare {
+  int material, vertex;
+  double volume;   // [m³]
+  Vec3d gradient;  // [m²]
+
+  bool operator<(const VolumeShare& other) const {
+    return std::pair(material, vertex) < std::pair(other.material, other.vertex);
+  }
+};
+
+void add_shares(const SolidMesh& mesh, std::size_t e, int material, std::vector<VolumeShare>& shares) {
+  std::array<Vec3d, 4> x;
+  for (std::size_t c = 0; c < 4; c++) x[c] = mesh.vertices[std::size_t(element(mesh, e)[c])];
+  const std::array<Vec3d, 4> g = volume_gradients(x);
+  for (std::size_t c = 0; c < 4; c++)
+    shares.push_back({material, element(mesh, e)[c], volume(mesh, e) / 16, g[c] / 4});
+}
+
+}  // namespace
+
+void tet_stiffness(const std::array<Vec3d, 4>& x, Moduli m, std::span<double, 144> k) {
+  const std::array<Vec3d, 4> g = volume_gradients(x);
+  const double volume = orientation(x[0], x[1], x[2], x[3]) / 6;
+  std::array<double, 144> moments;
+  for (std::size_t a = 0; a < 12; a++)
+    for (std::size_t b = 0; b < 12; b++)
+      moments[a * 12 + b] = g[a / 3][int(a % 3)] * g[b / 3][int(b % 3)] / volume;
+  stiffness_of_moments<4>(moments.data(), m, k.data());
+}
+
+void hex_stiffness(const std::array<Vec3d, 8>& x, const Material& material, Formulation formulation,
+                   std::span<double, 576> k) {
+  const HexPoints points = hex_points(x);
+  std::array<double, 576> moments{};
+  std::array<double, 24> swelling{};  // what each corner's motion adds to the volume [m²]
+  double volume = 0;
+  for (std::size_t p = 0; p < 8; p++) {
+    const double root = std::sqrt(points.volume[p]);  // shared by both factors: exactly symmetric
+    std::array<double, 24> g = points.gradient[p];
+    for (double& slope : g) slope *= root;
+    volume += points.volume[p];
+    for (std::size_t a = 0; a < 24; a++) {
+      swelling[a] += root * g[a];
+      for (std::size_t b = 0; b < 24; b++) moments[a * 24 + b] += g[a] * g[b];
+    }
+  }
+  const bool averaged = formulation == Formulation::kAveraged;
+  const Moduli m = moduli(material);
+  stiffness_of_moments<8>(moments.data(), {averaged ? 0 : m.bulk, m.shear}, k.data());
+  if (!averaged) return;
+  for (std::size_t a = 0; a < 24; a++)
+    for (std::size_t b = 0; b < 24; b++) k[a * 24 + b] += m.bulk / volume * (swelling[a] * swelling[b]);
+}
+
+double least_hex_volume(const std::array<Vec3d, 8>& x) {
+  const std::array<double, 8> volume = hex_points(x).volume;
+  return 8 * *std::min_element(volume.begin(), volume.end());
+}
+
+Lists element_lists(const SolidMesh& mesh) {
+  Lists lists{{}, mesh.elements};
+  for (std::size_t i = 0; i <= mesh.elements.size(); i += std::size_t(mesh.corners)) lists.begin.push_back(i);
+  return lists;
+}
+
+std::vector<int> element_materials(const Body& body) {
+  const std::size_t count = element_count(body.mesh);
+  std::vector<int> material = body.material;
+  material.resize(count, 0);
+  for (std::size_t e = 0; e < count; e++)
+    for (const Inclusion& inclusion : body.inclusions)
+      if (norm(centroid(body.mesh, e) - inclusion.centre) <= inclusion.radius)
+        material[e] = inclusion.material;
+  return material;
+}
+
+NodalVolumes nodal_volumes(const SolidMesh& mesh, std::span<const int> material) {
+  const Lists around = holders(element_lists(mesh), mesh.vertices.size());
+  NodalVolumes result;
+  std::vector<VolumeShare> shares;
+  for (std::size_t v = 0; v < around.count(); v++) {
+    shares.clear();
+    for (const int e : around[v]) add_shares(mesh, std::size_t(e), material[std::size_t(e)], shares);
+    std::stable_sort(shares.begin(), shares.end());
+    for (std::size_t i = 0; i < shares.size(); i++) {
+      const bool new_material = i == 0 || shares[i].material != shares[i - 1].material;
+      if (new_material) {
+        result.material.push_back(shares[i].material);
+        result.volume.push_back(0);
+        result.vertices.begin.push_back(result.vertices.begin.back());
+      }
+      if (new_material || shares[i].vertex != shares[i - 1].vertex) {
+        result.vertices.item.push_back(shares[i].vertex);
+        result.vertices.begin.back()++;
+        result.gradient.push_back({});
+      }
+      result.volume.back() += shares[i].volume;
+      result.gradient.back() += shares[i].gradient;
+    }
+  }
+  return result;
+}
+
+}  // namespace turgor::sfem
