@@ -22,41 +22,55 @@ namespace turgor::contact {
 
 enum class SiteState : std::uint8_t { kOpen, kStick, kSlip, kHeld };
 
+/// D of one site, the block of C on its own, in a frame whose first axis is the normal.
+struct SiteFrame {
+  Mat3d axes;   // columns: normal, two tangents
+  double d[9];  // symmetric [m/N]
+};
+
 /// Everything is allocated by make_coulomb; `count` and `held` may change from solution to solution.
 struct Coulomb {
   int count = 0, held = 0;  // sites; the first `held` of them are held
   int stride = 0;           // numbers between columns of C
   aligned_vector<double>
-      compliance;                 // C, 3·count square, column-major [m/N]; overwritten when sites are held
-  std::vector<Vec3d> separation;  // b before, c after [m]
-  std::vector<Vec3d> normal;      // unit, from the tool at the body
-  std::vector<double> friction;   // μ [1]
-  std::vector<Vec3d> force;       // λ, a guess before [N]
-  std::vector<SiteState> state;   // a guess is not needed
+      compliance;                  // C, 3·count square, column-major [m/N]; overwritten when sites are held
+  std::vector<double> separation;  // b before, c after; three a site [m]
+  std::vector<double> force;       // λ: a guess before, the answer after; three a site [N]
+  std::vector<Vec3d> normal;       // unit, from the tool at the body
+  std::vector<double> friction;    // μ [1]
+  std::vector<SiteState> state;    // of the answer
 
-  aligned_vector<double> matrix, scratch;  // of a solution
-  std::vector<double> local;
+  // Of use within a solution only.
+  std::vector<SiteFrame> frames;
+  std::vector<double> force_before;
+  aligned_vector<double> newton_matrix;  // column-major, the same stride
+  std::vector<double> newton_rhs;
+  std::vector<int> newton_row;  // first unknown of each site; -1 = none
 };
 
+/// With room for `capacity` sites.
 Coulomb make_coulomb(int capacity);
 
 struct CoulombParams {
-  int sweeps = 200;         // at most
-  int newton = 20;          // steps, at most
-  double tolerance = 1e-9;  // largest error of a condition, relative to the largest force
+  int sweeps = 400;         // at most
+  double tolerance = 1e-8;  // see CoulombReport::residual
 };
 
 struct CoulombReport {
-  int sweeps = 0, newton = 0;
-  double residual = 0;  // largest change of a force by its own site's exact solution / largest force [1]
+  int sweeps = 0, newton_steps = 0;
+  double residual = 0;  // largest change that its own exact solution still makes to a site's force, relative
+                        // to the largest force [1]
   bool converged = false;
 };
 
-/// Same bits for the same input, no allocation.
+/// The same bits for the same input; no allocation.
 CoulombReport solve(Coulomb& problem, const CoulombParams& params = {});
 
-/// One site alone: the force at which c = b + D λ obeys the conditions. D is symmetric positive definite, by
-/// rows, in a frame whose first axis is the normal.
-Vec3d solve_site(const double (&d)[9], Vec3d b, double friction);
+/// One site alone: the force λ at which c = b + D λ obeys the conditions, all in the site's frame.
+struct SiteSolution {
+  Vec3d force;
+  SiteState state = SiteState::kOpen;
+};
+SiteSolution solve_site(const double (&d)[9], Vec3d b, double friction);
 
 }  // namespace turgor::contact

@@ -33,9 +33,10 @@ struct MeshShape {
     float distance;  // [m]
     Vec3 normal;     // unit
   };
-  std::vector<Node> nodes;      // x fastest
-  double bounding_radius = 0;   // about the tool's origin [m]
-  double curvature_radius = 0;  // of a ball that would touch the mesh's finest triangles alike [m]
+  std::vector<Node> nodes;     // x fastest
+  std::vector<Vec3d> tips;     // some places of the surface, far from each other [m]
+  double bounding_radius = 0;  // about the tool's origin [m]
+  double tip_radius = 0;       // half of the shortest side of the box around it [m]
 };
 
 using Shape = std::variant<Sphere, Capsule, MeshShape>;
@@ -73,10 +74,12 @@ ShapeDistance distance(const Shape& shape, const Pose& pose, Vec3d x);
 double bounding_radius(const Shape& shape);
 /// Triangles with edges longer than this can be entered between their corners [m].
 double tip_radius(const Shape& shape);
+/// Places of the shape that are looked at against such triangles, in the shape's frame: centres of balls that
+/// fill it, or places of its surface.
+int tip_count(const Shape& shape);
+Vec3d tip(const Shape& shape, int index);
 
-/// The point of a triangle that is nearest to a shape, as weights of the corners (each ≥ 0, their sum 1).
-Vec3d closest_weights(const Shape& shape, const Pose& pose, Vec3d a, Vec3d b, Vec3d c);
-/// The point of a triangle that is nearest to a point.
+/// The point of a triangle that is nearest to a point, as weights of its corners (each ≥ 0, their sum 1).
 Vec3d closest_weights(Vec3d x, Vec3d a, Vec3d b, Vec3d c);
 
 }  // namespace turgor::contact

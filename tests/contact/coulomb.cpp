@@ -1,0 +1,289 @@
+#include "turgor/contact/coulomb.hpp"
+
+#include <Eigen/Dense>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "contact/half_space.hpp"
+
+namespace turgor::contact {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Case {
+  MatrixXd c;
+  VectorXd b;
+  std::vector<Vec3d> normal;
+  std::vector<double> friction;
+  int held = 0;
+};
+
+Vec3d at(const VectorXd& v, int i) { return {v[3 * i], v[3 * i + 1], v[3 * i + 2]}; }
+
+/// Symmetric, positive definite and full: what an elastic body of random shape would answer.
+Case random_case(int k, double friction, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  const auto number = [&] { return normal(random); };
+  const MatrixXd a = MatrixXd::NullaryExpr(3 * k, 3 * k, number);
+  Case out{a * a.transpose() / (3 * k) + 0.1 * MatrixXd::Identity(3 * k, 3 * k),
+           VectorXd::NullaryExpr(3 * k, number)};
+  for (int i = 0; i < k; i++) {
+    out.normal.push_back(normalized(Vec3d{number(), number(), number()}));
+    out.friction.push_back(friction);
+  }
+  return out;
+}
+
+/// Points of a half space under a sphere that is too deep by `depth` in the middle and dragged by `slide`.
+Case sphere_case(int side, double friction, double depth, double slide) {
+  const HalfSpace s{.side = side};
+  const sfem::Patch patch = half_space_patch(s);
+  const auto n = Eigen::Index(3 * patch.points.size());
+  Case out{Eigen::Map<const MatrixXd>(patch.compliance.data(), n, n), VectorXd(n)};
+  const double radius = 20 * s.spacing;
+  const Vec3d centre{0.2 * s.spacing, 0.1 * s.spacing, radius - depth};
+  for (int i = 0; i < int(patch.points.size()); i++) {
+    const Vec3d d = patch.points[std::size_t(i)].x - centre, normal = normalized(d);
+    const Vec3d apart = normal * (norm(d) - radius) - Vec3d{slide, 0, 0};
+    for (int axis = 0; axis < 3; axis++) out.b[3 * i + axis] = apart[axis];
+    out.normal.push_back(normal);
+    out.friction.push_back(friction);
+  }
+  return out;
+}
+
+Coulomb load(const Case& in) {
+  const int k = int(in.normal.size());
+  Coulomb p = make_coulomb(k);
+  p.count = k;
+  p.held = in.held;
+  for (int j = 0; j < 3 * k; j++)
+    for (int i = 0; i < 3 * k; i++) p.compliance[std::size_t(j * p.stride + i)] = in.c(i, j);
+  std::copy_n(in.b.data(), 3 * k, p.separation.begin());
+  p.normal = in.normal;
+  p.friction = in.friction;
+  return p;
+}
+
+VectorXd forces(const Coulomb& p) { return Eigen::Map<const VectorXd>(p.force.data(), 3 * p.count); }
+
+/// The largest violation of any condition, relative to the largest force or separation.
+double violation(const Case& in, const VectorXd& force) {
+  const VectorXd c = in.b + in.c * force;
+  double worst = 0;
+  const double f0 = std::max(force.lpNorm<Eigen::Infinity>(), 1e-300), c0 = in.b.lpNorm<Eigen::Infinity>();
+  for (int i = 0; i < int(in.normal.size()); i++) {
+    const Vec3d f = at(force, i), s = at(c, i), n = in.normal[std::size_t(i)];
+    if (i < in.held) {
+      worst = std::max(worst, norm(s) / c0);
+      continue;
+    }
+    const double mu = in.friction[std::size_t(i)], fn = dot(f, n), sn = dot(s, n);
+    const Vec3d ft = f - fn * n, st = s - sn * n;
+    worst = std::max({worst, -fn / f0, -sn / c0, std::abs(fn * sn) / (f0 * c0), (norm(ft) - mu * fn) / f0});
+    if (fn < 1e-7 * f0) continue;
+    // Slip is against friction, and there is none inside the cone.
+    const double inside = std::max(0.0, mu * fn - norm(ft)) / f0;
+    worst =
+        std::max({worst, inside * norm(st) / c0, norm(cross(ft, st)) / (f0 * c0), dot(ft, st) / (f0 * c0)});
+  }
+  return worst;
+}
+
+/// All subsets of touching sites, until one obeys the conditions.
+VectorXd frictionless_by_trial(const Case& in) {
+  const int k = int(in.normal.size());
+  MatrixXd n = MatrixXd::Zero(3 * k, k);
+  for (int i = 0; i < k; i++)
+    for (int axis = 0; axis < 3; axis++) n(3 * i + axis, i) = in.normal[std::size_t(i)][axis];
+  const MatrixXd c = n.transpose() * in.c * n;
+  const VectorXd b = n.transpose() * in.b;
+  for (int set = 0; set < 1 << k; set++) {
+    std::vector<int> touching;
+    for (int i = 0; i < k; i++)
+      if (set >> i & 1) touching.push_back(i);
+    VectorXd force = VectorXd::Zero(k);
+    if (!touching.empty()) {
+      const MatrixXd c_touching = c(touching, touching);
+      const VectorXd b_touching = b(touching), found = c_touching.llt().solve(-b_touching);
+      force(touching) = found;
+    }
+    if (force.minCoeff() >= 0 && (b + c * force).minCoeff() >= -1e-12) return n * force;
+  }
+  ADD_FAILURE() << "no set of sites obeys the conditions";
+  return VectorXd::Zero(3 * k);
+}
+
+/// Projected fixed-point iteration with a small step: slow, and shares nothing with the solver.
+VectorXd by_small_steps(const Case& in, double tolerance) {
+  const int k = int(in.normal.size());
+  const double step = 1 / in.c.norm();
+  VectorXd force = VectorXd::Zero(3 * k);
+  for (int iteration = 0; iteration < 3'000'000; iteration++) {
+    const VectorXd c = in.b + in.c * force, before = force;
+    for (int i = 0; i < k; i++) {
+      const Vec3d n = in.normal[std::size_t(i)], s = at(c, i);
+      const double mu = in.friction[std::size_t(i)];
+      const double slip = norm(s - dot(s, n) * n);
+      // De Saxcé's change of variable makes the law a projection on the cone.
+      Vec3d f = at(force, i) - step * (s + mu * slip * n);
+      const double fn = dot(f, n);
+      const Vec3d ft = f - fn * n;
+      if (mu * norm(ft) <= -fn)
+        f = {};
+      else if (norm(ft) > mu * fn) {
+        const double on = (mu * norm(ft) + fn) / (1 + mu * mu);
+        f = on * n + (mu * on / norm(ft)) * ft;
+      }
+      for (int axis = 0; axis < 3; axis++) force[3 * i + axis] = f[axis];
+    }
+    if ((force - before).norm() <= tolerance * force.norm()) break;
+  }
+  return force;
+}
+
+TEST(Coulomb, without_friction_the_forces_are_those_of_the_one_set_of_sites_that_can_touch) {
+  std::mt19937 random(1);
+  double worst = 0;
+  for (int trial = 0; trial < 200; trial++) {
+    const Case in = random_case(2 + trial % 9, 0, random);
+    Coulomb p = load(in);
+    EXPECT_TRUE(solve(p).converged);
+    const VectorXd exact = frictionless_by_trial(in);
+    worst = std::max(worst, (forces(p) - exact).norm() / std::max(exact.norm(), 1e-3));
+  }
+  EXPECT_LT(worst, 1e-8);
+  RecordProperty("worst", std::to_string(worst));
+}
+
+TEST(Coulomb, one_site_obeys_the_law_wherever_it_is_pushed) {
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  double worst = 0;
+  int slips = 0;
+  for (int trial = 0; trial < 20000; trial++) {
+    Case in = random_case(1, std::array{0.0, 0.1, 0.5, 1.5}[std::size_t(trial % 4)], random);
+    in.b *= std::pow(10, 2 * normal(random));
+    Coulomb p = load(in);
+    solve(p);
+    slips += p.state[0] == SiteState::kSlip;
+    worst = std::max(worst, violation(in, forces(p)));
+  }
+  EXPECT_GT(slips, 1000);
+  EXPECT_LT(worst, 1e-12);
+}
+
+TEST(Coulomb, many_sites_obey_the_law_to_rounding) {
+  std::mt19937 random(3);
+  double worst = 0;
+  int unsolved = 0;
+  for (int trial = 0; trial < 400; trial++) {
+    const Case in = random_case(2 + trial % 31, 0.1 + 0.2 * (trial % 4), random);
+    Coulomb p = load(in);
+    const CoulombReport report = solve(p);
+    unsolved += !report.converged;
+    if (report.converged) worst = std::max(worst, violation(in, forces(p)));
+  }
+  EXPECT_EQ(unsolved, 0);
+  EXPECT_LT(worst, 1e-7);
+}
+
+TEST(Coulomb, a_dragged_sphere_has_the_forces_of_a_slow_independent_method) {
+  for (const double slide : {0.0, 1e-5, 1e-4, 1e-3}) {
+    const Case in = sphere_case(5, 0.3, 4e-4, slide);
+    Coulomb p = load(in);
+    EXPECT_TRUE(solve(p).converged);
+    const VectorXd slow = by_small_steps(in, 1e-13);
+    EXPECT_LT(violation(in, forces(p)), 1e-7) << slide;
+    EXPECT_LT((forces(p) - slow).norm() / slow.norm(), 1e-6) << slide;
+  }
+}
+
+TEST(Coulomb, a_drag_below_the_cone_sticks_and_one_above_it_slides_with_mu_times_the_normal_force) {
+  for (const double mu : {0.1, 0.4, 0.8}) {
+    const HalfSpace s{.side = 1};
+    const Mat3d d = half_space_answer(s, 0, 0);
+    const double depth = 1e-4, normal_force = depth / d.column[2].z;
+    for (const double part : {0.99, 1.01}) {
+      Case in{MatrixXd(3, 3), VectorXd(3), {{0, 0, -1}}, {mu}};
+      for (int j = 0; j < 3; j++)
+        for (int i = 0; i < 3; i++) in.c(i, j) = d.column[j][i];
+      in.b << -part * mu * normal_force * d.column[0].x, 0, depth;
+      Coulomb p = load(in);
+      solve(p);
+      EXPECT_EQ(p.state[0], part < 1 ? SiteState::kStick : SiteState::kSlip);
+      EXPECT_NEAR(p.force[0], std::min(part, 1.0) * mu * normal_force, 1e-12 * normal_force);
+      EXPECT_NEAR(p.force[2], -normal_force, 1e-12 * normal_force);
+    }
+  }
+}
+
+TEST(Coulomb, held_sites_have_the_forces_of_the_capacitance_matrix) {
+  std::mt19937 random(4);
+  for (const int k : {1, 5, 30}) {
+    Case in = random_case(k, 0.3, random);
+    in.held = k;
+    Coulomb p = load(in);
+    EXPECT_TRUE(solve(p).converged);
+    const VectorXd exact = in.c.llt().solve(-in.b);
+    EXPECT_LT((forces(p) - exact).norm() / exact.norm(), 1e-12);
+  }
+}
+
+TEST(Coulomb, held_and_touching_sites_obey_the_law_together) {
+  std::mt19937 random(5);
+  double worst = 0;
+  for (int trial = 0; trial < 100; trial++) {
+    Case in = random_case(4 + trial % 20, 0.3, random);
+    in.held = 1 + trial % 3;
+    Coulomb p = load(in);
+    EXPECT_TRUE(solve(p).converged);
+    worst = std::max(worst, violation(in, forces(p)));
+  }
+  EXPECT_LT(worst, 1e-7);
+}
+
+TEST(Coulomb, two_held_sites_at_the_same_place_share_nothing_that_is_not_finite) {
+  std::mt19937 random(6);
+  Case in = random_case(3, 0.3, random);
+  in.held = 2;
+  in.c.middleRows(3, 3) = in.c.middleRows(0, 3).eval();
+  in.c.middleCols(3, 3) = in.c.middleCols(0, 3).eval();
+  in.b.segment(3, 3) = in.b.segment(0, 3).eval();
+  Coulomb p = load(in);
+  solve(p);
+  EXPECT_TRUE(forces(p).allFinite());
+  EXPECT_LT((in.b + in.c * forces(p)).head(6).norm(), 1e-9);
+}
+
+TEST(Coulomb, sites_that_are_not_pushed_bear_no_force) {
+  std::mt19937 random(7);
+  Case in = random_case(6, 0.5, random);
+  for (int i = 0; i < 6; i++)
+    for (int axis = 0; axis < 3; axis++) in.b[3 * i + axis] = in.normal[std::size_t(i)][axis];
+  Coulomb p = load(in);
+  EXPECT_EQ(solve(p).sweeps, 1);
+  EXPECT_EQ(forces(p).norm(), 0);
+}
+
+TEST(Coulomb, newton_steps_finish_what_sweeps_begin) {
+  for (const int side : {3, 4, 5, 6}) {
+    const Case in = sphere_case(side, 0.3, 1e-3, 2e-4);
+    Coulomb p = load(in);
+    const CoulombReport cold = solve(p, {.tolerance = 1e-10});
+    const VectorXd guess = 1.01 * forces(p);
+    std::copy_n(in.b.data(), in.b.size(), p.separation.begin());
+    std::copy_n(guess.data(), guess.size(), p.force.begin());
+    const CoulombReport warm = solve(p, {.tolerance = 1e-10});
+    EXPECT_TRUE(cold.converged && warm.converged) << side;
+    EXPECT_LE(warm.sweeps, 12) << side;
+    std::printf("%d sites: cold %d sweeps, %d Newton steps; warm %d, %d\n", side * side, cold.sweeps,
+                cold.newton_steps, warm.sweeps, warm.newton_steps);
+  }
+}
+
+}  // namespace
+}  // namespace turgor::contact

@@ -1,0 +1,36 @@
+// What the parts of the contact solver share: access to its numbers, and the Newton step.
+#pragma once
+
+#include "turgor/contact/coulomb.hpp"
+
+namespace turgor::contact {
+
+inline Vec3d read_site(const std::vector<double>& v, int site) {
+  const double* p = &v[std::size_t(3 * site)];
+  return {p[0], p[1], p[2]};
+}
+inline double* column(Coulomb& p, int j) { return &p.compliance[std::size_t(j) * std::size_t(p.stride)]; }
+inline const double* column(const Coulomb& p, int j) {
+  return &p.compliance[std::size_t(j) * std::size_t(p.stride)];
+}
+
+/// c += C_i Δλ at all sites that are not held.
+inline void add_separation(Coulomb& p, int site, Vec3d change) {
+  const double *a = column(p, 3 * site), *b = column(p, 3 * site + 1), *c = column(p, 3 * site + 2);
+  double* s = p.separation.data();
+  TURGOR_LANES
+  for (int i = 3 * p.held; i < 3 * p.count; i++) s[i] += a[i] * change.x + b[i] * change.y + c[i] * change.z;
+}
+
+/// λ_i += Δλ, and what follows from it.
+inline void add_force(Coulomb& p, int site, Vec3d change) {
+  double* f = &p.force[std::size_t(3 * site)];
+  f[0] += change.x, f[1] += change.y, f[2] += change.z;
+  add_separation(p, site, change);
+}
+
+/// One Newton step of all sites that bear force, from their present states. False, and nothing is changed,
+/// when its matrix is singular.
+bool newton_step(Coulomb& problem);
+
+}  // namespace turgor::contact
