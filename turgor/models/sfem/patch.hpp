@@ -65,9 +65,9 @@ Patch build_patch(const Model& model, std::span<const int> elements, int refinem
 /// point): what the rest of the body feels [N].
 std::vector<double> coarse_forces(const Patch& patch, std::span<const double> forces);
 
-/// Displacements of vertices under forces on others: u = Ξ f, with the stored functions. `to` and `from` must
-/// be kept or fixed. Three numbers each. [m], [N]
-void displacements(const Exec& exec, const Model& model, std::span<const int> to, std::span<const int> from,
-                   std::span<const double> forces, std::span<double> out);
+/// Displacements of the surface's free vertices, Green::nodes[0 … surface_count), under forces on kept
+/// vertices: u = Σ Ξ_p f_p. Three numbers each; forces on fixed vertices move nothing. [m], [N]
+void surface_displacements(const Exec& exec, const Model& model, std::span<const int> vertices,
+                           std::span<const double> forces, std::span<float> out);
 
 }  // namespace turgor::sfem

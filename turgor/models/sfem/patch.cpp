@@ -1,0 +1,327 @@
+#include "turgor/models/sfem/patch.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/models/sfem/green.hpp"
+#include "turgor/models/sfem/patch_assembly.hpp"
+
+namespace turgor::sfem {
+
+namespace {
+
+template <class T>
+using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+template <class T>
+using Map = Eigen::Map<Matrix<T>>;
+template <class T>
+using ConstMap = Eigen::Map<const Matrix<T>>;
+
+/// The fine triangles that a touch can reach without leaving the patch's outer surface.
+std::vector<Int3> touched_triangles(const FineMesh& fine, std::span<const Vec3d> touches) {
+  if (touches.empty()) return fine.outer;
+  std::vector<int> piece(fine.nodes.size());  // smallest node of the piece each belongs to
+  std::iota(piece.begin(), piece.end(), 0);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const auto [a, b, c] : fine.outer) {
+      const int least = std::min({piece[std::size_t(a)], piece[std::size_t(b)], piece[std::size_t(c)]});
+      for (const int node : {a, b, c}) {
+        changed = changed || piece[std::size_t(node)] != least;
+        piece[std::size_t(node)] = least;
+      }
+    }
+  }
+  std::vector<int> wanted;
+  for (const Vec3d touch : touches) {
+    double nearest = std::numeric_limits<double>::max();
+    int found = -1;
+    for (const Int3 t : fine.outer)
+      for (const int node : {t.x, t.y, t.z})
+        if (const Vec3d d = fine.nodes[std::size_t(node)].x - touch; dot(d, d) < nearest)
+          nearest = dot(d, d), found = node;
+    if (found >= 0) wanted.push_back(piece[std::size_t(found)]);
+  }
+  std::vector<Int3> triangles;
+  for (const Int3 t : fine.outer)
+    if (std::find(wanted.begin(), wanted.end(), piece[std::size_t(t.x)]) != wanted.end())
+      triangles.push_back(t);
+  return triangles;
+}
+
+/// Nodes of the triangles, ascending.
+std::vector<int> nodes_of(const std::vector<Int3>& triangles) {
+  std::vector<int> nodes;
+  for (const auto [a, b, c] : triangles) nodes.insert(nodes.end(), {a, b, c});
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+PatchUnknowns number_unknowns(const Model& model, std::span<const int> elements, const FineMesh& fine,
+                              const std::vector<int>& touched, bool with_change) {
+  PatchUnknowns unknowns;
+  const SolidMesh& mesh = model.body.mesh;
+  const std::vector<int> taking_part =
+      with_change ? changed_elements(model, elements) : std::vector<int>(elements.begin(), elements.end());
+  for (const int e : taking_part)
+    for (const int v : element(mesh, std::size_t(e)))
+      if (model.free_node[std::size_t(v)] >= 0) unknowns.coarse.push_back(v);
+  std::sort(unknowns.coarse.begin(), unknowns.coarse.end());
+  unknowns.coarse.erase(std::unique(unknowns.coarse.begin(), unknowns.coarse.end()), unknowns.coarse.end());
+
+  unknowns.local.assign(fine.nodes.size(), -1);
+  const auto has_own = [&](int node) {
+    const FineNode& n = fine.nodes[std::size_t(node)];
+    return !n.at_vertex && !n.on_border && !n.fixed;
+  };
+  for (const bool surface : {false, true}) {
+    if (surface) unknowns.first_touched = unknowns.local_count;
+    for (int node = 0; node < int(fine.nodes.size()); node++)
+      if (has_own(node) && std::binary_search(touched.begin(), touched.end(), node) == surface)
+        unknowns.local[std::size_t(node)] = unknowns.local_count++;
+  }
+  return unknowns;
+}
+
+/// Ξ between the coarse vertices. With a change Δ of the coarse stiffness: (K + Δ)⁻¹ = (I + Ξ Δ)⁻¹ Ξ.
+template <class T>
+Matrix<T> coarse_green(const Model& model, const PatchUnknowns& unknowns, const std::vector<T>& change) {
+  const Eigen::Index n = 3 * Eigen::Index(unknowns.coarse.size());
+  std::vector<double> values(std::size_t(n * n));
+  gather_green(model, unknowns.coarse, values.data());
+  const Matrix<double> green = ConstMap<double>(values.data(), n, n);
+  if (change.empty()) return green.cast<T>();
+  const Matrix<double> delta = ConstMap<T>(change.data(), n, n).template cast<double>();
+  Matrix<double> system = green * delta;
+  system.diagonal().array() += 1;
+  const Matrix<double> changed = system.partialPivLu().solve(green);
+  return ((changed + changed.transpose()) / 2).cast<T>();
+}
+
+/// S = K_L − K_LG Ξ K_GL and its Cholesky factor; Ψ = K_LG Ξ stays for what comes after.
+template <class T>
+struct Elimination {
+  Matrix<T> green, psi, factor;
+};
+
+template <class T>
+Elimination<T> eliminate(const Model& model, const PatchUnknowns& unknowns, PatchMatrices<T>& matrices) {
+  const Eigen::Index local = 3 * unknowns.local_count, coarse = 3 * Eigen::Index(unknowns.coarse.size());
+  Elimination<T> e;
+  e.green = coarse_green(model, unknowns, matrices.change);
+  e.factor = Map<T>(matrices.local.data(), local, local);
+  if (local == 0) return e;
+  const Map<T> coupling(matrices.coupling.data(), local, coarse);
+  e.psi.noalias() = coupling * e.green;
+  e.factor.template triangularView<Eigen::Lower>() -= e.psi * coupling.transpose();
+  Eigen::LLT<Eigen::Ref<Matrix<T>>> in_place(e.factor);
+  TURGOR_ASSERT(in_place.info() == Eigen::Success, "a patch of a held body is positive definite");
+  return e;
+}
+
+/// Compliance between the functions that move the touched surface: coarse ones first, then local ones. Blocks
+/// of the inverse of the coupled system, read from the end of the factor.
+template <class T>
+Matrix<T> function_compliance(const Elimination<T>& e, const std::vector<int>& coarse,
+                              const PatchUnknowns& unknowns) {
+  const Eigen::Index local = 3 * unknowns.local_count, c = 3 * Eigen::Index(coarse.size());
+  const Eigen::Index s = local - 3 * unknowns.first_touched;  // touched local unknowns are the last
+  Matrix<T> compliance(c + s, c + s);
+  Matrix<T> z(local, c);
+  for (std::size_t i = 0; i < coarse.size(); i++) {
+    const Eigen::Index column = 3 * Eigen::Index(i), from = 3 * coarse[i];
+    for (std::size_t k = 0; k < coarse.size(); k++)
+      compliance.template block<3, 3>(3 * Eigen::Index(k), column) =
+          e.green.template block<3, 3>(3 * coarse[k], from);
+    if (local > 0) z.template middleCols<3>(column) = e.psi.template middleCols<3>(from);
+  }
+  if (local == 0) return compliance;
+  const auto lower = e.factor.template triangularView<Eigen::Lower>();
+  lower.solveInPlace(z);
+  compliance.topLeftCorner(c, c).noalias() += z.transpose() * z;  // Ξ_GG = Ξ + Ψᵀ S⁻¹ Ψ
+  Matrix<T> inverse = Matrix<T>::Identity(s, s);
+  e.factor.bottomRightCorner(s, s).template triangularView<Eigen::Lower>().solveInPlace(inverse);
+  const auto transposed = inverse.transpose().template triangularView<Eigen::Upper>();
+  compliance.bottomLeftCorner(s, c).noalias() = -(transposed * z.bottomRows(s));  // Ξ_LG
+  compliance.topRightCorner(c, s) = compliance.bottomLeftCorner(s, c).transpose();
+  compliance.bottomRightCorner(s, s).noalias() = transposed * inverse;  // Ξ_LL = S⁻¹
+  return compliance;
+}
+
+/// The points of the patch: touched fine nodes with what they hang on.
+void make_points(const FineMesh& fine, const PatchUnknowns& unknowns, const std::vector<int>& touched,
+                 const std::vector<Int3>& triangles, Patch& patch) {
+  std::vector<int> number(fine.nodes.size(), -1);
+  for (const int node : touched) {
+    number[std::size_t(node)] = int(patch.points.size());
+    const FineNode& from = fine.nodes[std::size_t(node)];
+    PatchPoint point{from.x, from.key};
+    TURGOR_ASSERT(from.supports <= int(point.coarse.size()), "a surface point hangs on one face");
+    point.supports = from.supports, point.local = unknowns.local[std::size_t(node)];
+    for (std::size_t s = 0; s < std::size_t(from.supports); s++) {
+      const auto at = std::lower_bound(unknowns.coarse.begin(), unknowns.coarse.end(), from.coarse[s]);
+      point.coarse[s] = int(at - unknowns.coarse.begin()), point.weight[s] = from.weight[s];
+    }
+    patch.points.push_back(point);
+  }
+  for (const auto [a, b, c] : triangles)
+    patch.triangles.push_back({number[std::size_t(a)], number[std::size_t(b)], number[std::size_t(c)]});
+}
+
+/// One side of P B Pᵀ, transposed: columns of `from` are functions, columns of the result points.
+template <class T>
+Matrix<T> expand(const Patch& patch, const std::vector<int>& place, int first_touched, Eigen::Index coarse,
+                 const Matrix<T>& from) {
+  Matrix<T> result(from.rows(), 3 * Eigen::Index(patch.points.size()));
+  for (std::size_t p = 0; p < patch.points.size(); p++) {
+    const PatchPoint& point = patch.points[p];
+    auto columns = result.template middleCols<3>(3 * Eigen::Index(p));
+    columns.setZero();
+    for (std::size_t s = 0; s < std::size_t(point.supports); s++)
+      columns += T(point.weight[s]) * from.template middleCols<3>(3 * place[std::size_t(point.coarse[s])]);
+    if (point.local >= 0) columns += from.template middleCols<3>(coarse + 3 * (point.local - first_touched));
+  }
+  return result;
+}
+
+template <class T>
+void condense(const Model& model, std::span<const int> elements, const FineMesh& fine,
+              const PatchUnknowns& unknowns, bool with_change, Patch& patch) {
+  PatchMatrices<T> matrices = assemble_patch<T>(model, elements, fine, unknowns, with_change);
+  Elimination<T> e = eliminate(model, unknowns, matrices);
+
+  std::vector<int> place(unknowns.coarse.size(), -1), coarse;  // coarse functions that move the points
+  for (const PatchPoint& point : patch.points)
+    for (std::size_t s = 0; s < std::size_t(point.supports); s++)
+      if (int& at = place[std::size_t(point.coarse[s])]; at < 0)
+        at = int(coarse.size()), coarse.push_back(point.coarse[s]);
+  const Eigen::Index coarse_rows = 3 * Eigen::Index(coarse.size()), n = 3 * Eigen::Index(patch.points.size());
+  const Matrix<T> functions = function_compliance(e, coarse, unknowns);
+  const Matrix<T> half = expand(patch, place, unknowns.first_touched, coarse_rows, functions).transpose();
+  const Matrix<T> full = expand(patch, place, unknowns.first_touched, coarse_rows, half);
+  patch.compliance.resize(std::size_t(n * n));
+  Map<double>(patch.compliance.data(), n, n) = full.template cast<double>();
+
+  const auto values = [](const Matrix<T>& m) { return std::vector<T>(m.data(), m.data() + m.size()); };
+  patch.system = CondensedSystem<T>{values(e.factor), std::move(matrices.coupling), values(e.green),
+                                    std::move(matrices.change)};
+}
+
+template <class T>
+std::vector<double> coarse_forces_of(const Patch& patch, const CondensedSystem<T>& system,
+                                     std::span<const double> forces) {
+  using Vector = Eigen::Matrix<T, Eigen::Dynamic, 1>;
+  const Eigen::Index local = 3 * patch.local_nodes, coarse = 3 * Eigen::Index(patch.coarse.size());
+  Vector on_local = Vector::Zero(local), on_coarse = Vector::Zero(coarse);
+  for (std::size_t p = 0; p < patch.points.size(); p++) {
+    const PatchPoint& point = patch.points[p];
+    const Eigen::Matrix<T, 3, 1> f(T(forces[3 * p]), T(forces[3 * p + 1]), T(forces[3 * p + 2]));
+    for (std::size_t s = 0; s < std::size_t(point.supports); s++)
+      on_coarse.template segment<3>(3 * point.coarse[s]) += T(point.weight[s]) * f;
+    if (point.local >= 0) on_local.template segment<3>(3 * point.local) += f;
+  }
+  const ConstMap<T> factor(system.factor.data(), local, local), green(system.green.data(), coarse, coarse);
+  const ConstMap<T> coupling(system.coupling.data(), local, coarse);
+  if (local > 0) {  // u_L = S⁻¹ (f_L − Ψ f_G); the coarse body feels f_G − K_GL u_L
+    on_local -= coupling * (green * on_coarse);
+    factor.template triangularView<Eigen::Lower>().solveInPlace(on_local);
+    factor.transpose().template triangularView<Eigen::Upper>().solveInPlace(on_local);
+    on_coarse -= coupling.transpose() * on_local;
+  }
+  if (!system.change.empty())  // (K + Δ) u = f as K u = f − Δ u
+    on_coarse -= (ConstMap<T>(system.change.data(), coarse, coarse) * (green * on_coarse)).eval();
+  return {on_coarse.data(), on_coarse.data() + coarse};
+}
+
+/// Elements around the free surface vertex nearest to a place.
+void elements_at(const Model& model, Vec3d touch, std::vector<int>& found) {
+  const SolidMesh& mesh = model.body.mesh;
+  int nearest = -1;
+  double least = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < model.green.surface_count; i++) {
+    const Vec3d d = mesh.vertices[std::size_t(model.green.nodes[i])] - touch;
+    if (dot(d, d) < least) least = dot(d, d), nearest = model.green.nodes[i];
+  }
+  for (std::size_t t = 0; t < model.surface.triangles.size(); t++) {
+    const Int3 v = model.surface.triangles[t];
+    if (v.x == nearest || v.y == nearest || v.z == nearest) found.push_back(model.surface.element[t]);
+  }
+}
+
+/// Elements that may be in a patch: all vertices whose stiffness the patch changes have Green's functions.
+std::vector<char> usable_elements(const Model& model) {
+  const SolidMesh& mesh = model.body.mesh;
+  const bool by_node = model.params.formulation == Formulation::kAveraged && mesh.corners == 4;
+  std::vector<char> usable(element_count(mesh)), vertex_usable(mesh.vertices.size(), 1);
+  for (std::size_t e = 0; e < usable.size(); e++) {
+    const auto corners = element(mesh, e);
+    usable[e] = std::all_of(corners.begin(), corners.end(), [&](int v) {
+      return model.free_node[std::size_t(v)] < 0 || model.green.slot[std::size_t(v)] >= 0;
+    });
+    if (by_node && !usable[e])
+      for (const int v : corners) vertex_usable[std::size_t(v)] = 0;
+  }
+  for (std::size_t e = 0; by_node && e < usable.size(); e++)
+    for (const int v : element(mesh, e)) usable[e] = usable[e] && vertex_usable[std::size_t(v)];
+  return usable;
+}
+
+}  // namespace
+
+std::vector<int> patch_elements(const Model& model, std::span<const Vec3d> touches, double radius) {
+  const SolidMesh& mesh = model.body.mesh;
+  const std::size_t faces = element_faces(mesh).size();
+  std::vector<int> found;
+  const std::vector<char> usable = usable_elements(model);
+  std::vector<char> seen(element_count(mesh), 0);
+  for (const Vec3d touch : touches) elements_at(model, touch, found);
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  for (const int e : found) seen[std::size_t(e)] = 1;
+  const auto is_near = [&](int e) {
+    const Vec3d x = centroid(mesh, std::size_t(e));
+    return std::any_of(touches.begin(), touches.end(), [&](Vec3d touch) { return norm(x - touch) < radius; });
+  };
+  for (std::size_t i = 0; i < found.size(); i++)
+    for (std::size_t f = 0; f < faces; f++) {
+      const int across = model.neighbours[std::size_t(found[i]) * faces + f];
+      if (across < 0 || seen[std::size_t(across)]) continue;
+      seen[std::size_t(across)] = 1;
+      if (is_near(across) && usable[std::size_t(across)]) found.push_back(across);
+    }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+Patch build_patch(const Model& model, std::span<const int> elements, int refinement,
+                  std::span<const Vec3d> touches) {
+  const FineMesh fine = refine(model, elements, refinement);
+  const std::vector<Int3> triangles = touched_triangles(fine, touches);
+  const std::vector<int> touched = nodes_of(triangles);
+  const bool with_change = refinement > 1 && changes_stiffness(model, elements, fine);
+  const PatchUnknowns unknowns = number_unknowns(model, elements, fine, touched, with_change);
+
+  Patch patch;
+  patch.elements.assign(elements.begin(), elements.end());
+  patch.coarse = unknowns.coarse;
+  patch.local_nodes = unknowns.local_count;
+  make_points(fine, unknowns, touched, triangles, patch);
+  if (model.params.precision == Precision::kSingle)
+    condense<float>(model, elements, fine, unknowns, with_change, patch);
+  else
+    condense<double>(model, elements, fine, unknowns, with_change, patch);
+  return patch;
+}
+
+std::vector<double> coarse_forces(const Patch& patch, std::span<const double> forces) {
+  TURGOR_ASSERT(forces.size() == 3 * patch.points.size(), "three numbers a point");
+  return std::visit([&](const auto& system) { return coarse_forces_of(patch, system, forces); },
+                    patch.system);
+}
+
+}  // namespace turgor::sfem
