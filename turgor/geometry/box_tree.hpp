@@ -1,0 +1,87 @@
+// A tree of boxes over things that have a box each (triangles, elements): what is near a point or meets a
+// box is found without asking all of them.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "turgor/core/vec.hpp"
+
+namespace turgor {
+
+struct Box {
+  Vec3d low, high;
+};
+
+inline Box box_around(std::span<const Vec3d> points) {
+  Box box{points[0], points[0]};
+  for (const Vec3d p : points) box = {min(box.low, p), max(box.high, p)};
+  return box;
+}
+inline bool meet(const Box& a, const Box& b) {
+  return a.low.x <= b.high.x && a.low.y <= b.high.y && a.low.z <= b.high.z && b.low.x <= a.high.x &&
+         b.low.y <= a.high.y && b.low.z <= a.high.z;
+}
+/// Squared distance of a point to a box; 0 inside [m²].
+inline double squared_distance(const Box& box, Vec3d p) {
+  const Vec3d d = p - min(max(p, box.low), box.high);
+  return dot(d, d);
+}
+
+struct BoxTree {
+  struct Node {
+    Box box;
+    int first =
+        0;  // a leaf's first place in `items`; an inner node's second child (the first one follows it)
+    int count = 0;  // items of a leaf; 0 = inner
+  };
+  std::vector<Node> nodes;  // root first; empty without boxes
+  std::vector<int> items;   // indices of the boxes, leaf by leaf
+};
+
+BoxTree build_box_tree(std::span<const Box> boxes);
+
+/// Calls visit(item) for every item of every leaf whose box meets `box`; visit returns true to stop.
+template <class Visit>
+void visit_meeting(const BoxTree& tree, const Box& box, const Visit& visit) {
+  std::array<int, 64> stack;  // deeper than any tree of halves
+  int depth = 0;
+  if (!tree.nodes.empty()) stack[std::size_t(depth++)] = 0;
+  while (depth > 0) {
+    const int n = stack[std::size_t(--depth)];
+    const BoxTree::Node& node = tree.nodes[std::size_t(n)];
+    if (!meet(node.box, box)) continue;
+    for (int i = 0; i < node.count; i++)
+      if (visit(tree.items[std::size_t(node.first + i)])) return;
+    if (node.count > 0) continue;
+    stack[std::size_t(depth++)] = node.first;
+    stack[std::size_t(depth++)] = n + 1;
+  }
+}
+
+/// The item nearest to a point: measure(item, best) returns the item's squared distance, or anything ≥ best.
+/// Equal distances go to the first one found. -1 when nothing is nearer than `best` at first.
+template <class Measure>
+int nearest_item(const BoxTree& tree, Vec3d p, double best, const Measure& measure) {
+  std::array<int, 64> stack;
+  int depth = 0, nearest = -1;
+  if (!tree.nodes.empty()) stack[std::size_t(depth++)] = 0;
+  while (depth > 0) {
+    const int n = stack[std::size_t(--depth)];
+    const BoxTree::Node& node = tree.nodes[std::size_t(n)];
+    if (squared_distance(node.box, p) >= best) continue;
+    for (int i = 0; i < node.count; i++) {
+      const int item = tree.items[std::size_t(node.first + i)];
+      if (const double d = measure(item, best); d < best) best = d, nearest = item;
+    }
+    if (node.count > 0) continue;
+    const bool swap = squared_distance(tree.nodes[std::size_t(n + 1)].box, p) >
+                      squared_distance(tree.nodes[std::size_t(node.first)].box, p);
+    stack[std::size_t(depth++)] = swap ? n + 1 : node.first;  // the nearer child is popped first
+    stack[std::size_t(depth++)] = swap ? node.first : n + 1;
+  }
+  return nearest;
+}
+
+}  // namespace turgor
