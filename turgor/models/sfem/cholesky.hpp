@@ -1,22 +1,51 @@
-// K = L Lᵀ of a sparse symmetric positive definite matrix of 3×3 blocks, and solutions with it for many
-// right-hand sides at once. Supernodes make both run at the speed of dense products.
+// K = L D Lᵀ of a sparse symmetric positive definite matrix of 3×3 blocks, and solutions with it for many
+// right-hand sides at once. D holds one dense block a supernode; that makes both run at the speed of dense
+// products, and solutions of unit forces touch only what they need. [Duff, Reid 1983; Liu 1992]
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "turgor/core/exec.hpp"
 #include "turgor/core/progress.hpp"
 #include "turgor/core/result.hpp"
-#include "turgor/core/vec.hpp"
+#include "turgor/models/sfem/elimination.hpp"
 
 namespace turgor::sfem {
 
-struct BlockMatrix;
-
-/// The factor, by supernodes: columns that have the same rows below their diagonal block.
+/// Each supernode's panel, column-major: the Cholesky factor of its block of D on top (lower triangle), its
+/// rows of L below.
 struct Cholesky {
-  std::vector<int> order;  // row of K at each place of the elimination
+  Elimination plan;
+  std::vector<double> values;
 };
+
+/// Error: K is not positive definite; `vertex` names the rows. The same bits on any number of threads.
+Result<Cholesky> factorize(const Exec& exec, const BlockMatrix& k, Elimination plan,
+                           std::span<const int> vertex, const Progress& progress = {});
+
+/// Solves K u = f in place for one right-hand side, numbered as K's rows.
+void solve(const Cholesky& factor, std::span<double> f);
+/// For many right-hand sides, one behind the other.
+void solve(const Exec& exec, const Cholesky& factor, std::span<double> f);
+
+/// Columns of K⁻¹, as solve_units leaves them.
+struct UnitSolutions {
+  std::size_t columns = 0;     // 3 · the number of units
+  std::vector<double> values;  // row-major, by place of elimination
+  std::vector<double> gathered;
+
+  const double* row(int place) const { return &values[3 * std::size_t(place) * columns]; }
+};
+
+/// Answers to unit forces along the three axes at these rows of K, at the places of the supernodes that
+/// are `wanted` (with their ancestors) and not before `first_place`; other values are undefined.
+void solve_units(const Cholesky& factor, std::span<const int> rows, std::span<const unsigned char> wanted,
+                 int first_place, UnitSolutions& solutions);
+
+/// Operations of solving for one right-hand side without zeros.
+inline double solve_flops(const Elimination& plan) { return 4 * double(plan.value_count); }
 
 }  // namespace turgor::sfem

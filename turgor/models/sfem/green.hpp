@@ -52,4 +52,23 @@ inline void gather_green(const Model& model, std::span<const int> vertices, doub
     }
 }
 
+/// Columns on demand that are computed but not yet among the model's.
+struct FetchedColumns {
+  std::vector<int> slots;
+  std::vector<std::vector<float>> values;
+};
+/// Those of these kept vertices that the model does not have. Reads the model only: a thread beside the ticks
+/// may fetch ahead. The model has a factor.
+FetchedColumns compute_columns(const Exec& exec, const Model& model, std::span<const int> vertices);
+/// Hands them over, between two ticks.
+void add_columns(Green& green, FetchedColumns fetched);
+
+/// Columns of Ξ over all free nodes, recomputed from the factor: three for each vertex, numbered as K's rows.
+CheckColumns full_columns(const Model& model, std::span<const int> vertices);
+/// Of all values of a dense store and its check columns.
+std::uint64_t checksum(const Green& green);
+/// Recomputes `count` random columns from the factor. Error: one is not K's inverse to 1e-6, or differs from
+/// the dense store by more than its precision.
+Status verify_green(const Model& model, int count, std::uint64_t seed);
+
 }  // namespace turgor::sfem

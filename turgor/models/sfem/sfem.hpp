@@ -68,15 +68,22 @@ struct BlockMatrix {
   std::vector<double> value;           // nine a block, row by row
 };
 
+/// Some columns of Ξ over all free nodes, by which a stored Ξ is recognised as K's inverse.
+struct CheckColumns {
+  std::vector<int> vertices;
+  std::vector<double> values;  // of each vertex three columns, one behind the other [m/N]
+};
+
 /// Ξ = K⁻¹ between the kept nodes. Column-major, 3·count rows and columns; symmetric.
 struct Green {
-  std::vector<int> nodes;             // kept vertices, those of the surface first
-  std::size_t surface_count = 0;      // how many of `nodes` are on the surface
-  std::vector<int> slot;              // of each vertex in `nodes`; -1 = not kept
-  std::vector<float> single_values;   // [m/N], one of the two is empty
-  std::vector<double> double_values;  // [m/N]
-  std::vector<std::vector<float>>
-      columns;  // on demand: of each kept node, three columns, empty = not fetched
+  std::vector<int> nodes;                   // kept vertices, those of the surface first
+  std::size_t surface_count = 0;            // how many of `nodes` are on the surface
+  std::vector<int> slot;                    // of each vertex in `nodes`; -1 = not kept
+  std::vector<float> single_values;         // [m/N], one of the two is empty
+  std::vector<double> double_values;        // [m/N]
+  std::vector<std::vector<float>> columns;  // on demand, three of each kept node; empty = not fetched
+  CheckColumns check;                       // of a dense store
+  std::uint64_t checksum = 0;               // of all values of a dense store and its check columns
 };
 
 /// What does not change while the body is touched.
@@ -100,6 +107,7 @@ Result<Model> build(const Exec& exec, Body body, const Params& params);
 struct GreenCost {
   std::size_t factor_bytes = 0;  // of the sparse factor
   std::size_t store_bytes = 0;   // of the dense store
+  std::size_t work_bytes = 0;    // held besides while computing, on one thread
   double factor_flops = 0, solve_flops = 0;
 };
 GreenCost green_cost(const Model& model);
@@ -110,8 +118,13 @@ Status factorize(const Exec& exec, Model& model, const Progress& progress = {});
 Status compute_green(const Exec& exec, Model& model, std::size_t memory_limit, const Progress& progress = {});
 /// Prepares a store without columns, filled by fetch_columns.
 Status prepare_columns(const Exec& exec, Model& model, const Progress& progress = {});
-/// Columns of these kept vertices, for a store on demand; does nothing for those that are there.
+/// Columns of these kept vertices, for a store on demand; does nothing for those that are there. Not beside a
+/// tick that reads them: for that, see compute_columns and add_columns (green.hpp).
 void fetch_columns(const Exec& exec, Model& model, const std::vector<int>& vertices);
+
+/// Is the dense store that of this model's K, bit by bit as it was computed? Needs no factor. Error: what is
+/// wrong with it.
+Status check_green(const Model& model);
 
 /// Equal for equal mesh, materials, fixed vertices, kept nodes, formulation and precision.
 std::uint64_t content_hash(const Model& model);

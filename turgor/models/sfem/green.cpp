@@ -1,0 +1,236 @@
+// The dense store. Columns are solved in the order of elimination, each only down to its own place: the part
+// before it is known from other columns, because Ξ is symmetric. That halves the work and leaves no two
+// values that should be equal and are not.
+#include "turgor/models/sfem/green.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+#include "turgor/models/sfem/dissection.hpp"
+
+namespace turgor::sfem {
+
+namespace {
+
+constexpr std::size_t kUnits = 32;  // nodes whose columns are solved together
+
+Elimination make_plan(const Model& model) {
+  std::vector<Vec3d> x;
+  for (const int v : model.vertex) x.push_back(model.body.mesh.vertices[std::size_t(v)]);
+  return plan_elimination(model.stiffness, nested_dissection(model.stiffness, x));
+}
+
+/// Slots of the kept nodes by place of elimination.
+struct KeptPlaces {
+  std::vector<int> by_place;  // slots, ascending places
+  std::vector<int> place;     // of each slot
+  std::vector<int> rows;      // of K, of each slot
+};
+
+KeptPlaces kept_places(const Model& model, const Elimination& plan) {
+  KeptPlaces kept;
+  for (const int v : model.green.nodes) {
+    kept.rows.push_back(model.free_node[std::size_t(v)]);
+    kept.place.push_back(plan.place[std::size_t(kept.rows.back())]);
+    kept.by_place.push_back(int(kept.by_place.size()));
+  }
+  std::sort(kept.by_place.begin(), kept.by_place.end(),
+            [&](int a, int b) { return kept.place[std::size_t(a)] < kept.place[std::size_t(b)]; });
+  return kept;
+}
+
+/// Operations of all columns, each solved down to its own place.
+double count_solve_flops(const Elimination& plan, const KeptPlaces& kept) {
+  const std::vector<unsigned char> wanted = with_ancestors(plan, kept.rows);
+  std::vector<double> down(plan.supernodes.size() + 1, 0), up(plan.supernodes.size(), 0);
+  for (std::size_t n = plan.supernodes.size(); n-- > 0;) {
+    const Supernode& s = plan.supernodes[n];
+    const double width = 3.0 * s.count, rows = 2 * width * 3 * double(s.row_count);
+    down[n] = down[n + 1] + (wanted[n] ? rows : 0);
+    up[n] = rows + 2 * width * width + (s.parent >= 0 ? up[std::size_t(s.parent)] : 0);
+  }
+  double flops = 0;
+  for (const int place : kept.place) {
+    const auto n = std::size_t(plan.supernode_of[std::size_t(place)]);
+    flops += 3 * (up[n] + down[n]);
+  }
+  return flops;
+}
+
+GreenCost cost_of(const Model& model, const Elimination& plan) {
+  const std::size_t side = 3 * model.green.nodes.size();
+  const std::size_t size = model.params.precision == Precision::kSingle ? sizeof(float) : sizeof(double);
+  GreenCost cost;
+  cost.factor_bytes = sizeof(double) * plan.value_count + sizeof(int) * plan.rows.size();
+  cost.store_bytes = size * side * side;
+  const std::size_t columns = 3 * plan.order.size() * 3 * kUnits;
+  cost.work_bytes = sizeof(double) * std::max(plan.work_count, columns);
+  cost.factor_flops = plan.flops;
+  cost.solve_flops = count_solve_flops(plan, kept_places(model, plan));
+  return cost;
+}
+
+std::string gigabytes(std::size_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g GB", double(bytes) * 1e-9);
+  return text;
+}
+
+Status check_memory(const Model& model, const GreenCost& cost, int threads, std::size_t limit) {
+  const std::size_t work = cost.work_bytes * std::size_t(threads);
+  const std::size_t needed = cost.factor_bytes + cost.store_bytes + work;
+  if (needed <= limit) return Done{};
+  return Error{"Green's functions of " + std::to_string(model.green.nodes.size()) + " nodes need " +
+               gigabytes(needed) + " of memory (store " + gigabytes(cost.store_bytes) + ", factor " +
+               gigabytes(cost.factor_bytes) + "), allowed are " + gigabytes(limit) +
+               ": allow more, take a coarser mesh, a smaller depth of touch or single precision, or fetch "
+               "columns on demand"};
+}
+
+template <class T>
+struct Store {
+  std::vector<T>& values;
+  std::size_t side;
+
+  T& at(std::size_t row, std::size_t column) const { return values[column * side + row]; }
+};
+
+/// Copies one block of solved columns; rows before each column's own place are left to the mirror.
+template <class T>
+void store_columns(const KeptPlaces& kept, std::span<const int> slots, const UnitSolutions& solved,
+                   const Store<T>& store) {
+  const int first_place = kept.place[std::size_t(slots[0])];
+  for (std::size_t r = 0; r < kept.place.size(); r++) {
+    if (kept.place[r] < first_place) continue;
+    const double* row = solved.row(kept.place[r]);
+    for (std::size_t c = 0; c < slots.size(); c++) {
+      const auto slot = std::size_t(slots[c]);
+      if (kept.place[slot] > kept.place[r]) break;
+      for (std::size_t j = 0; j < 3; j++)
+        for (std::size_t i = 0; i < 3; i++)
+          store.at(3 * r + i, 3 * slot + j) = T(row[i * solved.columns + 3 * c + j]);
+    }
+  }
+  for (const int slot : slots)
+    for (const auto& [i, j] : {std::pair{0, 1}, {0, 2}, {1, 2}})
+      store.at(std::size_t(3 * slot + i), std::size_t(3 * slot + j)) =
+          store.at(std::size_t(3 * slot + j), std::size_t(3 * slot + i));
+}
+
+template <class T>
+void mirror_block(const Store<T>& store, std::size_t known_row, std::size_t known_column) {
+  for (std::size_t j = 0; j < 3; j++)
+    for (std::size_t i = 0; i < 3; i++)
+      store.at(3 * known_column + j, 3 * known_row + i) = store.at(3 * known_row + i, 3 * known_column + j);
+}
+
+/// Fills the half that was not solved, tile by tile so that both halves stay in the cache.
+template <class T>
+void mirror(const Exec& exec, const KeptPlaces& kept, const Store<T>& store) {
+  constexpr std::size_t kTile = 32;
+  const std::size_t nodes = kept.place.size(), tiles = (nodes + kTile - 1) / kTile;
+  parallel_for(exec, tiles, [&](std::size_t tile) {
+    for (std::size_t other = tile; other < tiles; other++)
+      for (std::size_t a = tile * kTile; a < std::min(nodes, (tile + 1) * kTile); a++)
+        for (std::size_t b = std::max(a + 1, other * kTile); b < std::min(nodes, (other + 1) * kTile); b++)
+          if (kept.place[a] > kept.place[b])
+            mirror_block(store, a, b);
+          else
+            mirror_block(store, b, a);
+  });
+}
+
+template <class T>
+void fill_store(const Exec& exec, const Model& model, std::vector<T>& values, const Progress& progress) {
+  const KeptPlaces kept = kept_places(model, model.factor->plan);
+  const std::size_t nodes = kept.place.size(), blocks = (nodes + kUnits - 1) / kUnits;
+  const Store<T> store{values, 3 * nodes};
+  const std::vector<unsigned char> wanted = with_ancestors(model.factor->plan, kept.rows);
+  std::atomic<std::size_t> done{0};
+  exec.run_ranges(blocks, 1, [&](std::size_t begin, std::size_t end) {
+    UnitSolutions solved;
+    for (std::size_t block = begin; block < end; block++) {
+      const std::size_t first = block * kUnits;
+      const std::span<const int> slots(&kept.by_place[first], std::min(kUnits, nodes - first));
+      std::vector<int> rows;
+      for (const int slot : slots) rows.push_back(kept.rows[std::size_t(slot)]);
+      solve_units(*model.factor, rows, wanted, kept.place[std::size_t(slots[0])], solved);
+      store_columns(kept, slots, solved, store);
+      if (progress) progress(double(++done) / double(blocks));
+    }
+  });
+  mirror(exec, kept, store);
+}
+
+Status factorize_as(const Exec& exec, Model& model, Elimination plan, const Progress& progress) {
+  Result<Cholesky> factor = factorize(exec, model.stiffness, std::move(plan), model.vertex, progress);
+  if (!factor) return factor.error();
+  model.factor = std::move(*factor);
+  return Done{};
+}
+
+/// Vertices whose full columns are stored to check the rest by: spread over the kept ones.
+std::vector<int> check_vertices(const Green& green) {
+  const std::size_t count = std::min<std::size_t>(3, green.nodes.size());
+  std::vector<int> vertices;
+  for (std::size_t i = 0; i < count; i++)
+    vertices.push_back(green.nodes[(2 * i + 1) * green.nodes.size() / (2 * count)]);
+  return vertices;
+}
+
+void clear_store(Green& green) {
+  green.single_values = {};
+  green.double_values = {};
+  green.columns = {};
+  green.check = {};
+  green.checksum = 0;
+}
+
+}  // namespace
+
+GreenCost green_cost(const Model& model) {
+  return cost_of(model, model.factor ? model.factor->plan : make_plan(model));
+}
+
+Status factorize(const Exec& exec, Model& model, const Progress& progress) {
+  return model.factor ? Status(Done{}) : factorize_as(exec, model, make_plan(model), progress);
+}
+
+Status compute_green(const Exec& exec, Model& model, std::size_t memory_limit, const Progress& progress) {
+  Elimination plan = model.factor ? Elimination{} : make_plan(model);
+  const GreenCost cost = cost_of(model, model.factor ? model.factor->plan : plan);
+  if (const Status fits = check_memory(model, cost, exec.threads(), memory_limit); !fits) return fits;
+  const double factor_share = cost.factor_flops / (cost.factor_flops + cost.solve_flops);
+  const auto scaled = [&](double from, double to) -> Progress {
+    if (!progress) return {};
+    return [&progress, from, to](double done) { progress(from + (to - from) * done); };
+  };
+  if (!model.factor) {
+    const Status s = factorize_as(exec, model, std::move(plan), scaled(0, factor_share));
+    if (!s) return s;
+  }
+
+  Green& green = model.green;
+  clear_store(green);
+  const std::size_t side = 3 * green.nodes.size();
+  if (model.params.precision == Precision::kSingle) {
+    green.single_values.resize(side * side);
+    fill_store(exec, model, green.single_values, scaled(factor_share, 1));
+  } else {
+    green.double_values.resize(side * side);
+    fill_store(exec, model, green.double_values, scaled(factor_share, 1));
+  }
+  green.check = full_columns(model, check_vertices(green));
+  green.checksum = checksum(green);
+  return Done{};
+}
+
+Status prepare_columns(const Exec& exec, Model& model, const Progress& progress) {
+  if (const Status s = factorize(exec, model, progress); !s) return s;
+  clear_store(model.green);
+  model.green.columns.resize(model.green.nodes.size());
+  return Done{};
+}
+
+}  // namespace turgor::sfem

@@ -1,0 +1,85 @@
+// Columns of Green's functions from the stored factor, when the dense store would be too large.
+#include <algorithm>
+
+#include "turgor/models/sfem/green.hpp"
+
+namespace turgor::sfem {
+
+namespace {
+
+/// Slots without a column, each once.
+std::vector<int> missing_slots(const Green& green, std::span<const int> vertices) {
+  std::vector<int> slots;
+  for (const int v : vertices) {
+    const int slot = green.slot[std::size_t(v)];
+    TURGOR_ASSERT(slot >= 0, "a column of Green's functions is fetched for a vertex that is not kept");
+    if (!has_column(green, slot)) slots.push_back(slot);
+  }
+  std::sort(slots.begin(), slots.end());
+  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  return slots;
+}
+
+std::vector<int> rows_of_nodes(const Model& model, std::span<const int> vertices) {
+  std::vector<int> rows;
+  for (const int v : vertices) rows.push_back(model.free_node[std::size_t(v)]);
+  return rows;
+}
+
+/// The block of a node with itself, which rounding left a little skew.
+void make_symmetric(FetchedColumns& fetched, std::size_t n, std::size_t side) {
+  float* block = &fetched.values[n][3 * std::size_t(fetched.slots[n])];
+  for (const std::size_t i : {1, 2})
+    for (std::size_t j = 0; j < i; j++) block[i * side + j] = block[j * side + i];
+}
+
+}  // namespace
+
+FetchedColumns compute_columns(const Exec& exec, const Model& model, std::span<const int> vertices) {
+  constexpr std::size_t kUnits = 8;  // solved together: few, because somebody waits for them
+  const Green& green = model.green;
+  const Elimination& plan = model.factor->plan;
+  FetchedColumns fetched{missing_slots(green, vertices), {}};
+  const std::size_t count = fetched.slots.size();
+  fetched.values.resize(count);
+  const std::vector<int> kept_rows = rows_of_nodes(model, green.nodes);
+  const std::vector<unsigned char> wanted = with_ancestors(plan, kept_rows);
+  parallel_for(exec, (count + kUnits - 1) / kUnits, [&](std::size_t block) {
+    const std::size_t first = block * kUnits, units = std::min(kUnits, count - first);
+    std::vector<int> rows;
+    for (std::size_t i = 0; i < units; i++) rows.push_back(kept_rows[std::size_t(fetched.slots[first + i])]);
+    UnitSolutions solved;
+    solve_units(*model.factor, rows, wanted, 0, solved);
+    for (std::size_t c = 0; c < 3 * units; c++) {
+      std::vector<float>& values = fetched.values[first + c / 3];
+      for (const int row : kept_rows)
+        for (std::size_t i = 0; i < 3; i++)
+          values.push_back(float(solved.row(plan.place[std::size_t(row)])[i * solved.columns + c]));
+    }
+    for (std::size_t n = first; n < first + units; n++) make_symmetric(fetched, n, 3 * green.nodes.size());
+  });
+  return fetched;
+}
+
+void add_columns(Green& green, FetchedColumns fetched) {
+  for (std::size_t i = 0; i < fetched.slots.size(); i++)
+    green.columns[std::size_t(fetched.slots[i])] = std::move(fetched.values[i]);
+}
+
+void fetch_columns(const Exec& exec, Model& model, const std::vector<int>& vertices) {
+  add_columns(model.green, compute_columns(exec, model, vertices));
+}
+
+CheckColumns full_columns(const Model& model, std::span<const int> vertices) {
+  const Elimination& plan = model.factor->plan;
+  const std::vector<unsigned char> all(plan.supernodes.size(), 1);
+  UnitSolutions solved;
+  solve_units(*model.factor, rows_of_nodes(model, vertices), all, 0, solved);
+  CheckColumns columns{{vertices.begin(), vertices.end()}, {}};
+  for (std::size_t c = 0; c < solved.columns; c++)
+    for (const int place : plan.place)
+      for (std::size_t i = 0; i < 3; i++) columns.values.push_back(solved.row(place)[i * solved.columns + c]);
+  return columns;
+}
+
+}  // namespace turgor::sfem
