@@ -1,0 +1,70 @@
+#include "turgor/geometry/distance_transform.hpp"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace turgor {
+namespace {
+
+const Grid kGrid{.size = {11, 9, 7}, .spacing = {0.8, 1.1, 2.5}, .origin = {}, .axes = {}};
+
+TEST(DistanceTransform, every_distance_is_that_of_asking_all_set_samples) {
+  std::mt19937 random(2);
+  std::vector<std::uint8_t> set(sample_count(kGrid));
+  std::vector<Vec3d> places;
+  for (std::size_t i = 0; i < set.size(); i++)
+    if (random() % 40 == 0) {
+      set[i] = 1;
+      places.push_back(point_at(kGrid, {double(i % 11), double(i / 11 % 9), double(i / 99)}));
+    }
+  const std::vector<float> distance = distance_transform(Exec(2), kGrid, set);
+  for (std::size_t i = 0; i < set.size(); i++) {
+    const Vec3d p = point_at(kGrid, {double(i % 11), double(i / 11 % 9), double(i / 99)});
+    double nearest = 1e9;
+    for (const Vec3d q : places) nearest = std::min(nearest, norm(p - q));
+    EXPECT_NEAR(distance[i], nearest, 1e-5);
+  }
+}
+
+TEST(DistanceTransform, it_is_infinite_when_nothing_is_set) {
+  for (const float d : distance_transform(Exec(1), kGrid, std::vector<std::uint8_t>(sample_count(kGrid))))
+    EXPECT_EQ(d, std::numeric_limits<float>::infinity());
+}
+
+TEST(DistanceTransform, smoothing_keeps_a_linear_function_inside_and_a_constant_everywhere) {
+  Grid grid = kGrid;
+  grid.size = {31, 25, 21};
+  std::vector<float> linear, constant(sample_count(grid), 3.5f);
+  for (int k = 0; k < 21; k++)
+    for (int j = 0; j < 25; j++)
+      for (int i = 0; i < 31; i++) linear.push_back(float(i) + 2 * float(j) - float(k));
+  const std::vector<float> before = linear;
+  smooth_gaussian(Exec(2), grid, 1.5, linear);
+  smooth_gaussian(Exec(2), grid, 1.5, constant);
+  for (const float c : constant) EXPECT_NEAR(c, 3.5f, 1e-5);
+  for (int k = 3; k < 18; k++)
+    for (int j = 6; j < 19; j++)
+      for (int i = 6; i < 25; i++) {
+        const std::size_t at = sample_index(grid, i, j, k);
+        EXPECT_NEAR(linear[at], before[at], 1e-4);
+      }
+}
+
+TEST(DistanceTransform, a_peak_is_smoothed_to_the_gaussian_of_its_width) {
+  Grid grid{.size = {41, 41, 41}, .spacing = {0.5, 0.5, 0.5}, .origin = {}, .axes = {}};
+  std::vector<float> peak(sample_count(grid));
+  peak[sample_index(grid, 20, 20, 20)] = 1;
+  smooth_gaussian(Exec(1), grid, 2.0, peak);
+  double spread = 0, sum = 0;
+  for (int i = 0; i < 41; i++) {
+    const double weight = double(peak[sample_index(grid, i, 20, 20)]), x = (i - 20) * 0.5;
+    sum += weight, spread += weight * x * x;
+  }
+  EXPECT_NEAR(std::sqrt(spread / sum), 2.0, 0.05);
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,90 @@
+#include "turgor/geometry/organ_mesh.hpp"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "geometry/mesh_checks.hpp"
+#include "geometry/shapes.hpp"
+#include "turgor/geometry/label_measures.hpp"
+#include "turgor/geometry/mesh_quality.hpp"
+#include "turgor/geometry/phantom.hpp"
+#include "turgor/geometry/stuffing.hpp"
+
+namespace turgor {
+namespace {
+
+constexpr int kLiver = 5;
+
+LabelVolume torso_labels() {
+  PhantomParams params = default_phantom(PhantomKind::kTorso);
+  const Int3 size{128, 128, 75};
+  for (int axis = 0; axis < 3; axis++) params.spacing[axis] *= double(params.size[axis]) / size[axis];
+  params.size = size;
+  LabelVolume labels;
+  make_phantom(Exec(2), params, &labels);
+  return labels;
+}
+
+void expect_quality(const SolidMesh& mesh) {
+  const MeshQuality quality = measure_quality(mesh);
+  EXPECT_GE(quality.min_dihedral, kLeastStuffedDihedral);
+  EXPECT_LE(quality.max_dihedral, kLargestStuffedDihedral);
+  test::expect_sound(mesh);
+  for (const int part : connected_parts(mesh)) ASSERT_EQ(part, 0);
+}
+
+TEST(OrganMesh, a_coarse_ball_keeps_the_surface_s_volume_to_two_per_cent) {
+  const TriMesh ball = test::sphere_surface({0.1, 0, 0}, 0.04, 4);
+  for (const double size : {0.03, 0.02, 0.008}) {
+    const auto organ = mesh_of_surface(Exec(2), ball, size);
+    ASSERT_TRUE(organ) << organ.error().message;
+    EXPECT_NEAR(organ->input_volume, 4 * std::numbers::pi / 3 * 6.4e-5, 4e-6);
+    EXPECT_NEAR(volume(organ->mesh), organ->input_volume, 0.02 * organ->input_volume) << size;
+    EXPECT_TRUE(organ->notes.empty()) << organ->notes[0];
+    expect_quality(organ->mesh);
+  }
+}
+
+TEST(OrganMesh, the_phantom_s_liver_keeps_its_volume_and_its_nodule_is_a_region) {
+  const LabelVolume labels = torso_labels();
+  const int wanted[] = {kLiver, kNoduleLabel};
+  const auto organ = mesh_of_labels(Exec(2), labels, wanted, 0.012);
+  ASSERT_TRUE(organ) << organ.error().message;
+  EXPECT_NEAR(volume(organ->mesh), organ->input_volume, 0.02 * organ->input_volume);
+  expect_quality(organ->mesh);
+  double nodule = 0, known = 0;
+  for (std::size_t e = 0; e < element_count(organ->mesh); e++)
+    if (region(organ->mesh, e) == kNoduleLabel) nodule += volume(organ->mesh, e);
+  for (const LabelMeasure& m : measure_labels(labels, nullptr))
+    if (m.label == kNoduleLabel) known = m.volume;
+  EXPECT_GT(known, 0);
+  EXPECT_NEAR(nodule, known, 0.3 * known);
+  RecordProperty("elements", int(element_count(organ->mesh)));
+}
+
+TEST(OrganMesh, a_body_too_small_for_the_lattice_is_refused_with_a_size_that_works) {
+  const TriMesh ball = test::sphere_surface({}, 0.005, 3);
+  const auto coarse = mesh_of_surface(Exec(1), ball, 0.012);
+  ASSERT_FALSE(coarse);
+  EXPECT_EQ(coarse.error().message,
+            "the body has 0.519 mL (10 mm x 10 mm x 10 mm): too small for a lattice of 12 mm; 1 mm would do");
+  EXPECT_TRUE(mesh_of_surface(Exec(1), ball, 0.001));
+}
+
+TEST(OrganMesh, a_plate_much_thinner_than_the_lattice_is_refused) {
+  const TriMesh plate = test::box_surface({0.2, 0.2, 0.002});
+  const auto meshed = mesh_of_surface(Exec(1), plate, 0.02);
+  ASSERT_FALSE(meshed);
+  EXPECT_NE(meshed.error().message.find("too coarse for this shape"), std::string::npos)
+      << meshed.error().message;
+}
+
+TEST(OrganMesh, a_surface_in_millimetres_is_refused_before_memory_is_spent) {
+  const auto meshed = mesh_of_surface(Exec(1), test::box_surface({200, 150, 100}), 0.008);
+  ASSERT_FALSE(meshed);
+  EXPECT_NE(meshed.error().message.find("not in metres"), std::string::npos) << meshed.error().message;
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,138 @@
+#include "turgor/geometry/embedding.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/geometry/triangle_tree.hpp"
+
+namespace turgor {
+
+namespace {
+
+using Weights = std::array<double, 8>;
+
+std::array<Vec3d, 8> corners_of(const SolidMesh& mesh, int e) {
+  std::array<Vec3d, 8> x{};
+  const auto corners = element(mesh, std::size_t(e));
+  for (std::size_t c = 0; c < corners.size(); c++) x[c] = mesh.vertices[std::size_t(corners[c])];
+  return x;
+}
+
+Weights tet_weights(const std::array<Vec3d, 8>& x, Vec3d p) {
+  const double whole = orientation(x[0], x[1], x[2], x[3]);
+  const double b = orientation(x[0], p, x[2], x[3]) / whole, c = orientation(x[0], x[1], p, x[3]) / whole,
+               d = orientation(x[0], x[1], x[2], p) / whole;
+  return {1 - b - c - d, b, c, d};
+}
+
+/// Trilinear functions of VTK's corners at a point of the cube [0, 1]³, and their derivatives.
+void trilinear(Vec3d s, Weights& weight, std::array<Vec3d, 8>& gradient) {
+  constexpr int kCorner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                 {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  for (std::size_t c = 0; c < 8; c++) {
+    double f[3], slope[3];
+    for (int axis = 0; axis < 3; axis++) {
+      f[axis] = kCorner[c][axis] ? s[axis] : 1 - s[axis];
+      slope[axis] = kCorner[c][axis] ? 1 : -1;
+    }
+    weight[c] = f[0] * f[1] * f[2];
+    gradient[c] = {slope[0] * f[1] * f[2], f[0] * slope[1] * f[2], f[0] * f[1] * slope[2]};
+  }
+}
+
+/// Newton's search for the place in the cube that the hexahedron maps to p, kept near the cube, outside of
+/// which the map may fold.
+Weights hex_weights(const std::array<Vec3d, 8>& x, Vec3d p) {
+  constexpr Vec3d kLow{-1, -1, -1}, kHigh{2, 2, 2};
+  Vec3d s{0.5, 0.5, 0.5};
+  Weights weight{};
+  std::array<Vec3d, 8> gradient{};
+  for (int pass = 0; pass < 20; pass++) {
+    trilinear(s, weight, gradient);
+    Vec3d at;
+    Mat3d map{{{}, {}, {}}};
+    for (std::size_t c = 0; c < 8; c++) {
+      at += x[c] * weight[c];
+      for (int axis = 0; axis < 3; axis++) map.column[axis] += x[c] * gradient[c][axis];
+    }
+    if (!(std::abs(determinant(map)) > 0)) break;
+    const Vec3d step = inverse(map) * (p - at);
+    s = min(max(s + step, kLow), kHigh);
+    if (norm(step) < 1e-14) break;
+  }
+  trilinear(s, weight, gradient);
+  return weight;
+}
+
+Weights weights_in(const SolidMesh& mesh, int e, Vec3d p) {
+  const std::array<Vec3d, 8> x = corners_of(mesh, e);
+  return mesh.corners == 4 ? tet_weights(x, p) : hex_weights(x, p);
+}
+
+BoxTree element_boxes(const SolidMesh& mesh) {
+  std::vector<Box> boxes;
+  for (std::size_t e = 0; e < element_count(mesh); e++) {
+    const std::array<Vec3d, 8> x = corners_of(mesh, int(e));
+    boxes.push_back(box_around(std::span(x).first(std::size_t(mesh.corners))));
+  }
+  return build_box_tree(boxes);
+}
+
+/// The lowest element that has a point, up to rounding; -1 = none.
+int element_at(const SolidMesh& mesh, const BoxTree& boxes, Vec3d p) {
+  int found = -1;
+  visit_meeting(boxes, {p, p}, [&](int e) {
+    if (found >= 0 && e > found) return false;
+    const Weights w = weights_in(mesh, e, p);
+    if (std::all_of(w.begin(), w.begin() + mesh.corners, [](double v) { return v >= -1e-9; })) found = e;
+    return false;
+  });
+  return found;
+}
+
+}  // namespace
+
+Embedding embed(const Exec& exec, const TriMesh& seen, const SolidMesh& mesh) {
+  TURGOR_ASSERT(element_count(mesh) > 0, "a surface is embedded in elements");
+  const SolidSurface outer = surface(mesh);
+  const TriangleTree tree = build_triangle_tree(mesh.vertices, outer.triangles);
+  const BoxTree boxes = element_boxes(mesh);
+  const std::size_t corners = std::size_t(mesh.corners), count = seen.vertices.size();
+  Embedding result{seen.vertices, mesh.corners, std::vector<int>(count * corners),
+                   std::vector<float>(count * corners), 0};
+  std::vector<double> outside(count, 0);
+  parallel_for(
+      exec, count,
+      [&](std::size_t v) {
+        const Vec3d p(seen.vertices[v]);
+        int e = element_at(mesh, boxes, p);
+        if (e < 0) {
+          const TrianglePoint nearest = nearest_point(tree, p);
+          e = outer.element[std::size_t(nearest.triangle)];
+          outside[v] = nearest.distance;
+        }
+        const Weights w = weights_in(mesh, e, p);
+        for (std::size_t c = 0; c < corners; c++) {
+          result.nodes[v * corners + c] = element(mesh, std::size_t(e))[c];
+          result.weights[v * corners + c] = float(w[c]);
+        }
+      },
+      64);
+  for (const double d : outside) result.farthest_outside = std::max(result.farthest_outside, d);
+  return result;
+}
+
+void move(const Embedding& embedding, std::span<const Vec3d> displacements, std::span<Vec3> vertices) {
+  TURGOR_ASSERT(vertices.size() == embedding.rest.size(), "one place a vertex of the surface");
+  const std::size_t corners = std::size_t(embedding.corners);
+  for (std::size_t v = 0; v < vertices.size(); v++) {
+    Vec3d u;
+    for (std::size_t c = v * corners; c < (v + 1) * corners; c++)
+      u += displacements[std::size_t(embedding.nodes[c])] * double(embedding.weights[c]);
+    vertices[v] = Vec3(Vec3d(embedding.rest[v]) + u);
+  }
+}
+
+}  // namespace turgor

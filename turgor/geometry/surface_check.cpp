@@ -1,0 +1,175 @@
+#include "turgor/geometry/surface_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <tuple>
+
+#include "turgor/core/number_text.hpp"
+#include "turgor/geometry/signed_distance.hpp"
+#include "turgor/geometry/solid_mesh.hpp"
+#include "turgor/geometry/surface_edges.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr std::size_t kExamples = 3;  // named in an error
+
+/// The first vertex at the same place, for every vertex.
+std::vector<int> first_at_place(const std::vector<Vec3>& x) {
+  const auto key = [&](int v) {
+    const Vec3 p = x[std::size_t(v)];
+    return std::tuple{p.x, p.y, p.z};
+  };
+  std::vector<int> order(x.size()), first(x.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+  for (std::size_t i = 0; i < order.size(); i++) {
+    const bool same = i > 0 && key(order[i]) == key(order[i - 1]);
+    first[std::size_t(order[i])] = same ? first[std::size_t(order[i - 1])] : order[i];
+  }
+  return first;
+}
+
+/// Triangles over vertices that differ in place, numbered as they were.
+TriMesh welded(const TriMesh& surface) {
+  const std::vector<int> first = first_at_place(surface.vertices);
+  TriMesh result{.vertices = surface.vertices};
+  for (const Int3 t : surface.triangles) {
+    const Int3 w{first[std::size_t(t.x)], first[std::size_t(t.y)], first[std::size_t(t.z)]};
+    if (w.x != w.y && w.y != w.z && w.z != w.x) result.triangles.push_back(w);
+  }
+  return result;
+}
+
+std::string examples(const std::vector<EdgeUse>& edges) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(edges.size(), kExamples); i++)
+    text += (i ? ", " : "") + std::to_string(edges[i].a) + "-" + std::to_string(edges[i].b);
+  return text + (edges.size() > kExamples ? ", …" : "");
+}
+
+/// "3 edges are", "1 edge is".
+std::string edges_are(const std::vector<EdgeUse>& edges) {
+  return std::to_string(edges.size()) + (edges.size() == 1 ? " edge is" : " edges are");
+}
+
+Status check_edges(const TriMesh& surface) {
+  std::vector<EdgeUse> open, crowded, disagreeing;
+  for_each_edge(sorted_edges(surface.triangles), [&](std::span<const EdgeUse> uses) {
+    if (uses.size() == 1) open.push_back(uses[0]);
+    if (uses.size() > 2) crowded.push_back(uses[0]);
+    if (uses.size() == 2 && uses[0].forward == uses[1].forward) disagreeing.push_back(uses[0]);
+  });
+  const std::string between = " (between vertices, counted from 0: ";
+  if (!open.empty())
+    return Error{"the surface is open: " + edges_are(open) + " of one triangle only" + between +
+                 examples(open) + "); expected a closed surface, fill its holes first"};
+  if (!crowded.empty())
+    return Error{"the surface is not a manifold: " + edges_are(crowded) + " of more than two triangles" +
+                 between + examples(crowded) + "); expected two at every edge"};
+  if (!disagreeing.empty())
+    return Error{"neighbouring triangles disagree about what is outside: " + edges_are(disagreeing) +
+                 " run through the same way by both triangles" + between + examples(disagreeing) +
+                 "); turn them to one order first"};
+  return Done{};
+}
+
+double enclosed_volume(const TriMesh& surface, const std::vector<Int3>& triangles) {
+  // Seen from a vertex of the surface itself, so that a distant origin costs no digits.
+  const auto x = [&](int v) { return Vec3d(surface.vertices[std::size_t(v)]); };
+  double sum = 0;
+  for (const auto [a, b, c] : triangles) sum += orientation(x(triangles[0].x), x(a), x(b), x(c)) / 6;
+  return sum;
+}
+
+/// Triangles that are connected by their edges, part by part.
+std::vector<std::vector<Int3>> connected_triangles(const TriMesh& surface) {
+  std::vector<int> parent(surface.triangles.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int t) {
+    while (parent[std::size_t(t)] != t)
+      t = parent[std::size_t(t)] = parent[std::size_t(parent[std::size_t(t)])];
+    return t;
+  };
+  for_each_edge(sorted_edges(surface.triangles), [&](std::span<const EdgeUse> uses) {
+    const int a = root(uses[0].triangle), b = root(uses[1].triangle);
+    parent[std::size_t(std::max(a, b))] = std::min(a, b);
+  });
+  std::map<int, std::vector<Int3>> parts;
+  for (std::size_t t = 0; t < parent.size(); t++) parts[root(int(t))].push_back(surface.triangles[t]);
+  std::vector<std::vector<Int3>> result;
+  for (auto& [first, part] : parts) result.push_back(std::move(part));
+  return result;
+}
+
+void turn_round(std::vector<Int3>& triangles) {
+  for (Int3& t : triangles) std::swap(t.y, t.z);
+}
+
+/// The largest part with the cavities in it; all else is left out.
+ClosedSurface largest_body(const TriMesh& surface) {
+  std::vector<std::vector<Int3>> parts = connected_triangles(surface);
+  std::vector<double> volumes;
+  for (const auto& part : parts) volumes.push_back(enclosed_volume(surface, part));
+  const std::size_t body =
+      std::size_t(std::max_element(volumes.begin(), volumes.end(),
+                                   [](double a, double b) { return std::abs(a) < std::abs(b); }) -
+                  volumes.begin());
+  ClosedSurface result;
+  if (volumes[body] < 0) {
+    for (std::size_t i = 0; i < parts.size(); i++) turn_round(parts[i]), volumes[i] = -volumes[i];
+    result.notes.push_back("the surface was inside out; its triangles were turned round");
+  }
+  result.mesh = {.vertices = surface.vertices, .triangles = parts[body]};
+  result.volume = volumes[body];
+  if (parts.size() == 1) return result;
+  const SignedDistance outer = distance_to_surface(result.mesh);
+  std::size_t left_out = 0;
+  double left_volume = 0;
+  for (std::size_t i = 0; i < parts.size(); i++) {
+    if (i == body) continue;
+    const bool cavity = volumes[i] < 0 && outer.at(Vec3d(surface.vertices[std::size_t(parts[i][0].x)])) < 0;
+    if (!cavity) left_out++, left_volume += std::abs(volumes[i]);
+    if (!cavity) continue;
+    result.mesh.triangles.insert(result.mesh.triangles.end(), parts[i].begin(), parts[i].end());
+    result.volume += volumes[i];
+  }
+  if (left_out > 0)
+    result.notes.push_back(std::to_string(left_out) + (left_out == 1 ? " smaller part" : " smaller parts") +
+                           " of the surface with " + number_text(left_volume * 1e6) +
+                           " mL left out: a body is made of the largest part");
+  return result;
+}
+
+Status check_crossings(const Exec& exec, const TriMesh& surface) {
+  const auto pairs = crossing_triangles(exec, surface);
+  if (pairs.empty()) return Done{};
+  std::string text = "the surface crosses itself: " + std::to_string(pairs.size()) +
+                     (pairs.size() == 1 ? " pair" : " pairs") + " of triangles, near (mm: ";
+  for (std::size_t i = 0; i < std::min(pairs.size(), kExamples); i++) {
+    const Vec3 p = surface.vertices[std::size_t(surface.triangles[std::size_t(pairs[i].first)].x)] * 1e3f;
+    text += (i ? "; " : "") + number_text(p.x) + " " + number_text(p.y) + " " + number_text(p.z);
+  }
+  return Error{text + (pairs.size() > kExamples ? "; …" : "") + "); expected a surface with one inside"};
+}
+
+}  // namespace
+
+Result<ClosedSurface> check_surface(const Exec& exec, const TriMesh& surface) {
+  if (surface.triangles.empty()) return Error{"the surface has no triangles"};
+  for (std::size_t v = 0; v < surface.vertices.size(); v++)
+    if (const Vec3 p = surface.vertices[v]; !std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      return Error{"vertex " + std::to_string(v) + " (counted from 0) has a coordinate that is no number"};
+  const TriMesh whole = welded(surface);
+  if (whole.triangles.empty()) return Error{"all triangles of the surface are points or lines"};
+  if (Status edges = check_edges(whole); !edges) return edges.error();
+  ClosedSurface body = largest_body(whole);
+  if (!(body.volume > 0)) return Error{"the surface encloses no volume"};
+  if (Status crossings = check_crossings(exec, body.mesh); !crossings) return crossings.error();
+  return body;
+}
+
+}  // namespace turgor
