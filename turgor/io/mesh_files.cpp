@@ -56,13 +56,42 @@ std::string field_array(Appended& appended, const VertexField& field) {
                     field.values.size_bytes());
 }
 
-std::string cell_arrays(Appended& appended, std::size_t count) {
-  constexpr std::uint8_t kVtkTriangle = 5;
+std::string field_arrays(Appended& appended, const std::vector<VertexField>& fields, std::size_t count) {
+  std::string text;
+  for (const VertexField& field : fields) {
+    TURGOR_ASSERT(field.values.size() == count * std::size_t(field.components),
+                  "a field has one value a vertex, or an element");
+    text += field_array(appended, field);
+  }
+  return text;
+}
+
+/// Cells of one type with so many corners each.
+std::string cell_arrays(Appended& appended, const std::vector<std::int32_t>& corners, int each,
+                        std::uint8_t vtk_type) {
+  const std::size_t count = corners.size() / std::size_t(each);
   std::vector<std::int64_t> ends(count);
-  for (std::size_t t = 0; t < count; t++) ends[t] = std::int64_t(3 * (t + 1));
-  const std::vector<std::uint8_t> types(count, kVtkTriangle);
-  return data_array(appended, "Int64", "offsets", 1, ends.data(), ends.size() * sizeof ends[0]) +
-         data_array(appended, "UInt8", "types", 1, types.data(), types.size());
+  for (std::size_t c = 0; c < count; c++) ends[c] = std::int64_t(std::size_t(each) * (c + 1));
+  const std::vector<std::uint8_t> types(count, vtk_type);
+  return "<Cells>\n" +
+         data_array(appended, "Int32", "connectivity", 1, corners.data(),
+                    corners.size() * sizeof(std::int32_t)) +
+         data_array(appended, "Int64", "offsets", 1, ends.data(), ends.size() * sizeof ends[0]) +
+         data_array(appended, "UInt8", "types", 1, types.data(), types.size()) + "</Cells>\n";
+}
+
+std::string vtu_begin(std::size_t points, std::size_t cells) {
+  return fmt::format(
+      "<?xml version=\"1.0\"?>\n<!-- Turgor: metres, patient frame LPS -->\n"
+      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\" "
+      "header_type=\"UInt64\">\n<UnstructuredGrid>\n"
+      "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
+      byte_order(), points, cells);
+}
+
+std::string vtu_end(const Appended& appended) {
+  return "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_" + appended.bytes +
+         "\n</AppendedData>\n</VTKFile>\n";
 }
 
 }  // namespace
@@ -85,29 +114,35 @@ Status write_obj(const std::filesystem::path& path, const TriMesh& mesh) {
 
 Status write_vtu(const std::filesystem::path& path, const TriMesh& mesh,
                  const std::vector<VertexField>& fields) {
-  const std::size_t vertices = mesh.vertices.size(), triangles = mesh.triangles.size();
+  constexpr std::uint8_t kVtkTriangle = 5;
+  const std::size_t vertices = mesh.vertices.size();
   Appended appended;
-  std::string text = fmt::format(
-      "<?xml version=\"1.0\"?>\n<!-- Turgor: metres, patient frame LPS -->\n"
-      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\" "
-      "header_type=\"UInt64\">\n<UnstructuredGrid>\n"
-      "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<PointData>\n",
-      byte_order(), vertices, triangles);
+  std::string text = vtu_begin(vertices, mesh.triangles.size()) + "<PointData>\n";
   if (mesh.normals.size() == vertices) text += field_array(appended, vertex_field("normal", mesh.normals));
-  for (const VertexField& field : fields) {
-    TURGOR_ASSERT(field.values.size() == vertices * std::size_t(field.components),
-                  "a field has one value a vertex");
-    text += field_array(appended, field);
-  }
+  text += field_arrays(appended, fields, vertices);
   text += "</PointData>\n<Points>\n" + field_array(appended, vertex_field("points", mesh.vertices));
   std::vector<std::int32_t> corners;
   for (const auto [a, b, c] : mesh.triangles) corners.insert(corners.end(), {a, b, c});
-  text += "</Points>\n<Cells>\n";
-  text +=
-      data_array(appended, "Int32", "connectivity", 1, corners.data(), corners.size() * sizeof(std::int32_t));
-  text += cell_arrays(appended, triangles);
-  text += "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
-  return write_file(path, text + appended.bytes + "\n</AppendedData>\n</VTKFile>\n");
+  text += "</Points>\n" + cell_arrays(appended, corners, 3, kVtkTriangle);
+  return write_file(path, text + vtu_end(appended));
+}
+
+Status write_vtu(const std::filesystem::path& path, const SolidMesh& mesh,
+                 const std::vector<VertexField>& vertex_fields,
+                 const std::vector<VertexField>& element_fields) {
+  constexpr std::uint8_t kVtkTetra = 10, kVtkHexahedron = 12;
+  const std::size_t vertices = mesh.vertices.size(), count = element_count(mesh);
+  std::vector<std::int32_t> regions(count);
+  for (std::size_t e = 0; e < count; e++) regions[e] = region(mesh, e);
+  Appended appended;
+  std::string text = vtu_begin(vertices, count) + "<PointData>\n";
+  text += field_arrays(appended, vertex_fields, vertices) + "</PointData>\n<CellData>\n";
+  text += data_array(appended, "Int32", "region", 1, regions.data(), count * sizeof regions[0]);
+  text += field_arrays(appended, element_fields, count) + "</CellData>\n<Points>\n";
+  text += data_array(appended, "Float64", "points", 3, mesh.vertices.data(), vertices * sizeof(Vec3d));
+  const std::uint8_t type = mesh.corners == 4 ? kVtkTetra : kVtkHexahedron;
+  text += "</Points>\n" + cell_arrays(appended, mesh.elements, mesh.corners, type);
+  return write_file(path, text + vtu_end(appended));
 }
 
 Status write_pvd(const std::filesystem::path& path, const std::vector<PvdEntry>& entries) {

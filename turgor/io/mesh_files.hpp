@@ -1,5 +1,5 @@
-// Triangle meshes out: Wavefront OBJ for modelling programs, VTK's .vtu (XML, raw binary) and .pvd time
-// series for ParaView. Coordinates are metres in the patient frame LPS; the files say so in a comment.
+// Meshes out: Wavefront OBJ for modelling programs, VTK's .vtu (XML, raw binary) and .pvd time series for
+// ParaView. Coordinates are metres in the patient frame LPS; the files say so in a comment.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "turgor/core/result.hpp"
+#include "turgor/geometry/solid_mesh.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
 
 namespace turgor {
@@ -15,7 +16,7 @@ namespace turgor {
 /// Vertices, normals when the mesh has them, and triangles.
 Status write_obj(const std::filesystem::path& path, const TriMesh& mesh);
 
-/// A quantity at every vertex: `components` numbers each, 1 or 3.
+/// A quantity at every vertex, or in every element of a solid mesh: `components` numbers each, 1 or 3.
 struct VertexField {
   std::string name;  // with its unit, as ParaView shows it
   int components = 1;
@@ -31,6 +32,11 @@ inline VertexField vertex_field(std::string name, const std::vector<float>& valu
 /// The mesh with its normals, when it has them, and the fields.
 Status write_vtu(const std::filesystem::path& path, const TriMesh& mesh,
                  const std::vector<VertexField>& fields);
+/// A solid mesh with its regions, fields at its vertices and fields in its elements; read_solid reads it
+/// back.
+Status write_vtu(const std::filesystem::path& path, const SolidMesh& mesh,
+                 const std::vector<VertexField>& vertex_fields,
+                 const std::vector<VertexField>& element_fields);
 
 /// One moment of a time series.
 struct PvdEntry {

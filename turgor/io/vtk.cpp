@@ -1,0 +1,232 @@
+// Legacy VTK files, text or big-endian binary: unstructured grids of versions 1 to 5.1.
+#include <algorithm>
+#include <cctype>
+#include <functional>
+
+#include <fmt/format.h>
+
+#include "turgor/io/vtk_cells.hpp"
+
+namespace turgor::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct VtkReader {
+  MeshCursor cursor;
+  Encoding encoding = Encoding::kText;  // of numbers; words are always text
+  FoundSolid found;
+  VtkCells cells;
+  std::size_t tuples = 0;  // of the fields that follow
+  bool of_cells = false;   // whether they are of cells
+  int rank = 0;            // of the field that the regions are from
+};
+
+NumberType read_type(MeshCursor& cursor) {
+  std::string name(cursor.word());
+  for (char& c : name) c = char(std::tolower(static_cast<unsigned char>(c)));
+  const bool is_unsigned = name.starts_with("unsigned_");
+  const NumberType::Kind kind = is_unsigned ? NumberType::kUnsigned : NumberType::kSigned;
+  const std::string size = is_unsigned ? name.substr(9) : name;
+  if (size == "double") return {NumberType::kReal, 8};
+  if (size == "float") return {NumberType::kReal, 4};
+  if (size == "bit") return {NumberType::kUnsigned, 0};
+  if (size == "char" || size == "signed_char") return {kind, 1};
+  if (size == "short") return {kind, 2};
+  if (size == "int") return {kind, 4};
+  if (size == "long" || size == "long_long" || size == "vtktypeint64" || size == "vtkidtype")
+    return {kind, 8};
+  cursor.fail("a type of numbers such as float or int");
+  return {};
+}
+
+/// Calls take(index) for so many numbers, which begin on the next line of binary files; it reads one.
+void read_numbers(VtkReader& in, std::size_t count, NumberType type,
+                  const std::function<void(std::size_t)>& take) {
+  MeshCursor& cursor = in.cursor;
+  if (in.encoding != Encoding::kText) cursor.line();
+  cursor.encoding = in.encoding;
+  if (type.bytes == 0 && in.encoding != Encoding::kText)
+    cursor.skip((count + 7) / 8);
+  else if (cursor.can_hold(count, {1, std::size_t(type.bytes)}, "a count of numbers"))
+    for (std::size_t i = 0; i < count && cursor.ok(); i++) take(i);
+  cursor.encoding = Encoding::kText;
+}
+
+void read_wholes(VtkReader& in, std::size_t count, NumberType type, std::vector<std::int64_t>& values) {
+  read_numbers(in, count, type, [&](std::size_t) { values.push_back(read_whole(in.cursor, type)); });
+}
+
+void read_points(VtkReader& in) {
+  if (!in.found.nodes.empty()) in.cursor.fail("one set of points", "a second one");
+  const std::size_t count = in.cursor.count(4, {1, 1}, "a number of points");
+  const NumberType type = read_type(in.cursor);
+  read_numbers(in, 3 * count, type, [&](std::size_t i) {
+    if (i % 3 == 0) in.found.nodes.emplace_back();
+    in.found.nodes.back()[int(i % 3)] = read_real(in.cursor, type);
+  });
+}
+
+/// Up to version 4: for every cell how many nodes, and which.
+void read_counted_cells(VtkReader& in, std::size_t count, std::size_t size) {
+  std::vector<std::int64_t> values;
+  read_wholes(in, size, {NumberType::kSigned, 4}, values);
+  for (std::size_t at = 0; at < values.size() && in.cursor.ok();) {
+    const std::size_t rest = values.size() - at - 1;
+    const std::int64_t nodes = values[at++];
+    if (nodes < 0 || std::uint64_t(nodes) > rest)
+      return in.cursor.fail(fmt::format("a cell of at most {} nodes", rest), fmt::format("{}", nodes));
+    const auto first = values.begin() + std::ptrdiff_t(at);
+    in.cells.nodes.insert(in.cells.nodes.end(), first, first + nodes);
+    in.cells.ends.push_back(std::int64_t(in.cells.nodes.size()));
+    at += std::size_t(nodes);
+  }
+  if (in.cells.ends.size() != count)
+    in.cursor.fail(fmt::format("{} cells", count), fmt::format("{}", in.cells.ends.size()));
+}
+
+void read_cells(VtkReader& in) {
+  MeshCursor& cursor = in.cursor;
+  if (!in.cells.ends.empty()) cursor.fail("one set of cells", "a second one");
+  const std::size_t count = cursor.count(4, {1, 1}, "a number of cells");
+  const std::size_t size = cursor.count(4, {1, 1}, "a number of numbers");
+  if (cursor.peek_word() != "OFFSETS") return read_counted_cells(in, count, size);
+  cursor.word();
+  read_wholes(in, count, read_type(cursor), in.cells.ends);
+  cursor.expect("CONNECTIVITY");
+  read_wholes(in, size, read_type(cursor), in.cells.nodes);
+  if (in.cells.ends.empty() || in.cells.ends.front() != 0)
+    cursor.fail("offsets that begin with 0", "others");
+  else
+    in.cells.ends.erase(in.cells.ends.begin());
+}
+
+void skip_metadata(MeshCursor& cursor) {
+  if (cursor.peek_word() != "METADATA") return;
+  cursor.word();
+  cursor.line();
+  while (cursor.offset() < cursor.bytes().size() && !cursor.line().empty()) {
+  }
+}
+
+/// Keeps regions; other fields are passed over.
+void read_field(VtkReader& in, std::string_view name, std::size_t tuples, std::size_t components,
+                NumberType type) {
+  if (tuples > 0 && components > in.cursor.bytes().size() / tuples)
+    return in.cursor.fail("a field that the file can hold", fmt::format("{} x {}", tuples, components));
+  const int rank = in.of_cells && components == 1 && tuples == in.tuples ? region_rank(name) : 0;
+  std::vector<double> values;
+  const bool is_better = rank > in.rank;
+  read_numbers(in, tuples * components, type, [&](std::size_t) {
+    const double value = read_real(in.cursor, type);
+    if (is_better) values.push_back(value);
+  });
+  if (!is_better || !in.cursor.ok() || type.bytes == 0) return;
+  in.rank = rank;
+  in.cells.regions = std::move(values);
+}
+
+void read_scalars(VtkReader& in) {
+  const std::string name(in.cursor.word());
+  const NumberType type = read_type(in.cursor);
+  std::int64_t components = 1;
+  if (in.cursor.peek_word() != "LOOKUP_TABLE") components = in.cursor.whole(0, "1 to 4 components");
+  if (components < 1 || components > 4) in.cursor.fail("1 to 4 components");
+  in.cursor.expect("LOOKUP_TABLE");
+  in.cursor.word();
+  read_field(in, name, in.tuples, std::size_t(components), type);
+}
+
+void read_fields(VtkReader& in) {
+  in.cursor.word();  // the name of them all
+  const std::size_t count = in.cursor.count(4, {4, 4}, "a number of fields");
+  for (std::size_t f = 0; f < count && in.cursor.ok(); f++) {
+    skip_metadata(in.cursor);
+    const std::string name(in.cursor.word());
+    const std::size_t components = in.cursor.count(4, {0, 0}, "a number of components");
+    const std::size_t tuples = in.cursor.count(4, {1, 0}, "a number of tuples");
+    read_field(in, name, tuples, components, read_type(in.cursor));
+  }
+}
+
+/// VECTORS and the like: a name, a type, and so many components; 0 = said behind the name.
+void read_attribute(VtkReader& in, std::size_t components) {
+  const std::string name(in.cursor.word());
+  if (components == 0) components = in.cursor.count(4, {0, 0}, "a number of components");
+  read_field(in, name, in.tuples, components, read_type(in.cursor));
+}
+
+void read_colors(VtkReader& in, bool is_table) {
+  in.cursor.word();
+  const std::size_t count = in.cursor.count(4, {1, 0}, "a number");
+  const NumberType type =
+      in.encoding == Encoding::kText ? NumberType{} : NumberType{NumberType::kUnsigned, 1};
+  is_table ? read_field(in, "", count, 4, type) : read_field(in, "", in.tuples, count, type);
+}
+
+void read_part(VtkReader& in, std::string_view keyword) {
+  if (keyword == "POINTS") return read_points(in);
+  if (keyword == "CELLS") return read_cells(in);
+  if (keyword == "CELL_TYPES") {
+    const std::size_t count = in.cursor.count(4, {1, 1}, "a number of cells");
+    return read_wholes(in, count, {NumberType::kSigned, 4}, in.cells.types);
+  }
+  if (keyword == "CELL_DATA" || keyword == "POINT_DATA") {
+    in.of_cells = keyword == "CELL_DATA";
+    const std::int64_t tuples = in.cursor.whole(0, "a number of values");
+    if (tuples < 0) in.cursor.fail("a number of values");
+    in.tuples = std::size_t(std::max<std::int64_t>(tuples, 0));
+    return;
+  }
+  if (keyword == "SCALARS") return read_scalars(in);
+  if (keyword == "FIELD") return read_fields(in);
+  if (keyword == "VECTORS" || keyword == "NORMALS") return read_attribute(in, 3);
+  if (keyword == "TENSORS") return read_attribute(in, 9);
+  if (keyword == "TENSORS6") return read_attribute(in, 6);
+  if (keyword == "GLOBAL_IDS" || keyword == "PEDIGREE_IDS") return read_attribute(in, 1);
+  if (keyword == "TEXTURE_COORDINATES") return read_attribute(in, 0);
+  if (keyword == "COLOR_SCALARS" || keyword == "LOOKUP_TABLE")
+    return read_colors(in, keyword == "LOOKUP_TABLE");
+  in.cursor.fail("a keyword such as POINTS, CELLS or CELL_DATA");
+}
+
+/// "# vtk DataFile Version 4.2", a title, "BINARY", "DATASET UNSTRUCTURED_GRID".
+void read_header(VtkReader& in) {
+  const std::string_view first = in.cursor.line();
+  in.cursor.line();
+  const std::string_view encoding = in.cursor.word();
+  if (encoding == "BINARY")
+    in.encoding = Encoding::kBigEndian;
+  else if (encoding != "ASCII")
+    in.cursor.fail("ASCII or BINARY");
+  in.found.format = fmt::format("VTK {}{}", first.substr(std::min(first.rfind(' ') + 1, first.size())),
+                                in.encoding == Encoding::kText ? "" : " (binary)");
+  if (in.cursor.peek_word() == "FIELD") in.cursor.word(), read_fields(in);
+  in.cursor.expect("DATASET");
+  in.cursor.expect("UNSTRUCTURED_GRID");
+}
+
+}  // namespace
+
+Result<FoundSolid> parse_vtk(const fs::path& path, std::string_view bytes) {
+  VtkReader in{.cursor = MeshCursor(path, bytes)};
+  read_header(in);
+  while (in.cursor.ok() && !in.cursor.at_end()) {
+    skip_metadata(in.cursor);
+    if (!in.cursor.at_end()) read_part(in, in.cursor.word());
+  }
+  if (in.cells.types.size() != in.cells.ends.size())
+    in.cursor.fail(fmt::format("as many types as cells, {}", in.cells.ends.size()),
+                   fmt::format("{}", in.cells.types.size()));
+  if (!in.cells.regions.empty() && in.cells.regions.size() != in.cells.ends.size())
+    in.cursor.fail(fmt::format("as many regions as cells, {}", in.cells.ends.size()),
+                   fmt::format("{}", in.cells.regions.size()));
+  if (!in.cursor.ok()) return in.cursor.error();
+  in.cells.node_count = std::int64_t(in.found.nodes.size());
+  if (Status done = add_vtk_cells(in.found, in.cells); !done)
+    return Error{fmt::format("{}: {}", path.string(), done.error().message)};
+  return in.found;
+}
+
+}  // namespace turgor::io
