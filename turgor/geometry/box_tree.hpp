@@ -6,28 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "turgor/core/vec.hpp"
+#include "turgor/geometry/box.hpp"
 
 namespace turgor {
-
-struct Box {
-  Vec3d low, high;
-};
-
-inline Box box_around(std::span<const Vec3d> points) {
-  Box box{points[0], points[0]};
-  for (const Vec3d p : points) box = {min(box.low, p), max(box.high, p)};
-  return box;
-}
-inline bool meet(const Box& a, const Box& b) {
-  return a.low.x <= b.high.x && a.low.y <= b.high.y && a.low.z <= b.high.z && b.low.x <= a.high.x &&
-         b.low.y <= a.high.y && b.low.z <= a.high.z;
-}
-/// Squared distance of a point to a box; 0 inside [m²].
-inline double squared_distance(const Box& box, Vec3d p) {
-  const Vec3d d = p - min(max(p, box.low), box.high);
-  return dot(d, d);
-}
 
 struct BoxTree {
   struct Node {

@@ -2,6 +2,7 @@
 // its target.
 #pragma once
 
+#include "turgor/geometry/box.hpp"
 #include "turgor/geometry/grid.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
 
@@ -21,9 +22,6 @@ struct CameraFrame {
 /// An `up` along the line of sight is replaced by another one.
 CameraFrame camera_frame(const Camera& camera);
 
-struct Box {
-  Vec3d low, high;  // [m]
-};
 /// Corner 0…7: bit 0 chooses the high x, bit 1 the high y, bit 2 the high z.
 constexpr Vec3d corner(const Box& box, int index) {
   return {index & 1 ? box.high.x : box.low.x, index & 2 ? box.high.y : box.low.y,
