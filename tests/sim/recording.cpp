@@ -20,7 +20,7 @@ World record_block(const fs::path& folder, const Scene& scene) {
   EXPECT_TRUE(writer->add_snapshot(world));
   for (int frame = 0; frame < 10; frame++) EXPECT_TRUE(step(exec, world));
   EXPECT_TRUE(writer->add_snapshot(world));
-  EXPECT_TRUE(writer->finish("{\"a\": 1}"));
+  EXPECT_TRUE(writer->finish(world, "{\"a\": 1}"));
   return world;
 }
 

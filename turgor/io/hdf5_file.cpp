@@ -52,15 +52,17 @@ hid_t type_of<std::uint64_t>() {
 /// Errors become sentences of ours, not HDF5's stack on standard error.
 void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
-/// Chunks of about a megabyte, bytes shuffled, lightly compressed, with a checksum.
-void compress(hid_t properties, hsize_t rows, hsize_t columns, std::size_t value_size) {
+/// Chunks of about a megabyte with a checksum; compressed ones have their bytes shuffled first.
+void pack(hid_t properties, hsize_t rows, hsize_t columns, std::size_t value_size, Hdf5Packing packing) {
   constexpr hsize_t kChunkBytes = 1 << 20;
   constexpr unsigned kLevel = 3;
   const hsize_t chunk_rows = std::clamp<hsize_t>(kChunkBytes / (columns * value_size), 1, rows);
   const hsize_t chunk[2] = {chunk_rows, columns};
   H5Pset_chunk(properties, 2, chunk);
-  H5Pset_shuffle(properties);
-  H5Pset_deflate(properties, kLevel);
+  if (packing == Hdf5Packing::kCompressed) {
+    H5Pset_shuffle(properties);
+    H5Pset_deflate(properties, kLevel);
+  }
   H5Pset_fletcher32(properties);
 }
 
@@ -97,12 +99,13 @@ Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) {
 }
 
 template <class T>
-Status Hdf5File::write(const std::string& name, std::span<const T> values, std::size_t columns) {
+Status Hdf5File::write(const std::string& name, std::span<const T> values, std::size_t columns,
+                       Hdf5Packing packing) {
   const hsize_t shape[2] = {values.size() / columns, columns};
   const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose), layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(links, 1);
   constexpr std::size_t kSmall = 1024;  // bytes; smaller ones are not worth a chunk
-  if (values.size_bytes() > kSmall) compress(layout, shape[0], shape[1], sizeof(T));
+  if (values.size_bytes() > kSmall) pack(layout, shape[0], shape[1], sizeof(T), packing);
   const Handle space(H5Screate_simple(2, shape, nullptr), H5Sclose);
   const Handle set(H5Dcreate2(id_, name.c_str(), type_of<T>(), space, links, layout, H5P_DEFAULT), H5Dclose);
   const bool written = set.valid() && (values.empty() || H5Dwrite(set, type_of<T>(), H5S_ALL, H5S_ALL,
@@ -174,8 +177,8 @@ Result<std::string> Hdf5File::read_text(const std::string& name) const {
   return text;
 }
 
-#define TURGOR_HDF5_TYPE(T)                                                                \
-  template Status Hdf5File::write<T>(const std::string&, std::span<const T>, std::size_t); \
+#define TURGOR_HDF5_TYPE(T)                                                                             \
+  template Status Hdf5File::write<T>(const std::string&, std::span<const T>, std::size_t, Hdf5Packing); \
   template Result<std::vector<T>> Hdf5File::read<T>(const std::string&, std::size_t) const;
 TURGOR_HDF5_TYPE(float)
 TURGOR_HDF5_TYPE(double)

@@ -14,6 +14,9 @@
 
 namespace turgor {
 
+/// Whether values are compressed; both ways they have checksums.
+enum class Hdf5Packing : std::uint8_t { kCompressed, kPlain };
+
 class Hdf5File {
  public:
   static Result<Hdf5File> create(const std::filesystem::path& path);
@@ -26,7 +29,8 @@ class Hdf5File {
   /// Writes rows of `columns` values each as a new dataset; groups in the name are made. T: float, double,
   /// std::uint8_t, std::int32_t, std::uint64_t.
   template <class T>
-  Status write(const std::string& name, std::span<const T> values, std::size_t columns = 1);
+  Status write(const std::string& name, std::span<const T> values, std::size_t columns = 1,
+               Hdf5Packing packing = Hdf5Packing::kCompressed);
   Status write_text(const std::string& name, const std::string& text);
   /// Everything written so far survives a crash of the program.
   Status flush();

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
+#include "turgor/sim/recording_arrays.hpp"
+#include "turgor/sim/recording_organs.hpp"
 
 namespace turgor {
 
@@ -37,28 +39,6 @@ std::vector<std::string> split_lines(const std::string& text) {
   }
   return lines;
 }
-
-/// Writes one thing after another until one cannot be written.
-class Writing {
- public:
-  Writing(Hdf5File& file, std::string group) : file_(file), group_(std::move(group)) {}
-
-  template <class T>
-  Writing& array(const std::string& name, const std::vector<T>& values, std::size_t columns = 1) {
-    if (status_) status_ = file_.write<T>(group_ + name, std::span<const T>(values), columns);
-    return *this;
-  }
-  Writing& text(const std::string& name, const std::string& value) {
-    if (status_) status_ = file_.write_text(group_ + name, value);
-    return *this;
-  }
-  Status status() const { return status_; }
-
- private:
-  Hdf5File& file_;
-  std::string group_;
-  Status status_ = Done{};
-};
 
 std::vector<double> flat(const std::vector<Vec3d>& points) {
   std::vector<double> values;
@@ -125,32 +105,6 @@ Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
       .status();
 }
 
-/// Reads one array after another until one cannot be read.
-class Reading {
- public:
-  Reading(const Hdf5File& file, std::string group) : file_(file), group_(std::move(group)) {}
-
-  template <class T>
-  std::vector<T> array(const std::string& name, std::size_t count) {
-    if (!status_) return {};
-    Result<std::vector<T>> values = file_.read<T>(group_ + name, count);
-    if (!values) status_ = values.error();
-    return values ? std::move(*values) : std::vector<T>();
-  }
-  std::size_t count(const std::string& name, std::size_t most) {
-    if (!status_) return 0;
-    const Result<std::size_t> found = file_.count(group_ + name, most);
-    if (!found) status_ = found.error();
-    return found ? *found : 0;
-  }
-  const Status& status() const { return status_; }
-
- private:
-  const Hdf5File& file_;
-  std::string group_;
-  Status status_ = Done{};
-};
-
 /// Is there such an edge in the lattice?
 bool is_edge(const World& world, const lattice::Model& model, const lattice::CutEdge& edge) {
   if (edge.slot < 0 || edge.slot >= slot_count(model.lattice) || edge.family >= kFamilyCount) return false;
@@ -194,10 +148,16 @@ Status RecordingWriter::add_snapshot(const World& world) {
     if (const Status status = write_state(file_, group, body); !status) return status;
   for (const Cut& cut : world.cuts)
     if (const Status status = write_cut(file_, group, cut); !status) return status;
+  for (const Organ& organ : world.organs)
+    if (const Status status =
+            write_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.shown);
+        !status)
+      return status;
   return file_.flush();
 }
 
-Status RecordingWriter::finish(const std::string& report) {
+Status RecordingWriter::finish(const World& world, const std::string& report) {
+  if (const Status status = write_touch(file_, world); !status) return status;
   const Status status =
       Writing(file_, "/").array<std::int32_t>("snapshot_count", {snapshots_}).text("report", report).status();
   return status ? file_.flush() : status;
@@ -343,7 +303,15 @@ Status Recording::restore(int snapshot, World& world) const {
   }
   for (Cut& cut : world.cuts)
     if (const Status status = restore_cut(group, cut); !status) return status;
+  for (Organ& organ : world.organs) {
+    Result<OrganSurface> surface =
+        read_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.tool_indices.size());
+    if (!surface) return surface.error();
+    organ.shown = std::move(*surface);
+  }
   return Done{};
 }
+
+Status Recording::restore_touch(World& world) const { return read_touch(file_, world); }
 
 }  // namespace turgor

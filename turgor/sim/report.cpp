@@ -9,25 +9,13 @@
 
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/sim/json_numbers.hpp"
+#include "turgor/sim/report_touch.hpp"
 
 namespace turgor {
 
 namespace {
 
-constexpr double kMm = 1e3, kMm2 = 1e6, kMs = 1e3;
-
-/// Six significant digits: more would only pretend.
-double rounded(double value) {
-  if (value == 0 || !std::isfinite(value)) return std::isfinite(value) ? 0.0 : value;
-  const double unit = std::pow(10.0, 5 - std::floor(std::log10(std::abs(value))));
-  return std::isfinite(unit) ? std::round(value * unit) / unit : value;
-}
-
-Json numbers(std::initializer_list<double> values) {
-  Json array = Json::array();
-  for (const double value : values) array.push_back(rounded(value));
-  return array;
-}
 Json of_size(Int3 v) { return Json::array({v.x, v.y, v.z}); }
 Json of_mm(Vec3d v) { return numbers({v.x * kMm, v.y * kMm, v.z * kMm}); }
 
@@ -127,14 +115,27 @@ Json timing_report(const Measures& measures, const RunFacts& facts) {
 }
 
 std::uint64_t hash_of(const World& world) {
-  if (world.lattices.size() == 1)
+  if (world.lattices.size() == 1 && world.organs.empty())
     return lattice::state_hash(world.lattices[0].model, world.lattices[0].state);
   std::uint64_t hash = kHashSeed;
   for (const LatticeBody& body : world.lattices) {
     const std::uint64_t one = lattice::state_hash(body.model, body.state);
     hash = hash_bytes(&one, sizeof one, hash);
   }
-  return hash;
+  const std::uint64_t touched = touch_hash(world);
+  return world.organs.empty() ? hash : hash_bytes(&touched, sizeof touched, hash);
+}
+
+Json scene_report(const Scene& scene) {
+  Json json{{"file", scene.file.string()},
+            {"overrides", scene.overrides},
+            {"duration_s", scene.duration},
+            {"frame_rate_per_s", scene.frame_rate}};
+  if (scene.lattices.empty()) return json;
+  const lattice::SolverParams& solver = scene.lattices[0].params.solver;
+  json["method"] = solver.method == lattice::Method::kPbd ? "pbd" : "descent";
+  json["sweeps"] = solver.sweeps;
+  return json;
 }
 
 }  // namespace
@@ -143,23 +144,22 @@ std::string program_version() { return TURGOR_VERSION; }
 
 Json simulation_report(const Exec& exec, const Scene& scene, const World& world, const Measures& measures,
                        const RunFacts& facts) {
-  Json bodies = Json::array(), wounds = Json::array();
+  Json bodies = Json::array(), wounds = Json::array(), organs = Json::array(), tools = Json::array();
   for (std::size_t b = 0; b < world.lattices.size(); b++)
     bodies.push_back(body_report(scene, world.lattices[b], b));
   for (const CutMeasures& cut : measures.cuts) wounds.push_back(wound_report(cut));
-  const lattice::SolverParams& solver = scene.lattices[0].params.solver;
+  for (std::size_t o = 0; o < world.organs.size(); o++)
+    organs.push_back(organ_report(scene.organs[o], world.organs[o]));
+  for (std::size_t t = 0; t < world.tools.size(); t++)
+    tools.push_back(tool_report(scene.tools[t], world.tools[t], world));
   return {{"program", "turgor"},
           {"version", program_version()},
-          {"scene",
-           {{"file", scene.file.string()},
-            {"overrides", scene.overrides},
-            {"duration_s", scene.duration},
-            {"frame_rate_per_s", scene.frame_rate},
-            {"method", solver.method == lattice::Method::kPbd ? "pbd" : "descent"},
-            {"sweeps", solver.sweeps}}},
+          {"scene", scene_report(scene)},
           {"machine", machine_report(exec)},
           {"bodies", bodies},
           {"wounds", wounds},
+          {"organs", organs},
+          {"tools", tools},
           {"solver", solver_report(measures)},
           {"timing", timing_report(measures, facts)},
           {"simulated_s", rounded(time_of(world))},

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "turgor/io/file.hpp"
-#include "turgor/sim/plot.hpp"
+#include "turgor/sim/page.hpp"
 #include "turgor/sim/report.hpp"
 
 namespace turgor {
@@ -14,6 +14,8 @@ namespace turgor {
 namespace {
 
 namespace fs = std::filesystem;
+using page::curve_of, page::drawn, page::escaped, page::key_figure, page::quantity_table, page::shown,
+    page::table_row;
 
 constexpr const char* kHead = R"(<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
@@ -44,21 +46,6 @@ code {{ font-family: ui-monospace, "DejaVu Sans Mono", monospace; }}
 </style></head><body><main>
 )";
 
-std::string escaped(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '&')
-      safe += "&amp;";
-    else if (c == '<')
-      safe += "&lt;";
-    else if (c == '"')
-      safe += "&quot;";
-    else
-      safe += c;
-  }
-  return safe;
-}
-
 std::string base64(std::string_view bytes) {
   constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -70,45 +57,6 @@ std::string base64(std::string_view bytes) {
       text += i + std::size_t(n) > bytes.size() ? '=' : kLetters[three >> (18 - 6 * n) & 63];
   }
   return text;
-}
-
-/// A number as people read it: three or four digits.
-std::string shown(const Json& value) {
-  if (value.is_string()) return escaped(value.get<std::string>());
-  if (value.is_number_integer()) return fmt::format("{}", value.get<std::int64_t>());
-  if (!value.is_number()) return "";
-  const double number = value.get<double>(), size = std::abs(number);
-  if (number == 0) return "0";
-  if (size >= 100 && size < 1e6) return fmt::format("{:.0f}", number);
-  if (size >= 10 && size < 1e6) return fmt::format("{:.1f}", number);
-  return size >= 0.01 && size < 1e6 ? fmt::format("{:.2f}", number) : fmt::format("{:.2g}", number);
-}
-
-std::string table_row(const std::vector<std::string>& cells, const char* tag) {
-  std::string row = "<tr>";
-  for (const std::string& cell : cells) row += fmt::format("<{0}>{1}</{0}>", tag, cell);
-  return row + "</tr>\n";
-}
-
-/// A table of quantities: a row each, a column for each of `items`.
-struct Quantity {
-  const char* key;
-  const char* label;
-};
-std::string quantity_table(const Json& items, const char* heading, const std::vector<Quantity>& quantities) {
-  std::vector<std::string> cells = {heading};
-  for (const Json& item : items) cells.push_back(shown(item.at("name")));
-  std::string table = "<div class=\"scroll\"><table>" + table_row(cells, "th");
-  for (const Quantity& q : quantities) {
-    cells = {q.label};
-    bool any = false;
-    for (const Json& item : items) {
-      any = any || item.contains(q.key);
-      cells.push_back(item.contains(q.key) ? shown(item.at(q.key)) : "–");
-    }
-    if (any) table += table_row(cells, "td");
-  }
-  return table + "</table></div>\n";
 }
 
 std::string wound_table(const Json& wounds) {
@@ -150,40 +98,6 @@ std::string pictures(const Json& report, const fs::path& folder) {
   return html + "</div>\n";
 }
 
-Curve curve_of(const std::string& label, const Json& rows, std::size_t x, std::size_t y) {
-  Curve curve{label, {}};
-  for (const Json& row : rows)
-    if (row.at(x).is_number() && row.at(y).is_number())
-      curve.points.emplace_back(row.at(x).get<double>(), row.at(y).get<double>());
-  return curve;
-}
-
-/// The curves as a table of at most a dozen rows each, where there is no gnuplot.
-std::string curve_table(const Plot& plot) {
-  std::string html = fmt::format("<div><h3>{}</h3>\n", plot.title);
-  for (const Curve& curve : plot.curves) {
-    if (curve.points.empty()) continue;
-    html +=
-        "<div class=\"scroll\"><table>" + table_row({plot.x_label, plot.y_label + ", " + curve.label}, "th");
-    constexpr std::size_t kRows = 12;
-    const std::size_t stride = std::max<std::size_t>(1, curve.points.size() / kRows);
-    for (std::size_t i = 0; i < curve.points.size(); i += stride)
-      html += table_row(
-          {fmt::format("{:.3g}", curve.points[i].first), fmt::format("{:.3g}", curve.points[i].second)},
-          "td");
-    html += "</table></div>\n";
-  }
-  return html + "</div>\n";
-}
-
-std::string drawn(const Plot& plot, const fs::path& folder) {
-  const bool empty =
-      std::all_of(plot.curves.begin(), plot.curves.end(), [](const Curve& c) { return c.points.empty(); });
-  if (empty) return "";
-  const std::string svg = plot_svg(plot, folder);
-  return svg.empty() ? curve_table(plot) : "<div class=\"plot\">" + svg + "</div>\n";
-}
-
 std::string curves(const Json& report, const fs::path& folder) {
   Plot gape{"Gape over time", "time [s]", "largest gape [mm]", {}},
       profile{"Gape along the cut at the end", "along the cut [mm]", "gape [mm]", {}};
@@ -208,6 +122,8 @@ std::string curves(const Json& report, const fs::path& folder) {
   if (!report.at("wounds").empty())
     html += "<h2>The wound</h2>\n<div class=\"grid\">" + drawn(gape, folder) + drawn(profile, folder) +
             "</div>\n";
+  html += touch_curves(report, folder);
+  if (report.at("bodies").empty()) return html;
   return html + "<h2>The solver</h2>\n<div class=\"grid\">" + drawn(residual, folder) +
          drawn(frames, folder) + "</div>\n";
 }
@@ -215,8 +131,9 @@ std::string curves(const Json& report, const fs::path& folder) {
 std::string key_figures(const Json& report) {
   std::string html = "<div class=\"figures\">";
   const auto figure = [&](const std::string& value, const std::string& label) {
-    html += fmt::format("<div><b>{}</b><span>{}</span></div>", value, label);
+    html += key_figure(value, label);
   };
+  html += touch_figures(report);
   for (const Json& wound : report.at("wounds"))
     figure(shown(wound.at("gape_max_mm")) + " mm", "gape of " + shown(wound.at("name")));
   const Json& timing = report.at("timing");
@@ -247,10 +164,12 @@ std::string report_html(const Json& report, const fs::path& folder) {
   const std::string name = escaped(fs::path(scene.at("file").get<std::string>()).stem().string());
   std::string html = fmt::format(fmt::runtime(kHead), name);
   html += fmt::format(
-      "<h1>{}</h1>\n<p class=\"soft\">{} with {} sweeps, {} frames a second; {} threads on {}; turgor "
-      "{}</p>\n",
-      name, shown(scene.at("method")), shown(scene.at("sweeps")), shown(scene.at("frame_rate_per_s")),
-      shown(machine.at("threads")), shown(machine.at("processor")), shown(report.at("version")));
+      "<h1>{}</h1>\n<p class=\"soft\">{}{} frames a second; {} threads on {}; turgor {}</p>\n", name,
+      scene.contains("method")
+          ? shown(scene.at("method")) + " with " + shown(scene.at("sweeps")) + " sweeps, "
+          : std::string(),
+      shown(scene.at("frame_rate_per_s")), shown(machine.at("threads")), shown(machine.at("processor")),
+      shown(report.at("version")));
   for (const Json& warning : report.at("warnings"))
     html += "<p class=\"warning\">" + shown(warning) + "</p>\n";
   html += key_figures(report);
@@ -258,7 +177,8 @@ std::string report_html(const Json& report, const fs::path& folder) {
   if (!report.at("wounds").empty()) html += "<h2>Measures</h2>\n" + wound_table(report.at("wounds"));
   html += curves(report, folder);
   html += deformed_table(report);
-  html += "<h2>Bodies</h2>\n" + body_table(report.at("bodies"));
+  if (!report.at("bodies").empty()) html += "<h2>Bodies</h2>\n" + body_table(report.at("bodies"));
+  html += touch_tables(report);
   html +=
       "<h2>Scene</h2>\n<pre><code>" + escaped(report.at("scene_text").get<std::string>()) + "</code></pre>\n";
   for (const Json& text : scene.at("overrides")) html += "<p><code>--set " + shown(text) + "</code></p>\n";

@@ -28,10 +28,11 @@ Int3 block_of(const Grid& ct, double step) {
   return {voxels(ct.spacing.x), voxels(ct.spacing.y), voxels(ct.spacing.z)};
 }
 
-Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, const Progress& progress) {
+Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, const BeginWork& begin) {
   LatticeBody body;
   body.name = scene.name;
   const Timer reading;
+  const Progress progress = begin ? begin("reading", "") : Progress();
   Result<LoadedCt> ct = load_ct(exec, scene.ct, progress);  // holds the labels until the body is built
   if (!ct) return Error{fmt::format("{}: {}", scene.place, ct.error().message)};
   body.ct = std::move(ct->volume);
@@ -118,6 +119,41 @@ Status advance_blade(World& world, std::size_t index) {
   return Done{};
 }
 
+Status load_organs(const Exec& exec, const Scene& scene, const BeginWork& begin, World& world) {
+  for (const SfemScene& organ_scene : scene.organs) {
+    Result<Organ> organ = load_organ(exec, organ_scene, begin);
+    if (!organ) return organ.error();
+    world.organs.push_back(moved(organ));
+  }
+  for (const ToolScene& tool_scene : scene.tools) {
+    Organ& organ = world.organs[std::size_t(tool_scene.body)];
+    Result<TouchingTool> tool = load_tool(tool_scene, organ);
+    if (!tool) return tool.error();
+    organ.tool_indices.push_back(int(world.tools.size()));
+    world.tools.push_back(moved(tool));
+  }
+  for (std::size_t o = 0; o < world.organs.size(); o++) {
+    const SfemScene& s = scene.organs[o];
+    begin_touch(exec, world.organs[o], world.tools, {s.viscosity, s.viscous_time});
+  }
+  return Done{};
+}
+
+/// Organs and tools as a recording fills them: by name, and with the tools' shapes to be drawn.
+Status name_organs(const Scene& scene, World& world) {
+  for (const SfemScene& organ : scene.organs) {
+    world.organs.emplace_back();
+    world.organs.back().name = organ.name;
+  }
+  for (const ToolScene& tool_scene : scene.tools) {
+    Result<TouchingTool> tool = load_tool_shape(tool_scene);
+    if (!tool) return tool.error();
+    world.organs[std::size_t(tool_scene.body)].tool_indices.push_back(int(world.tools.size()));
+    world.tools.push_back(moved(tool));
+  }
+  return Done{};
+}
+
 }  // namespace
 
 BodyBox body_box(const lattice::Model& model) {
@@ -142,12 +178,12 @@ lattice::Incision placed_blade(const lattice::Model& model, const lattice::Incis
   return blade;
 }
 
-Result<World> load_world(const Exec& exec, const Scene& scene, const Progress& progress) {
+Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& begin, Purpose purpose) {
   World world;
   world.gravity = scene.gravity;
   world.dt = 1 / scene.frame_rate;
   for (const LatticeScene& body_scene : scene.lattices) {
-    Result<LatticeBody> body = load_lattice(exec, body_scene, progress);
+    Result<LatticeBody> body = load_lattice(exec, body_scene, begin);
     if (!body) return body.error();
     world.lattices.push_back(moved(body));
   }
@@ -160,6 +196,9 @@ Result<World> load_world(const Exec& exec, const Scene& scene, const Progress& p
     if (!trial) return Error{fmt::format("{}: {}", incision.place, trial.error().message)};
     world.cuts.push_back(std::move(cut));
   }
+  const Status organs =
+      purpose == Purpose::kSimulate ? load_organs(exec, scene, begin, world) : name_organs(scene, world);
+  if (!organs) return organs.error();
   return world;
 }
 
@@ -177,6 +216,10 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
     report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));
     report.residual.largest = std::max(report.residual.largest, done.residual.largest);
     report.residual.rms = std::max(report.residual.rms, done.residual.rms);
+  }
+  for (Organ& organ : world.organs) {
+    touch_organ(exec, organ, world.tools, time_of(world), time_of(world) + world.dt);
+    remember_deepest(exec, organ, time_of(world) + world.dt);
   }
   world.frame++;
   report.seconds = timer.seconds();

@@ -1,5 +1,5 @@
-// The world: every body and every cut of a scene while they are simulated. load_world makes it from a scene;
-// step moves it by one frame: blades first, then each model in turn.
+// The world: every body, every cut and every tool of a scene while they are simulated. load_world makes it
+// from a scene; step moves it by one frame: blades first, then each model in turn.
 #pragma once
 
 #include <optional>
@@ -11,6 +11,8 @@
 #include "turgor/core/result.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
+#include "turgor/sim/load_organ.hpp"
+#include "turgor/sim/organ.hpp"
 #include "turgor/sim/scene.hpp"
 
 namespace turgor {
@@ -41,6 +43,8 @@ struct World {
   int frame = 0;  // finished
   std::vector<LatticeBody> lattices;
   std::vector<Cut> cuts;
+  std::vector<Organ> organs;
+  std::vector<TouchingTool> tools;
 };
 inline double time_of(const World& world) { return world.frame * world.dt; }
 
@@ -51,8 +55,12 @@ struct FrameReport {
   lattice::Residual residual;  // when asked for; the largest over all bodies
 };
 
-/// Reads or makes the CTs, builds the bodies, and tries every blade on the body at rest.
-Result<World> load_world(const Exec& exec, const Scene& scene, const Progress& progress = {});
+/// What a world is made for. To draw a recording, organs stay empty: it holds their surfaces.
+enum class Purpose : std::uint8_t { kSimulate, kDraw };
+
+/// Reads or makes the CTs and the organs, builds the bodies, and tries every blade on the body at rest.
+Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& begin = {},
+                         Purpose purpose = Purpose::kSimulate);
 
 /// One frame. Error: a blade found no skin any more.
 Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual = false);

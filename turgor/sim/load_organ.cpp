@@ -1,0 +1,192 @@
+#include "turgor/sim/load_organ.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "turgor/core/timing.hpp"
+#include "turgor/geometry/hex_block.hpp"
+#include "turgor/geometry/organ_mesh.hpp"
+#include "turgor/io/ct.hpp"
+#include "turgor/io/solid_files.hpp"
+#include "turgor/io/surface_files.hpp"
+#include "turgor/sim/green_cache.hpp"
+#include "turgor/sim/organ_body.hpp"
+
+namespace turgor {
+
+namespace {
+
+Progress begin_work(const BeginWork& begin, const std::string& label, const std::string& sentence = "") {
+  return begin ? begin(label, sentence) : Progress();
+}
+
+void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
+  notes.insert(notes.end(), more.begin(), more.end());
+}
+
+Result<OrganMesh> from_solid_file(const SolidFile& source) {
+  Result<ReadSolid> read = read_solid(source.file, source.scale);
+  if (!read) return read.error();
+  return OrganMesh{.mesh = std::move(read->mesh), .notes = std::move(read->notes)};
+}
+
+Result<OrganMesh> from_surface(const Exec& exec, const ClosedSurface& source, const BeginWork& begin) {
+  Result<ReadSurface> read = read_surface(source.file, source.scale);
+  if (!read) return read.error();
+  Result<OrganMesh> made = mesh_of_surface(exec, read->mesh, source.resolution, begin_work(begin, "meshing"));
+  if (!made) return Error{fmt::format("{}: {}", source.file.string(), made.error().message)};
+  append(made->notes, read->notes);
+  return made;
+}
+
+Result<OrganMesh> from_labels(const Exec& exec, const LabelledOrgan& source,
+                              const std::vector<InsideScene>& inside, const BeginWork& begin) {
+  LabelVolume labels;
+  if (source.phantom) {
+    make_phantom(exec, *source.phantom, &labels, begin_work(begin, "painting"));
+  } else {
+    Result<LabelVolume> read = read_labels(source.file);
+    if (!read) return read.error();
+    labels = std::move(*read);
+  }
+  std::vector<int> wanted{source.label};
+  for (const InsideScene& part : inside) wanted.push_back(part.label);
+  Result<OrganMesh> made =
+      mesh_of_labels(exec, labels, wanted, source.resolution, begin_work(begin, "meshing"));
+  const std::string name = source.phantom ? "the phantom" : source.file.string();
+  if (!made) return Error{fmt::format("{}: {}", name, made.error().message)};
+  return made;
+}
+
+Result<OrganMesh> load_shape(const Exec& exec, const SfemScene& scene, const BeginWork& begin) {
+  if (const auto* file = std::get_if<SolidFile>(&scene.source)) return from_solid_file(*file);
+  if (const auto* surface = std::get_if<ClosedSurface>(&scene.source))
+    return from_surface(exec, *surface, begin);
+  if (const auto* organ = std::get_if<LabelledOrgan>(&scene.source))
+    return from_labels(exec, *organ, scene.inside, begin);
+  const HexBlock& block = std::get<HexBlock>(scene.source);
+  return OrganMesh{.mesh = hex_block(block.size, block.count)};
+}
+
+double longest_edge(const SolidMesh& mesh) {
+  double longest = 0;
+  for (std::size_t e = 0; e < element_count(mesh); e++) {
+    const auto corners = element(mesh, e);
+    for (const int a : corners)
+      for (const int b : corners)
+        longest = std::max(longest, norm(mesh.vertices[std::size_t(a)] - mesh.vertices[std::size_t(b)]));
+  }
+  return longest;
+}
+
+std::string memory_text(double bytes) {
+  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
+}
+
+/// Columns on demand: the store does not fit, the factor does.
+Status prepare_on_demand(const Exec& exec, const SfemScene& scene, Organ& organ, const BeginWork& begin) {
+  const sfem::GreenCost& cost = organ.facts.cost;
+  if (double(cost.factor_bytes) > scene.memory * 1e9)
+    return Error{
+        fmt::format("{}: the body's factor alone takes {}, allowed are {} GB: raise body.{}.memory, or take "
+                    "a coarser mesh",
+                    scene.place, memory_text(double(cost.factor_bytes)), scene.memory, scene.name)};
+  organ.facts.on_demand = true;
+  organ.facts.notes.push_back(
+      fmt::format("all Green's functions would take {}, allowed are {} GB: their columns are computed where "
+                  "the tools are; "
+                  "more memory or a coarser mesh makes following faster",
+                  memory_text(double(cost.store_bytes)), scene.memory));
+  return sfem::prepare_columns(
+      exec, organ.model,
+      begin_work(begin, "factor",
+                 fmt::format("{}: {} nodes, factor of {}, columns of Green's functions on demand", organ.name,
+                             organ.model.vertex.size(), memory_text(double(cost.factor_bytes)))));
+}
+
+Status compute_and_keep(const Exec& exec, const SfemScene& scene, const std::filesystem::path& cache,
+                        Organ& organ, const BeginWork& begin) {
+  const sfem::GreenCost& cost = organ.facts.cost;
+  const Progress progress = begin_work(
+      begin, "Green's functions",
+      fmt::format("{}: {} free nodes; Green's functions between {} of them take {}, the factor {}; {:.3g} "
+                  "thousand million operations",
+                  organ.name, organ.model.vertex.size(), organ.model.green.nodes.size(),
+                  memory_text(double(cost.store_bytes)), memory_text(double(cost.factor_bytes)),
+                  (cost.factor_flops + cost.solve_flops) * 1e-9));
+  if (const Status status = sfem::compute_green(exec, organ.model, std::size_t(scene.memory * 1e9), progress);
+      !status)
+    return Error{fmt::format("{}: {}", scene.place, status.error().message)};
+  if (cache.empty()) return Done{};
+  const Status kept = write_green(cache, organ.model);
+  if (!kept) organ.facts.notes.push_back("not cached: " + kept.error().message);
+  return Done{};
+}
+
+Status prepare_green(const Exec& exec, const SfemScene& scene, Organ& organ, const BeginWork& begin) {
+  const Timer timer;
+  organ.facts.cost = sfem::green_cost(organ.model);
+  organ.facts.content_hash = sfem::content_hash(organ.model);
+  const auto& cost = organ.facts.cost;
+  if (double(cost.store_bytes + cost.factor_bytes) > scene.memory * 1e9) {
+    const Status status = prepare_on_demand(exec, scene, organ, begin);
+    organ.facts.green_seconds = timer.seconds();
+    return status;
+  }
+  const std::filesystem::path cache =
+      scene.cached ? green_cache_file(scene.cache, organ.facts.content_hash) : std::filesystem::path();
+  organ.facts.cache_file = cache.string();
+  Status status = Done{};
+  CachedGreen cached = cache.empty() ? CachedGreen{} : read_green(cache, organ.model);
+  if (!cached.note.empty()) organ.facts.notes.push_back(cached.note);
+  organ.facts.from_cache = cached.found;
+  if (!cached.found) status = compute_and_keep(exec, scene, cache, organ, begin);
+  organ.facts.green_seconds = timer.seconds();
+  return status;
+}
+
+Status load_seen(const Exec& exec, const SfemScene& scene, Organ& organ) {
+  if (scene.seen.empty()) return Done{};
+  Result<ReadSurface> read = read_surface(scene.seen, scene.seen_scale);
+  if (!read) return Error{fmt::format("{}.seen: {}", scene.place, read.error().message)};
+  append(organ.facts.notes, read->notes);
+  organ.seen = SeenSurface{embed(exec, read->mesh, organ.model.body.mesh), read->mesh.triangles};
+  const double edge = longest_edge(organ.model.body.mesh);
+  if (organ.seen->embedding.farthest_outside > 3 * edge)
+    return Error{
+        fmt::format("{}.seen: {}: a vertex is {:.4g} m away from the body, whose longest edge is {:.4g} "
+                    "m; expected a surface of the same organ (seen_scale?)",
+                    scene.place, scene.seen.string(), organ.seen->embedding.farthest_outside, edge)};
+  return Done{};
+}
+
+}  // namespace
+
+Result<Organ> load_organ(const Exec& exec, const SfemScene& scene, const BeginWork& begin) {
+  Organ organ;
+  organ.name = scene.name;
+  const Timer shaping;
+  Result<OrganMesh> shape = load_shape(exec, scene, begin);
+  if (!shape) return Error{fmt::format("{}: {}", scene.place, shape.error().message)};
+  organ.facts.notes = std::move(shape->notes);
+  organ.facts.input_volume = shape->input_volume;
+  if (shape->mesh.corners == 4) organ.facts.quality = measure_quality(shape->mesh);
+  organ.facts.volume = volume(shape->mesh);
+  Result<sfem::Body> body = make_body(std::move(shape->mesh), scene);
+  if (!body) return body.error();
+  organ.facts.shape_seconds = shaping.seconds();
+
+  const sfem::Params params{scene.formulation, scene.precision, scene.patch.radius};
+  Result<sfem::Model> model = sfem::build(exec, std::move(*body), params);
+  if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
+  organ.model = std::move(*model);
+  if (const Status status = prepare_green(exec, scene, organ, begin); !status) return status.error();
+  if (const Status status = load_seen(exec, scene, organ); !status) return status.error();
+  organ.refinement = scene.patch.refinement;
+  organ.follow.radius = scene.patch.radius;
+  organ.follow.hysteresis = scene.patch.hysteresis;
+  return organ;
+}
+
+}  // namespace turgor

@@ -1,0 +1,28 @@
+// From a scene to an organ that can be touched: its shape from a file, a surface, a segmentation or a block;
+// its Green's functions from the cache or computed; its tools on their paths.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/core/progress.hpp"
+#include "turgor/core/result.hpp"
+#include "turgor/sim/organ.hpp"
+
+namespace turgor {
+
+/// Called before work that takes long: a word for a progress bar, and a sentence that says what it will take
+/// (may be empty). Returns what is told the finished fraction; both may be empty.
+using BeginWork = std::function<Progress(const std::string& label, const std::string& sentence)>;
+
+/// Without its tools. Error: names the scene's place, or the file.
+Result<Organ> load_organ(const Exec& exec, const SfemScene& scene, const BeginWork& begin);
+
+/// A tool by its shape alone, to be drawn. Error: a mesh that is none.
+Result<TouchingTool> load_tool_shape(const ToolScene& scene);
+/// A tool, with its path laid on the organ. Error: a path or a mesh that is none, a tool wider than the
+/// organ.
+Result<TouchingTool> load_tool(const ToolScene& scene, const Organ& organ);
+
+}  // namespace turgor

@@ -1,0 +1,92 @@
+#include <algorithm>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "turgor/io/surface_files.hpp"
+#include "turgor/sim/load_organ.hpp"
+#include "turgor/sim/organ_body.hpp"
+#include "turgor/sim/press_path.hpp"
+#include "turgor/sim/tool_mesh.hpp"
+
+namespace turgor {
+
+namespace {
+
+/// A tool's shape for contact and for pictures.
+struct MadeShape {
+  contact::Shape shape;
+  TriMesh shown;
+};
+
+Result<MadeShape> make_shape(const ToolShape& given) {
+  if (const auto* ball = std::get_if<BallTool>(&given))
+    return MadeShape{contact::Sphere{ball->radius}, capsule_mesh(ball->radius, 0)};
+  if (const auto* rod = std::get_if<RodTool>(&given))
+    return MadeShape{contact::Capsule{rod->radius, rod->half_length},
+                     capsule_mesh(rod->radius, rod->half_length)};
+  const MeshTool& mesh = std::get<MeshTool>(given);
+  Result<ReadSurface> read = read_surface(mesh.file, mesh.scale);
+  if (!read) return read.error();
+  Result<contact::Shape> shape = contact::mesh_shape(read->mesh);
+  if (!shape) return Error{fmt::format("{}: {}", mesh.file.string(), shape.error().message)};
+  return MadeShape{std::move(*shape), std::move(read->mesh)};
+}
+
+/// Across, which for a rod is its thickness: it may well be longer than what it touches [m].
+double width(const ToolShape& given, const contact::Shape& shape) {
+  if (const auto* rod = std::get_if<RodTool>(&given)) return 2 * rod->radius;
+  return 2 * contact::bounding_radius(shape);
+}
+
+/// How far the tool reaches below its origin [m].
+double tip(const TriMesh& mesh) {
+  float lowest = 0;
+  for (const Vec3 x : mesh.vertices) lowest = std::min(lowest, x.z);
+  return -double(lowest);
+}
+
+Result<ToolPath> make_path(const ToolScene& scene, const TouchingTool& tool, const Organ& organ) {
+  if (const auto* rows = std::get_if<GivenPath>(&scene.motion)) return ToolPath{rows->rows, rows->smooth};
+  if (const auto* press = std::get_if<Press>(&scene.motion)) {
+    const RestSurface surface{organ.model.body.mesh.vertices, organ.model.surface.triangles};
+    return press_path(surface, *press, tip(tool.shown), 0.5 * width(scene.shape, tool.tool.shape));
+  }
+  const PathFile& file = std::get<PathFile>(scene.motion);
+  Result<std::vector<PathRow>> rows = read_path_rows(file.file);
+  if (!rows) return rows.error();
+  return ToolPath{std::move(*rows), file.smooth};
+}
+
+}  // namespace
+
+Result<TouchingTool> load_tool_shape(const ToolScene& scene) {
+  TouchingTool tool;
+  tool.name = scene.name, tool.organ = scene.body;
+  Result<MadeShape> made = make_shape(scene.shape);
+  if (!made) return Error{fmt::format("{}: {}", scene.place, made.error().message)};
+  tool.tool = {std::move(made->shape), scene.friction};
+  tool.shown = std::move(made->shown);
+  return tool;
+}
+
+Result<TouchingTool> load_tool(const ToolScene& scene, const Organ& organ) {
+  Result<TouchingTool> loaded = load_tool_shape(scene);
+  if (!loaded) return loaded.error();
+  TouchingTool tool = std::move(*loaded);
+  const SolidBox box = solid_box(organ.model.body.mesh);
+  const Vec3d extent = box.high - box.low;
+  const double organ_width = std::max({extent.x, extent.y, extent.z}),
+               tool_width = width(scene.shape, tool.tool.shape);
+  if (tool_width >= organ_width)
+    return Error{
+        fmt::format("{}: the tool is {:.4g} m wide, the body {} {:.4g} m; expected a tool that is smaller "
+                    "than what it touches (are lengths in metres?)",
+                    scene.place, tool_width, organ.name, organ_width)};
+  Result<ToolPath> path = make_path(scene, tool, organ);
+  if (!path) return Error{fmt::format("{}: {}", scene.place, path.error().message)};
+  tool.path = std::move(*path);
+  return tool;
+}
+
+}  // namespace turgor

@@ -1,0 +1,61 @@
+// Arrays of a recording's group, written or read one after another until one fails. Used by recording*.cpp.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "turgor/io/hdf5_file.hpp"
+
+namespace turgor {
+
+/// Writes one thing after another until one cannot be written.
+class Writing {
+ public:
+  Writing(Hdf5File& file, std::string group) : file_(file), group_(std::move(group)) {}
+
+  template <class T>
+  Writing& array(const std::string& name, const std::vector<T>& values, std::size_t columns = 1) {
+    if (status_) status_ = file_.write<T>(group_ + name, std::span<const T>(values), columns);
+    return *this;
+  }
+  Writing& text(const std::string& name, const std::string& value) {
+    if (status_) status_ = file_.write_text(group_ + name, value);
+    return *this;
+  }
+  Status status() const { return status_; }
+
+ private:
+  Hdf5File& file_;
+  std::string group_;
+  Status status_ = Done{};
+};
+
+/// Reads one array after another until one cannot be read.
+class Reading {
+ public:
+  Reading(const Hdf5File& file, std::string group) : file_(file), group_(std::move(group)) {}
+
+  template <class T>
+  std::vector<T> array(const std::string& name, std::size_t count) {
+    if (!status_) return {};
+    Result<std::vector<T>> values = file_.read<T>(group_ + name, count);
+    if (!values) status_ = values.error();
+    return values ? std::move(*values) : std::vector<T>();
+  }
+  std::size_t count(const std::string& name, std::size_t most) {
+    if (!status_) return 0;
+    const Result<std::size_t> found = file_.count(group_ + name, most);
+    if (!found) status_ = found.error();
+    return found ? *found : 0;
+  }
+  const Status& status() const { return status_; }
+  const std::string& group() const { return group_; }
+
+ private:
+  const Hdf5File& file_;
+  std::string group_;
+  Status status_ = Done{};
+};
+
+}  // namespace turgor

@@ -1,0 +1,147 @@
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/core/timing.hpp"
+#include "turgor/sim/organ.hpp"
+#include "turgor/sim/press_path.hpp"
+
+namespace turgor {
+
+namespace {
+
+contact::ToolPose pose_at(const ToolPath& path, double time) {
+  const PathRow row = path_at(path, time);
+  return {{row.position, axes_of(row.orientation)}, row.hold};
+}
+
+void set_poses(Organ& organ, const std::vector<TouchingTool>& tools, double time) {
+  for (std::size_t t = 0; t < organ.tool_indices.size(); t++)
+    organ.poses[t] = pose_at(tools[std::size_t(organ.tool_indices[t])].path, time);
+}
+
+/// Columns that the next patches need, for a store on demand.
+void fetch_near(const Exec& exec, Organ& organ, std::span<const Vec3d> places) {
+  if (!organ.facts.on_demand) return;
+  const double reach = organ.follow.radius * (1 + organ.follow.hysteresis);
+  std::vector<int> vertices;
+  for (const int e : sfem::patch_elements(organ.model, places, reach))
+    for (const int v : element(organ.model.body.mesh, std::size_t(e))) vertices.push_back(v);
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sfem::fetch_columns(exec, organ.model, vertices);
+}
+
+sfem::Patch patch_for(const Exec& exec, Organ& organ, const std::vector<Vec3d>& places) {
+  fetch_near(exec, organ, places);
+  const std::vector<int> elements = sfem::patch_elements(organ.model, places, organ.follow.radius);
+  return sfem::build_patch(organ.model, elements, organ.refinement, places);
+}
+
+void rebuild_patch(const Exec& exec, Organ& organ, std::vector<Vec3d> places, double time) {
+  const Timer building;
+  sfem::Patch next = patch_for(exec, organ, places);
+  PatchRebuild rebuild{.time = time,
+                       .seconds = building.seconds(),
+                       .elements = int(next.elements.size()),
+                       .local_nodes = next.local_nodes,
+                       .points = int(next.points.size())};
+  const Timer taking;
+  std::vector<Vec3d> history;
+  if (organ.touch.params.viscosity.stiffening > 0)
+    history =
+        contact::displacements(organ.model, contact::coarse_history(organ.touch.history, organ.patch), next);
+  const contact::Handover handover =
+      contact::take_patch(organ.touch, organ.patch, next, organ.tools, history);
+  rebuild.handover_seconds = taking.seconds();
+  rebuild.force_jump = handover.force_jump;
+  organ.patch = std::move(next);
+  organ.centres = std::move(places);
+  organ.rebuilds.push_back(rebuild);
+}
+
+/// Returns whether the patch was built anew.
+bool follow_tools(const Exec& exec, Organ& organ, double time) {
+  std::vector<Vec3d> places =
+      contact::touched_places(organ.model, organ.patch, organ.touch, organ.poses, organ.centres);
+  if (!contact::must_follow(organ.follow, organ.centres, places)) return false;
+  rebuild_patch(exec, organ, std::move(places), time);
+  return true;
+}
+
+void record_tick(const Organ& organ, std::vector<TouchingTool>& tools, ForceSample common) {
+  for (std::size_t t = 0; t < organ.tool_indices.size(); t++) {
+    const contact::ToolForce& felt = organ.forces[t];
+    ForceSample sample = common;
+    sample.position = organ.poses[t].pose.position;
+    sample.force = felt.force, sample.torque = felt.torque;
+    sample.contacts = felt.contacts;
+    sample.beyond_patch = felt.beyond_patch;
+    if (felt.contacts > 0) sample.depth = depth_at_rest(organ.patch, organ.tools[t], organ.poses[t].pose);
+    std::vector<ForceSample>& samples = tools[std::size_t(organ.tool_indices[t])].samples;
+    if (!samples.empty()) sample.path = samples.back().path + norm(sample.position - samples.back().position);
+    samples.push_back(sample);
+  }
+}
+
+}  // namespace
+
+double depth_at_rest(const sfem::Patch& patch, const contact::Tool& tool, const contact::Pose& pose) {
+  constexpr int kMostTips = 8;  // of a mesh tool; corners of the triangles are looked at besides
+  const int tips = contact::tip_count(tool.shape), stride = std::max(1, tips / kMostTips);
+  double lowest = 0;
+  const auto look_at = [&](Vec3d x) {
+    lowest = std::min(lowest, contact::distance(tool.shape, pose, x).distance);
+  };
+  for (const sfem::PatchPoint& point : patch.points) look_at(point.x);
+  for (const Int3 t : patch.triangles) {
+    const Vec3d a = patch.points[std::size_t(t.x)].x, b = patch.points[std::size_t(t.y)].x,
+                c = patch.points[std::size_t(t.z)].x;
+    for (int n = 0; n < tips; n += stride) {
+      const Vec3d w = contact::closest_weights(contact::to_world(pose, contact::tip(tool.shape, n)), a, b, c);
+      look_at(a * w.x + b * w.y + c * w.z);
+    }
+  }
+  return -lowest;
+}
+
+void begin_touch(const Exec& exec, Organ& organ, const std::vector<TouchingTool>& tools,
+                 const contact::Viscosity& viscosity) {
+  for (const int t : organ.tool_indices) organ.tools.push_back(tools[std::size_t(t)].tool);
+  if (organ.tools.empty()) return;
+  organ.poses.resize(organ.tools.size());
+  organ.forces.resize(organ.tools.size());
+  set_poses(organ, tools, 0);
+  const RestSurface surface{organ.model.body.mesh.vertices, organ.model.surface.triangles};
+  for (const contact::ToolPose& pose : organ.poses)
+    organ.centres.push_back(place_on_surface(surface, pose.pose.position, false, organ.follow.radius).point);
+  organ.patch = patch_for(exec, organ, organ.centres);
+  const std::size_t spare = 2 * organ.patch.points.size() + 64;  // later patches are about as large
+  organ.touch = contact::make_touch_state(organ.patch, organ.tools.size(), {.viscosity = viscosity}, spare);
+}
+
+void touch_organ(const Exec& exec, Organ& organ, std::vector<TouchingTool>& tools, double from, double to) {
+  if (organ.tools.empty()) return;
+  const long first = std::lround(std::floor(from / kTick + 1e-9)) + 1;
+  const long last = std::lround(std::floor(to / kTick + 1e-9));
+  for (long tick = first; tick <= last; tick++) {
+    const double time = double(tick) * kTick;
+    set_poses(organ, tools, time);
+    ForceSample common{.time = time};
+    common.new_patch = follow_tools(exec, organ, time);
+    const Timer timer;
+    contact::touch(organ.patch, organ.touch, organ.tools, organ.poses, kTick, organ.forces);
+    contact::blend(organ.follow, organ.touch, kTick, organ.forces);
+    common.tick_seconds = float(timer.seconds());
+    record_tick(organ, tools, common);
+  }
+}
+
+void remember_deepest(const Exec& exec, Organ& organ, double time) {
+  double force = 0;
+  for (const contact::ToolForce& felt : organ.forces) force += norm(felt.force);
+  if (force <= organ.largest_force) return;
+  organ.largest_force = force;
+  organ.deepest = shown_surface(exec, organ, time);
+}
+
+}  // namespace turgor
