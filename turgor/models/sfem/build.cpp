@@ -1,7 +1,7 @@
 #include "turgor/core/hash.hpp"
+#include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/models/sfem/check_body.hpp"
 #include "turgor/models/sfem/elements.hpp"
-#include "turgor/models/sfem/near_surface.hpp"
 
 namespace turgor::sfem {
 
@@ -36,10 +36,25 @@ BlockMatrix restricted(const BlockMatrix& all, const Model& model) {
   return k;
 }
 
+/// 1 for every element that has a face in the surface, or its centroid at most `depth` [m] from it.
+std::vector<std::uint8_t> near_surface(const Exec& exec, const SolidMesh& mesh, const SolidSurface& surface,
+                                       double depth) {
+  std::vector<std::uint8_t> near(element_count(mesh), 0);
+  for (const int e : surface.element) near[std::size_t(e)] = 1;
+  const TriangleTree tree = build_triangle_tree(mesh.vertices, surface.triangles);
+  parallel_for(
+      exec, near.size(),
+      [&](std::size_t e) {
+        if (!near[e]) near[e] = nearest_point(tree, centroid(mesh, e)).distance <= depth;
+      },
+      64);
+  return near;
+}
+
 /// The free vertices of the surface, then those of the elements that a tool can reach.
-void choose_kept_nodes(Model& model) {
+void choose_kept_nodes(const Exec& exec, Model& model) {
   const SolidMesh& mesh = model.body.mesh;
-  const std::vector<std::uint8_t> near = near_surface(mesh, model.surface, model.params.touch_depth);
+  const std::vector<std::uint8_t> near = near_surface(exec, mesh, model.surface, model.params.touch_depth);
   std::vector<std::uint8_t> wanted(mesh.vertices.size(), 0);  // 1: near the surface, 2: on it
   for (std::size_t e = 0; e < near.size(); e++)
     if (near[e])
@@ -73,7 +88,7 @@ Result<Model> build(const Exec& exec, Body body, const Params& params) {
   const BlockMatrix all = assemble(exec, model.body.mesh, model.body.materials, element_materials(model.body),
                                    params.formulation);
   model.stiffness = restricted(all, model);
-  choose_kept_nodes(model);
+  choose_kept_nodes(exec, model);
   return model;
 }
 
