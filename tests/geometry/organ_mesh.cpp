@@ -72,6 +72,25 @@ TEST(OrganMesh, a_body_too_small_for_the_lattice_is_refused_with_a_size_that_wor
   EXPECT_TRUE(mesh_of_surface(Exec(1), ball, 0.001));
 }
 
+TEST(OrganMesh, a_small_fold_in_a_surface_is_noted_and_does_not_show_in_the_mesh) {
+  TriMesh ball = test::sphere_surface({}, 0.04, 4);
+  std::swap(ball.vertices[std::size_t(ball.triangles[500].x)],
+            ball.vertices[std::size_t(ball.triangles[500].y)]);
+  const auto organ = mesh_of_surface(Exec(2), ball, 0.012);
+  ASSERT_TRUE(organ) << organ.error().message;
+  ASSERT_EQ(organ->notes.size(), 1u);
+  EXPECT_NE(organ->notes[0].find("crosses itself"), std::string::npos) << organ->notes[0];
+  EXPECT_NEAR(volume(organ->mesh), 4 * std::numbers::pi / 3 * 6.4e-5, 6e-6);
+  expect_quality(organ->mesh);
+}
+
+TEST(OrganMesh, a_surface_that_encloses_much_twice_is_refused) {
+  const auto meshed = mesh_of_surface(Exec(2), test::coil_surface(0.05, 0.005, 0.02), 0.01);
+  ASSERT_FALSE(meshed);
+  EXPECT_NE(meshed.error().message.find("expected a surface with one inside"), std::string::npos)
+      << meshed.error().message;
+}
+
 TEST(OrganMesh, a_plate_much_thinner_than_the_lattice_is_refused) {
   const TriMesh plate = test::box_surface({0.2, 0.2, 0.002});
   const auto meshed = mesh_of_surface(Exec(1), plate, 0.02);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <numbers>
 
@@ -37,6 +38,23 @@ inline TriMesh notched_surface() {
     mesh.triangles.push_back({4, (i + 1) % 7, i % 7});
     mesh.triangles.push_back({4 + 7, i % 7 + 7, (i + 1) % 7 + 7});
   }
+  return mesh;
+}
+
+/// A tube around a ring in the plane z = 0 that goes round twice before it closes, `offset` farther out and
+/// in from turn to turn: what both turns cover is enclosed twice.
+inline TriMesh coil_surface(double ring, double offset, double tube) {
+  constexpr int kAlong = 96, kAround = 24;
+  TriMesh mesh;
+  for (int i = 0; i < kAlong; i++)
+    for (int j = 0; j < kAround; j++) {
+      const double u = 4 * std::numbers::pi * i / kAlong, v = 2 * std::numbers::pi * j / kAround;
+      const double r = ring + offset * std::cos(u / 2) + tube * std::cos(v);
+      mesh.vertices.push_back(Vec3(Vec3d{r * std::cos(u), r * std::sin(u), tube * std::sin(v)}));
+      const int i2 = (i + 1) % kAlong, j2 = (j + 1) % kAround;
+      mesh.triangles.push_back({i * kAround + j, i2 * kAround + j, i2 * kAround + j2});
+      mesh.triangles.push_back({i * kAround + j, i2 * kAround + j2, i * kAround + j2});
+    }
   return mesh;
 }
 

@@ -16,6 +16,7 @@ namespace {
 constexpr double kMostLatticePoints = 2e8;  // 1 GB with what stuffing needs
 constexpr double kVolumeTolerance = 0.002;  // where the search for a level ends
 constexpr double kVolumeNote = 0.02;        // what is said
+constexpr double kCrossingVolume = 0.05;    // enclosed twice or not at all
 constexpr double kVolumeError = 0.2;        // what is refused
 constexpr double kSmallestSizes = 1.5;      // a body's cube root of volume, in lattice sizes
 
@@ -127,13 +128,29 @@ std::vector<int> regions_of(const SolidMesh& mesh, const LabelVolume& labels, st
   return regions;
 }
 
+/// A surface that crosses itself must still have one inside: what it encloses, counted with the times it
+/// winds around a place, is compared with what is inside.
+Status check_crossings(const Exec& exec, const ClosedSurface& body, const SignedDistance& shape) {
+  if (body.crossings == 0 || !(body.volume > 0)) return Done{};
+  const BccLattice lattice = lattice_around(shape, std::cbrt(body.volume) / 20, 0);
+  const LatticeSamples samples = sample(exec, shape, lattice);
+  const auto inside =
+      std::count_if(samples.distance.begin(), samples.distance.end(), [](float d) { return d < 0; });
+  const double volume = double(inside) * std::pow(lattice.size, 3) / 2;
+  if (std::abs(volume / body.volume - 1) < kCrossingVolume) return Done{};
+  return Error{body.notes.back() + ", which is " + ml(volume) + ", while its triangles enclose " +
+               ml(body.volume) + "; expected a surface with one inside"};
+}
+
 }  // namespace
 
 Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, double size,
                                   const Progress& progress) {
   Result<ClosedSurface> body = check_surface(exec, surface);
   if (!body) return body.error();
-  return mesh_of_shape(exec, distance_to_surface(body->mesh), body->volume, size, body->notes, progress);
+  SignedDistance shape = distance_to_surface(body->mesh);
+  if (Status crossings = check_crossings(exec, *body, shape); !crossings) return crossings.error();
+  return mesh_of_shape(exec, std::move(shape), body->volume, size, body->notes, progress);
 }
 
 Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> wanted,

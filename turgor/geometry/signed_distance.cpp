@@ -6,7 +6,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/geometry/distance_transform.hpp"
-#include "turgor/geometry/triangle_tree.hpp"
+#include "turgor/geometry/winding_number.hpp"
 
 namespace turgor {
 
@@ -134,18 +134,23 @@ SignedDistance read_in_box(SampledField field) {
 }  // namespace
 
 SignedDistance distance_to_surface(const TriMesh& surface) {
-  struct Oriented {
+  struct Shape {
     TriangleTree tree;
-    PseudoNormals normals;
+    WindingNodes winding;
+
+    double at(Vec3d p) const {
+      const double distance = nearest_point(tree, p).distance;
+      return std::abs(winding_number(tree, winding, p)) > 0.5 ? -distance : distance;
+    }
   };
   std::vector<Vec3d> vertices;
   for (const Vec3 x : surface.vertices) vertices.push_back(Vec3d(x));
-  auto shape = std::make_shared<Oriented>();
+  auto shape = std::make_shared<Shape>();
   shape->tree = build_triangle_tree(std::move(vertices), surface.triangles);
-  shape->normals = pseudo_normals(shape->tree);
+  shape->winding = winding_nodes(shape->tree);
   TURGOR_ASSERT(!shape->tree.boxes.nodes.empty(), "a surface has triangles");
   const Box box = shape->tree.boxes.nodes[0].box;
-  return {[shape](Vec3d p) { return signed_distance(shape->tree, shape->normals, p); }, box.low, box.high};
+  return {[shape](Vec3d p) { return shape->at(p); }, box.low, box.high};
 }
 
 SignedDistance distance_to_voxels(const Exec& exec, const Grid& grid, const std::vector<std::uint8_t>& inside,

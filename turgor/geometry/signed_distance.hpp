@@ -19,8 +19,8 @@ struct SignedDistance {
   Vec3d low, high;                  // a box around all that is inside [m]
 };
 
-/// The exact distance to a surface that is closed and does not cross itself (surface_check.hpp); which side a
-/// point is on follows from angle-weighted pseudonormals [Bærentzen, Aanæs 2005].
+/// The exact distance to a closed surface; inside is what it winds around (winding_number.hpp), whichever way
+/// round its triangles are, also where it crosses itself.
 SignedDistance distance_to_surface(const TriMesh& surface);
 
 /// The distance to the voxels that are set (1; the others 0), smoothed by a Gaussian of this standard

@@ -44,11 +44,20 @@ TriMesh welded(const TriMesh& surface) {
   return result;
 }
 
-std::string examples(const std::vector<EdgeUse>& edges) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(edges.size(), kExamples); i++)
-    text += (i ? ", " : "") + std::to_string(edges[i].a) + "-" + std::to_string(edges[i].b);
-  return text + (edges.size() > kExamples ? ", …" : "");
+std::string place_text(Vec3d p) {
+  return number_text(p.x * 1e3) + " " + number_text(p.y * 1e3) + " " + number_text(p.z * 1e3) + " mm";
+}
+
+/// " (vertices, counted from 0: 3-7 at 10 0 -5 mm; …)".
+std::string examples(const TriMesh& surface, const std::vector<EdgeUse>& edges) {
+  const auto place = [&](int v) { return Vec3d(surface.vertices[std::size_t(v)]); };
+  std::string text = " (vertices, counted from 0: ";
+  for (std::size_t i = 0; i < std::min(edges.size(), kExamples); i++) {
+    const EdgeUse& edge = edges[i];
+    text += (i ? "; " : "") + std::to_string(edge.a) + "-" + std::to_string(edge.b) + " at " +
+            place_text((place(edge.a) + place(edge.b)) / 2);
+  }
+  return text + (edges.size() > kExamples ? "; …)" : ")");
 }
 
 /// "3 edges are", "1 edge is".
@@ -63,17 +72,16 @@ Status check_edges(const TriMesh& surface) {
     if (uses.size() > 2) crowded.push_back(uses[0]);
     if (uses.size() == 2 && uses[0].forward == uses[1].forward) disagreeing.push_back(uses[0]);
   });
-  const std::string between = " (between vertices, counted from 0: ";
   if (!open.empty())
-    return Error{"the surface is open: " + edges_are(open) + " of one triangle only" + between +
-                 examples(open) + "); expected a closed surface, fill its holes first"};
+    return Error{"the surface is open: " + edges_are(open) + " of one triangle only" +
+                 examples(surface, open) + "; expected a closed surface, fill its holes first"};
   if (!crowded.empty())
     return Error{"the surface is not a manifold: " + edges_are(crowded) + " of more than two triangles" +
-                 between + examples(crowded) + "); expected two at every edge"};
+                 examples(surface, crowded) + "; expected two at every edge"};
   if (!disagreeing.empty())
     return Error{"neighbouring triangles disagree about what is outside: " + edges_are(disagreeing) +
-                 " run through the same way by both triangles" + between + examples(disagreeing) +
-                 "); turn them to one order first"};
+                 " run through the same way by both triangles" + examples(surface, disagreeing) +
+                 "; turn them to one order first"};
   return Done{};
 }
 
@@ -144,16 +152,15 @@ ClosedSurface largest_body(const TriMesh& surface) {
   return result;
 }
 
-Status check_crossings(const Exec& exec, const TriMesh& surface) {
-  const auto pairs = crossing_triangles(exec, surface);
-  if (pairs.empty()) return Done{};
-  std::string text = "the surface crosses itself: " + std::to_string(pairs.size()) +
-                     (pairs.size() == 1 ? " pair" : " pairs") + " of triangles, near (mm: ";
-  for (std::size_t i = 0; i < std::min(pairs.size(), kExamples); i++) {
-    const Vec3 p = surface.vertices[std::size_t(surface.triangles[std::size_t(pairs[i].first)].x)] * 1e3f;
-    text += (i ? "; " : "") + number_text(p.x) + " " + number_text(p.y) + " " + number_text(p.z);
-  }
-  return Error{text + (pairs.size() > kExamples ? "; …" : "") + "); expected a surface with one inside"};
+void note_crossings(const Exec& exec, ClosedSurface& body) {
+  const auto pairs = crossing_triangles(exec, body.mesh);
+  body.crossings = pairs.size();
+  if (pairs.empty()) return;
+  const int vertex = body.mesh.triangles[std::size_t(pairs[0].first)].x;
+  body.notes.push_back("the surface crosses itself: " + std::to_string(pairs.size()) +
+                       (pairs.size() == 1 ? " pair" : " pairs") + " of triangles, the first at " +
+                       place_text(Vec3d(body.mesh.vertices[std::size_t(vertex)])) +
+                       "; inside is what it winds around");
 }
 
 }  // namespace
@@ -168,7 +175,7 @@ Result<ClosedSurface> check_surface(const Exec& exec, const TriMesh& surface) {
   if (Status edges = check_edges(whole); !edges) return edges.error();
   ClosedSurface body = largest_body(whole);
   if (!(body.volume > 0)) return Error{"the surface encloses no volume"};
-  if (Status crossings = check_crossings(exec, body.mesh); !crossings) return crossings.error();
+  note_crossings(exec, body);
   return body;
 }
 

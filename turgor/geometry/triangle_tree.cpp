@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "turgor/geometry/surface_edges.hpp"
-
 namespace turgor {
 
 namespace {
@@ -25,8 +23,6 @@ Vec3d plane_weights(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
   const double v = dot(cross(p - a, c - a), n) / area2, w = dot(cross(b - a, p - a), n) / area2;
   return {1 - v - w, v, w};
 }
-
-double angle_between(Vec3d a, Vec3d b) { return std::atan2(norm(cross(a, b)), dot(a, b)); }
 
 }  // namespace
 
@@ -74,42 +70,6 @@ TrianglePoint nearest_point(const TriangleTree& tree, Vec3d p) {
     return squared;
   });
   return nearest;
-}
-
-PseudoNormals pseudo_normals(const TriangleTree& tree) {
-  const auto& x = tree.vertices;
-  PseudoNormals normals;
-  normals.corner.resize(x.size());
-  for (const Int3 t : tree.triangles) {
-    const auto corner = [&](int i) { return x[std::size_t(t[i % 3])]; };
-    const Vec3d n = normalized(cross(corner(1) - corner(0), corner(2) - corner(0)));
-    normals.face.push_back(n);
-    for (int i = 0; i < 3; i++)
-      normals.corner[std::size_t(t[i])] +=
-          n * angle_between(corner(i + 1) - corner(i), corner(i + 2) - corner(i));
-  }
-  normals.edge.resize(tree.triangles.size() * 3);
-  for_each_edge(sorted_edges(tree.triangles), [&](std::span<const EdgeUse> uses) {
-    Vec3d sum;
-    for (const EdgeUse& use : uses) sum += normals.face[std::size_t(use.triangle)];
-    for (const EdgeUse& use : uses) normals.edge[std::size_t(use.triangle * 3 + use.side)] = sum;
-  });
-  return normals;
-}
-
-Vec3d pseudo_normal(const TriangleTree& tree, const PseudoNormals& normals, const TrianglePoint& at) {
-  const std::size_t triangle = std::size_t(at.triangle);
-  const Vec3d w = at.weights;
-  const int zeros = (w.x == 0) + (w.y == 0) + (w.z == 0);
-  if (zeros == 0) return normals.face[triangle];
-  if (zeros == 1) return normals.edge[triangle * 3 + (w.z == 0 ? 0 : w.x == 0 ? 1 : 2)];
-  const Int3 corners = tree.triangles[triangle];
-  return normals.corner[std::size_t(w.x != 0 ? corners.x : w.y != 0 ? corners.y : corners.z)];
-}
-
-double signed_distance(const TriangleTree& tree, const PseudoNormals& normals, Vec3d p) {
-  const TrianglePoint at = nearest_point(tree, p);
-  return dot(p - at.place, pseudo_normal(tree, normals, at)) < 0 ? -at.distance : at.distance;
 }
 
 }  // namespace turgor

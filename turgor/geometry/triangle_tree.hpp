@@ -1,4 +1,4 @@
-// A triangle surface one can ask for its nearest point, and which side of it a point is on.
+// A triangle surface one can ask for its nearest point.
 #pragma once
 
 #include <span>
@@ -28,16 +28,5 @@ struct TriangleTree {
 TriangleTree build_triangle_tree(std::vector<Vec3d> vertices, std::vector<Int3> triangles);
 /// There is at least one triangle.
 TrianglePoint nearest_point(const TriangleTree& tree, Vec3d p);
-
-/// Outward normals of a surface's faces, edges and corners, such that the sign of (p − nearest point) ·
-/// normal tells the side of p for every p. [Bærentzen, Aanæs 2005]
-struct PseudoNormals {
-  std::vector<Vec3d> face, edge, corner;  // one a triangle, three a triangle (by side), one a vertex
-};
-PseudoNormals pseudo_normals(const TriangleTree& tree);
-Vec3d pseudo_normal(const TriangleTree& tree, const PseudoNormals& normals, const TrianglePoint& at);
-
-/// Negative inside a closed surface [m].
-double signed_distance(const TriangleTree& tree, const PseudoNormals& normals, Vec3d p);
 
 }  // namespace turgor
