@@ -1,0 +1,168 @@
+#include "turgor/models/rhombus/chain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "turgor/core/number_text.hpp"
+
+namespace turgor::rhombus {
+
+namespace {
+
+/// Of all there is to give, so much is used: beyond, forces would exceed what numbers hold.
+constexpr double kUsedDepth = 0.98;
+
+Status check(const ChainParams& p) {
+  if (!(p.angle > 0 && p.angle < std::numbers::pi / 2))
+    return Error{"the angle of the rhombi: expected more than 0 and less than 90 degrees, found " +
+                 number_text(p.angle * 180 / std::numbers::pi)};
+  const std::pair<const char*, double> positive[] = {{"normal stiffness k_N [N/m]", p.normal},
+                                                     {"tangential stiffness k_T [N/m]", p.tangential},
+                                                     {"decay beta", p.decay},
+                                                     {"side a [m]", p.side}};
+  for (const auto& [name, value] : positive)
+    if (!(value > 0 && std::isfinite(value)))
+      return Error{std::string(name) + " of the rhombi: expected a number above 0, found " +
+                   number_text(value)};
+  if (!(p.boundary > 0 && p.boundary < 0.5))
+    return Error{"the boundary of the chain: expected a fraction between 0 and 0.5, found " +
+                 number_text(p.boundary)};
+  return Done{};
+}
+
+UnitStart start_of(const Unit& unit, double turn) {
+  return {std::abs(unit_force(unit, turn)), normal_change(unit, turn), tangential_change(unit, turn),
+          unit_energy(unit, turn)};
+}
+
+const std::array<UnitStart, kMaxUnits>& starts(const Chain& chain, double force) {
+  return force > 0 ? chain.pressed : chain.pulled;
+}
+
+/// Calls visit(unit number, its start, it turned) for every unit that moves under a force.
+template <class Visit>
+int visit_moving(const Chain& chain, double force, const Visit& visit) {
+  const double size = std::abs(force);
+  const auto& start = starts(chain, force);
+  int i = 0;
+  for (; i < kMaxUnits && size > start[std::size_t(i)].force; i++)
+    visit(i, start[std::size_t(i)], turn_by_force(chain.units[std::size_t(i)], -force));
+  return i;
+}
+
+/// Slopes of cubic pieces that rise and fall only where the values do. [Fritsch, Butland 1984]
+void set_slopes(int units, const std::array<double, kMaxUnits + 1>& value,
+                std::array<double, kMaxUnits + 1>& slope) {
+  for (int j = 1; j < units; j++) {
+    const auto k = std::size_t(j);
+    const double before = value[k] - value[k - 1], after = value[k + 1] - value[k];
+    slope[k] = before * after > 0 ? 2 * before * after / (before + after) : 0;
+  }
+}
+
+/// What moves outwards must not pass what lies farther out, nor what moves inwards the axis.
+double unfolded_fraction(const Chain& chain, const ChainShape& shape) {
+  double largest = 0;
+  for (int j = 0; j < shape.units; j++) {
+    const auto k = std::size_t(j);
+    largest = std::max(largest, std::abs(shape.outward[k + 1] - shape.outward[k]));
+  }
+  const double bound =
+      unit_width(chain) / 3;  // a cubic piece is at most 1.5 times as steep as its ends' line
+  return largest > bound ? bound / largest : 1;
+}
+
+}  // namespace
+
+double unit_width(const Chain& chain) { return rest_width(chain.units[0]); }
+
+Result<Chain> build_chain(const ChainParams& params) {
+  if (const Status good = check(params); !good) return good.error();
+  Chain chain{.params = params};
+  const double pull_turn =
+      std::min(params.boundary * params.angle, 0.5 * (std::numbers::pi / 2 - params.angle));
+  for (int i = 0; i < kMaxUnits; i++) {
+    const auto k = std::size_t(i);
+    // Stiffer than this is rigid; the bound keeps numbers finite for very small β.
+    const double growth = std::exp(std::min(i / params.decay, 60.0));
+    chain.units[k] = make_unit(params.side, params.angle, params.normal, params.tangential * growth);
+    if (i > 0) chain.pressed[k] = start_of(chain.units[k], -params.boundary * params.angle);
+    if (i > 0) chain.pulled[k] = start_of(chain.units[k], pull_turn);
+    chain.deepest += rest_length(chain.units[k]) + chain.pressed[k].normal_change;
+    chain.highest += 2 * params.side - rest_length(chain.units[k]) - chain.pulled[k].normal_change;
+  }
+  chain.deepest *= kUsedDepth, chain.highest *= kUsedDepth;
+  return chain;
+}
+
+ChainDepth depth_of_force(const Chain& chain, double force) {
+  if (force == 0) return {0, 1 / turn_by_force(chain.units[0], 0).stiffness, 0};
+  ChainDepth sum;
+  sum.units = visit_moving(chain, force, [&](int, const UnitStart& start, const TurnedUnit& unit) {
+    sum.depth -= unit.normal_change - start.normal_change;
+    sum.compliance += 1 / unit.stiffness;
+  });
+  return sum;
+}
+
+double force_of_depth(const Chain& chain, double depth, double guess) {
+  if (!(depth != 0)) return 0;
+  const double sign = depth > 0 ? 1 : -1;
+  const double goal = std::min(std::abs(depth), depth > 0 ? chain.deepest : chain.highest);
+  const double precision = 1e-14 * chain.params.side;
+  double low = 0, high = std::numeric_limits<double>::infinity();
+  double force = guess * sign;
+  if (!(force > 0 && std::isfinite(force))) force = goal / depth_of_force(chain, 0).compliance;
+  for (int i = 0; i < 200; i++) {
+    const ChainDepth at = depth_of_force(chain, sign * force);
+    const double missing = goal - sign * at.depth;
+    if (std::abs(missing) <= precision) break;
+    (missing > 0 ? low : high) = force;
+    double next = force + missing / at.compliance;
+    if (!(next > low && next < high)) next = std::isfinite(high) ? 0.5 * (low + high) : 2 * low;
+    if (next == force) break;
+    force = next;
+  }
+  return sign * force;
+}
+
+double chain_energy(const Chain& chain, double force) {
+  if (force == 0) return 0;
+  double sum = 0;
+  visit_moving(chain, force, [&](int i, const UnitStart& start, const TurnedUnit& turned) {
+    const Unit& unit = chain.units[std::size_t(i)];
+    const double dl = turned.normal_change, dv = turned.tangential_change;
+    const double beyond = rest_length(unit) + dl - unit.stop_length;
+    if (beyond >= 0)
+      sum += 0.5 * (unit.normal * dl * dl + unit.tangential * dv * dv);
+    else
+      sum += stopped_energy(unit, beyond);
+    sum -= start.energy;
+  });
+  return sum;
+}
+
+ChainShape shape_of_force(const Chain& chain, double force) {
+  ChainShape shape;
+  if (force == 0) return shape;
+  shape.units = visit_moving(chain, force, [&](int i, const UnitStart& start, const TurnedUnit& unit) {
+    shape.depth[std::size_t(i)] = start.normal_change - unit.normal_change;  // of this unit alone, as yet
+    shape.outward[std::size_t(i)] = 0.5 * (unit.tangential_change - start.tangential_change);
+  });
+  for (int i = shape.units - 1; i >= 0; i--) {
+    shape.depth[std::size_t(i)] += shape.depth[std::size_t(i) + 1];
+    shape.outward[std::size_t(i)] += shape.outward[std::size_t(i) + 1];
+  }
+  shape.outward[0] = 0;  // the touch holds the axis
+  const double fraction = unfolded_fraction(chain, shape);
+  for (double& outward : shape.outward) outward *= fraction;
+  set_slopes(shape.units, shape.depth, shape.depth_slope);
+  set_slopes(shape.units, shape.outward, shape.outward_slope);
+  return shape;
+}
+
+}  // namespace turgor::rhombus

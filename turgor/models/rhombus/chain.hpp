@@ -1,0 +1,86 @@
+// The chain: rhombi in series under a touch, which all carry the same force and grow stiffer away from it
+// [RC eqs. 8-11]. Depth gives force and force gives depth; pressing is positive, pulling negative. A unit
+// takes part when it turns by more than 5 % of θ [RC: λ = Δθ/θ], and moves by what exceeds that: so the chain
+// ends without a step, and force, energy and shape are continuous in the depth (docs/models/rhombus.md).
+#pragma once
+
+#include <array>
+
+#include "turgor/core/result.hpp"
+#include "turgor/models/rhombus/unit.hpp"
+
+namespace turgor::rhombus {
+
+constexpr int kMaxUnits = 48;
+
+/// The liver of the paper, with sides that make a chain of the paper's reach on an organ of its size.
+struct ChainParams {
+  double normal = 1.5;         // k_N of every unit [N/m]
+  double tangential = 1.8;     // k_T of the first unit [N/m]
+  double decay = 2;            // β: k_T grows by e^(1/β) from unit to unit [1]
+  double angle = 0.785398163;  // θ at rest [rad]
+  double side = 0.005;         // a [m]
+  double boundary = 0.05;      // units that turn by less than this fraction of θ stay where they are [1]
+};
+
+/// Where a unit begins to move: the first one at once, the others at `boundary`.
+struct UnitStart {
+  double force = 0;              // size [N]
+  double normal_change = 0;      // [m]
+  double tangential_change = 0;  // [m]
+  double energy = 0;             // [J]
+};
+
+struct Chain {
+  ChainParams params;
+  std::array<Unit, kMaxUnits> units;
+  std::array<UnitStart, kMaxUnits> pressed, pulled;  // forces ascending
+  double deepest = 0, highest = 0;  // depths that the chain is asked for end here, pressing and pulling [m]
+};
+
+/// Error: θ outside (0, 90°), a stiffness, β or side that is not positive, a boundary outside (0, 0.5).
+Result<Chain> build_chain(const ChainParams& params);
+
+/// Tangential width of a unit at rest: what the chain's index counts in [m].
+double unit_width(const Chain& chain);
+
+/// Depth under a force, and how fast it grows.
+struct ChainDepth {
+  double depth = 0;       // [m]
+  double compliance = 0;  // d depth / d force [m/N]
+  int units = 0;          // that move
+};
+ChainDepth depth_of_force(const Chain& chain, double force);
+
+/// Force at a depth; rises with it, 0 at 0. Depths beyond Chain::deepest and highest count as those. `guess`:
+/// a force nearby, to start from. Never fails.
+double force_of_depth(const Chain& chain, double depth, double guess = 0);
+
+/// Work done on the chain up to this force [J]: ∫ F d(depth).
+double chain_energy(const Chain& chain, double force);
+
+/// How the surface lies over a chain: at whole indices s = 0 … units, and between them by cubic pieces
+/// without a kink. Level at the axis and at the end.
+struct ChainShape {
+  int units = 0;
+  std::array<double, kMaxUnits + 1> depth{}, depth_slope{};      // along the touch [m], per unit of s
+  std::array<double, kMaxUnits + 1> outward{}, outward_slope{};  // away from the axis [m], per unit of s
+};
+ChainShape shape_of_force(const Chain& chain, double force);
+
+/// Of the surface at the (continuous) index s; zero beyond the last unit.
+struct ShapePoint {
+  double depth = 0, outward = 0;  // [m]
+};
+inline ShapePoint shape_at(const ChainShape& shape, double s) {
+  if (!(s < shape.units)) return {};
+  const std::size_t j = std::size_t(s) % kMaxUnits;  // GCC wants to see the bound
+  const double t = s - double(j), u = 1 - t;
+  const double from = u * u * (1 + 2 * t), to = t * t * (3 - 2 * t), leave = u * u * t, arrive = -u * t * t;
+  return {shape.depth[j] * from + shape.depth[j + 1] * to + shape.depth_slope[j] * leave +
+              shape.depth_slope[j + 1] * arrive,
+          shape.outward[j] * from + shape.outward[j + 1] * to + shape.outward_slope[j] * leave +
+              shape.outward_slope[j + 1] * arrive};
+}
+
+}  // namespace turgor::rhombus
