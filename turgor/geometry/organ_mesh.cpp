@@ -130,7 +130,7 @@ std::vector<int> regions_of(const SolidMesh& mesh, const LabelVolume& labels, st
 
 /// A surface that crosses itself must still have one inside: what it encloses, counted with the times it
 /// winds around a place, is compared with what is inside.
-Status check_crossings(const Exec& exec, const ClosedSurface& body, const SignedDistance& shape) {
+Status check_crossings(const Exec& exec, const CheckedSurface& body, const SignedDistance& shape) {
   if (body.crossings == 0 || !(body.volume > 0)) return Done{};
   const BccLattice lattice = lattice_around(shape, std::cbrt(body.volume) / 20, 0);
   const LatticeSamples samples = sample(exec, shape, lattice);
@@ -146,7 +146,7 @@ Status check_crossings(const Exec& exec, const ClosedSurface& body, const Signed
 
 Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, double size,
                                   const Progress& progress) {
-  Result<ClosedSurface> body = check_surface(exec, surface);
+  Result<CheckedSurface> body = check_surface(exec, surface);
   if (!body) return body.error();
   SignedDistance shape = distance_to_surface(body->mesh);
   if (Status crossings = check_crossings(exec, *body, shape); !crossings) return crossings.error();

@@ -118,7 +118,7 @@ void turn_round(std::vector<Int3>& triangles) {
 }
 
 /// The largest part with the cavities in it; all else is left out.
-ClosedSurface largest_body(const TriMesh& surface) {
+CheckedSurface largest_body(const TriMesh& surface) {
   std::vector<std::vector<Int3>> parts = connected_triangles(surface);
   std::vector<double> volumes;
   for (const auto& part : parts) volumes.push_back(enclosed_volume(surface, part));
@@ -126,7 +126,7 @@ ClosedSurface largest_body(const TriMesh& surface) {
       std::size_t(std::max_element(volumes.begin(), volumes.end(),
                                    [](double a, double b) { return std::abs(a) < std::abs(b); }) -
                   volumes.begin());
-  ClosedSurface result;
+  CheckedSurface result;
   if (volumes[body] < 0) {
     for (std::size_t i = 0; i < parts.size(); i++) turn_round(parts[i]), volumes[i] = -volumes[i];
     result.notes.push_back("the surface was inside out; its triangles were turned round");
@@ -152,7 +152,7 @@ ClosedSurface largest_body(const TriMesh& surface) {
   return result;
 }
 
-void note_crossings(const Exec& exec, ClosedSurface& body) {
+void note_crossings(const Exec& exec, CheckedSurface& body) {
   const auto pairs = crossing_triangles(exec, body.mesh);
   body.crossings = pairs.size();
   if (pairs.empty()) return;
@@ -165,7 +165,7 @@ void note_crossings(const Exec& exec, ClosedSurface& body) {
 
 }  // namespace
 
-Result<ClosedSurface> check_surface(const Exec& exec, const TriMesh& surface) {
+Result<CheckedSurface> check_surface(const Exec& exec, const TriMesh& surface) {
   if (surface.triangles.empty()) return Error{"the surface has no triangles"};
   for (std::size_t v = 0; v < surface.vertices.size(); v++)
     if (const Vec3 p = surface.vertices[v]; !std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
@@ -173,7 +173,7 @@ Result<ClosedSurface> check_surface(const Exec& exec, const TriMesh& surface) {
   const TriMesh whole = welded(surface);
   if (whole.triangles.empty()) return Error{"all triangles of the surface are points or lines"};
   if (Status edges = check_edges(whole); !edges) return edges.error();
-  ClosedSurface body = largest_body(whole);
+  CheckedSurface body = largest_body(whole);
   if (!(body.volume > 0)) return Error{"the surface encloses no volume"};
   note_crossings(exec, body);
   return body;

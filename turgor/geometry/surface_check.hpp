@@ -12,7 +12,7 @@
 
 namespace turgor {
 
-struct ClosedSurface {
+struct CheckedSurface {
   TriMesh mesh;                    // one body with its cavities; normals point outwards
   double volume = 0;               // [m³]
   std::size_t crossings = 0;       // pairs of triangles
@@ -22,7 +22,7 @@ struct ClosedSurface {
 /// Error: no triangles, places that are no numbers, open edges, edges of more than two triangles, neighbours
 /// in opposite order, no volume: with counts, and the first few edges by their vertices (counted from 0 in
 /// the order of `surface`) and places.
-Result<ClosedSurface> check_surface(const Exec& exec, const TriMesh& surface);
+Result<CheckedSurface> check_surface(const Exec& exec, const TriMesh& surface);
 
 /// Pairs of triangles (lower number first, ascending) of which an edge of one passes through the other.
 /// Neighbours that share an edge are not looked at.
