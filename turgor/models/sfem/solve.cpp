@@ -59,17 +59,12 @@ void solve_pivots(const Step<kColumns>& step) {
   pivots.template triangularView<Eigen::Lower>().transpose().solveInPlace(own);
 }
 
-/// What lies above in the tree is known; `keep` what the supernode's rows hold already, or take it for zero.
+/// What lies above in the tree is known by now.
 template <int kColumns>
-void solve_down(const Step<kColumns>& step, bool keep) {
-  Rows<kColumns> own = step.own();
+void solve_down(const Step<kColumns>& step) {
   if (step.height() == 0) return;
   step.for_rows([](Index count, const double* x, double* below) { std::copy_n(x, count, below); });
-  const auto rows = step.part(step.width(), step.height()).transpose();
-  if (keep)
-    own.noalias() -= rows * step.below();
-  else
-    own.noalias() = -(rows * step.below());
+  step.own().noalias() -= step.part(step.width(), step.height()).transpose() * step.below();
 }
 
 template <int kColumns>
@@ -84,7 +79,7 @@ void solve_all(const Cholesky& factor, double* x, Index columns) {
   for (const Supernode& s : supernodes) solve_up(step(s));
   for (std::size_t n = supernodes.size(); n-- > 0;) {
     solve_pivots(step(supernodes[n]));
-    solve_down(step(supernodes[n]), true);
+    solve_down(step(supernodes[n]));
   }
 }
 
@@ -142,8 +137,11 @@ void solve_units(const Cholesky& factor, std::span<const int> rows, std::span<co
     const Supernode& s = plan.supernodes[n];
     if (s.first + s.count <= first_place) break;
     if (!wanted[n]) continue;
-    if (on_path[n]) solve_pivots(step(s));
-    solve_down(step(s), on_path[n]);
+    if (on_path[n])
+      solve_pivots(step(s));
+    else
+      step(s).own().setZero();
+    solve_down(step(s));
   }
 }
 
