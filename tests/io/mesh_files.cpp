@@ -37,7 +37,7 @@ std::vector<T> appended(const std::string& text, const std::string& name) {
   std::uint64_t size = 0;
   std::memcpy(&size, block, sizeof size);
   std::vector<T> values(size / sizeof(T));
-  std::memcpy(values.data(), block + sizeof size, size);
+  if (size > 0) std::memcpy(values.data(), block + sizeof size, size);
   return values;
 }
 

@@ -2,12 +2,11 @@
 // sparse, node 99 that no element uses, a triangle that is no solid, regions 5 and 7.
 #pragma once
 
-#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <vector>
 
+#include "io/bytes.hpp"
 #include "turgor/geometry/solid_mesh.hpp"
 
 namespace turgor::test {
@@ -16,43 +15,6 @@ namespace turgor::test {
 inline SolidMesh sample_mesh() {
   return {{{0, 0, 0}, {1, 0, 0}, {1, 1, 1}, {0, 1, 0}, {0, 0, 1.5}}, 4, {0, 1, 3, 4, 1, 2, 3, 4}, {5, 7}};
 }
-
-/// Numbers as bytes.
-class Bytes {
- public:
-  explicit Bytes(bool is_big_endian) : is_big_endian_(is_big_endian) {}
-
-  template <class T>
-  Bytes& add(T value) {
-    char bytes[sizeof(T)];
-    std::memcpy(bytes, &value, sizeof(T));
-    if (is_big_endian_ == (std::endian::native == std::endian::little))
-      for (std::size_t i = 0; i < sizeof(T) / 2; i++) std::swap(bytes[i], bytes[sizeof(T) - 1 - i]);
-    text.append(bytes, sizeof(T));
-    return *this;
-  }
-  Bytes& ints(const std::vector<int>& values) {
-    for (const int v : values) add(std::int32_t(v));
-    return *this;
-  }
-  Bytes& sizes(const std::vector<int>& values) {
-    for (const int v : values) add(std::int64_t(v));
-    return *this;
-  }
-  Bytes& reals(const std::vector<double>& values) {
-    for (const double v : values) add(v);
-    return *this;
-  }
-  Bytes& raw(const std::string& bytes) {
-    text += bytes;
-    return *this;
-  }
-
-  std::string text;
-
- private:
-  bool is_big_endian_;
-};
 
 inline std::string gmsh_1() {
   return "$NOD\n6\n10 0 0 0\n20 1 0 0\n99 9 9 9\n70 1 1 1\n30 0 1 0\n40 0 0 1.5\n$ENDNOD\n"

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <charconv>
-#include <cstring>
+#include <fstream>
 
 #include <fmt/format.h>
 
@@ -37,6 +38,27 @@ std::string quoted(std::string_view text) {
   std::string shown;
   for (const char c : text.substr(0, kShown)) shown += c >= ' ' && c <= '~' ? c : '?';
   return fmt::format("\"{}{}\"", shown, text.size() > kShown ? "..." : "");
+}
+
+double read_real(MeshCursor& cursor, NumberType type) {
+  return type.kind == NumberType::kReal ? cursor.real(type.bytes, "a number")
+                                        : double(read_whole(cursor, type));
+}
+
+std::int64_t read_whole(MeshCursor& cursor, NumberType type) {
+  if (type.kind == NumberType::kReal) cursor.fail("numbers of a whole type", "real ones");
+  return type.kind == NumberType::kSigned ? cursor.whole(type.bytes, "a whole number")
+                                          : std::int64_t(cursor.unsigned_whole(type.bytes, "a whole number"));
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+std::string counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 bool parse_whole(std::string_view word, std::int64_t& value) { return parse(word, value); }
@@ -171,6 +193,16 @@ Result<std::string> read_mesh_bytes(const fs::path& path) {
   if (bytes && bytes->empty())
     return Error{fmt::format("{}: expected a mesh file, found an empty file", path.string())};
   return bytes;
+}
+
+std::string first_bytes(const fs::path& path) {
+  std::error_code failed;
+  if (!fs::is_regular_file(path, failed)) return {};
+  std::string head(65536, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(head.data(), std::streamsize(head.size()));
+  head.resize(std::size_t(stream.gcount()));
+  return head;
 }
 
 }  // namespace turgor::io

@@ -67,8 +67,20 @@ class MeshCursor {
   std::string message_;
 };
 
+/// A type of numbers in a file.
+struct NumberType {
+  enum Kind { kReal, kSigned, kUnsigned } kind = kReal;
+  int bytes = 8;  // 0: bits
+};
+double read_real(MeshCursor& cursor, NumberType type);
+/// Fails for real types.
+std::int64_t read_whole(MeshCursor& cursor, NumberType type);
+
 /// A piece of a file as a message may show it.
 std::string quoted(std::string_view text);
+std::string lower_case(std::string_view text);
+/// "1 node", "2 nodes".
+std::string counted(std::size_t count, std::string_view noun);
 /// The whole of a word as a number; false if it is none.
 bool parse_whole(std::string_view word, std::int64_t& value);
 bool parse_real(std::string_view word, double& value);
@@ -77,5 +89,7 @@ std::size_t line_of(std::string_view bytes, std::size_t offset);
 
 /// The whole mesh file. Error: not there, a folder, empty.
 Result<std::string> read_mesh_bytes(const std::filesystem::path& path);
+/// The beginning of a file, by which it is recognised; empty if there is no file.
+std::string first_bytes(const std::filesystem::path& path);
 
 }  // namespace turgor::io

@@ -172,14 +172,14 @@ void add_notes(const FoundSolid& found, const Wrong& wrong, std::size_t unused, 
                                      wrong.turned.size(), element_count(mesh), plural(mesh.corners),
                                      some(wrong.turned)));
   if (found.curved > 0)
-    read.notes.push_back(
-        fmt::format("{} elements keep their corners alone: nodes on their edges are left out", found.curved));
+    read.notes.push_back(fmt::format("only the corners of {} are kept, not the nodes on edges",
+                                     counted(found.curved, "element")));
   const std::size_t left_out = found.other_solids + (mesh.corners == 4 ? found.hexes.ids.size() : 0);
   if (left_out > 0)
     read.notes.push_back(
-        fmt::format("{} elements that are not {} are left out", left_out, plural(mesh.corners)));
+        fmt::format("left out: {}, not {}", counted(left_out, "solid element"), plural(mesh.corners)));
   if (unused > 0 && found.curved == 0)
-    read.notes.push_back(fmt::format("{} nodes that no element uses are left out", unused));
+    read.notes.push_back(fmt::format("left out: {} that no element uses", counted(unused, "node")));
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "turgor/io/solid_files.hpp"
 
-#include <fstream>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -27,7 +26,7 @@ bool begins_as_tetgen(std::string_view head) {
 }
 
 Result<FoundSolid> parse_solid(const fs::path& path, std::string_view bytes) {
-  switch (solid_format(bytes.substr(0, 4096))) {
+  switch (solid_format(bytes)) {
     case SolidFormat::kGmsh:
       return parse_gmsh(path, bytes);
     case SolidFormat::kVtk:
@@ -72,13 +71,7 @@ Result<ReadSolid> read_solid(const fs::path& path, double scale) {
 }
 
 bool is_solid_file(const fs::path& path) {
-  std::error_code failed;
-  if (!fs::is_regular_file(path, failed)) return false;
-  std::string head(4096, '\0');
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(head.data(), std::streamsize(head.size()));
-  head.resize(std::size_t(stream.gcount()));
-  return io::solid_format(head) != io::SolidFormat::kNone;
+  return io::solid_format(io::first_bytes(path)) != io::SolidFormat::kNone;
 }
 
 Status write_msh(const fs::path& path, const SolidMesh& mesh) {

@@ -80,10 +80,12 @@ Result<FoundSolid> parse_tetgen(const fs::path& path, std::string_view bytes) {
   const bool is_points = holds_points(bytes);
   fs::path other = path;
   other.replace_extension(is_points ? ".ele" : ".node");
-  const Result<std::string> rest = read_mesh_bytes(other);
-  if (!rest)
-    return Error{fmt::format("{} (the {} that belong to {})", rest.error().message,
+  std::error_code failed;
+  if (!fs::exists(other, failed))
+    return Error{fmt::format("{}: does not exist: expected the {} that belong to {}", other.string(),
                              is_points ? "tetrahedra" : "points", path.string())};
+  const Result<std::string> rest = read_mesh_bytes(other);
+  if (!rest) return rest.error();
   FoundSolid found{.format = "TetGen"};
   if (Status done = read_points(is_points ? path : other, is_points ? bytes : *rest, found); !done)
     return done.error();

@@ -1,6 +1,5 @@
 // Legacy VTK files, text or big-endian binary: unstructured grids of versions 1 to 5.1.
 #include <algorithm>
-#include <cctype>
 #include <functional>
 
 #include <fmt/format.h>
@@ -24,8 +23,7 @@ struct VtkReader {
 };
 
 NumberType read_type(MeshCursor& cursor) {
-  std::string name(cursor.word());
-  for (char& c : name) c = char(std::tolower(static_cast<unsigned char>(c)));
+  const std::string name = lower_case(cursor.word());
   const bool is_unsigned = name.starts_with("unsigned_");
   const NumberType::Kind kind = is_unsigned ? NumberType::kUnsigned : NumberType::kSigned;
   const std::string size = is_unsigned ? name.substr(9) : name;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -66,24 +65,11 @@ bool are_whole(const std::vector<double>& values) {
 
 }  // namespace
 
-double read_real(MeshCursor& cursor, NumberType type) {
-  return type.kind == NumberType::kReal ? cursor.real(type.bytes, "a number")
-                                        : double(read_whole(cursor, type));
-}
-
-std::int64_t read_whole(MeshCursor& cursor, NumberType type) {
-  if (type.kind == NumberType::kReal) cursor.fail("numbers of a whole type", "real ones");
-  return type.kind == NumberType::kSigned ? cursor.whole(type.bytes, "a whole number")
-                                          : std::int64_t(cursor.unsigned_whole(type.bytes, "a whole number"));
-}
-
 int region_rank(std::string_view name) {
   constexpr std::array<std::string_view, 13> kNames{
       "region",    "regions",     "gmsh:physical", "medit:ref", "cell_tags", "cellentityids", "material",
       "materials", "materialids", "label",         "labels",    "tag",       "attribute"};
-  std::string lower(name);
-  for (char& c : lower) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return int(kNames.end() - std::find(kNames.begin(), kNames.end(), lower));
+  return int(kNames.end() - std::find(kNames.begin(), kNames.end(), lower_case(name)));
 }
 
 Status add_vtk_cells(FoundSolid& found, const VtkCells& cells) {

@@ -1,18 +1,10 @@
-// What VTK's two formats share: types of numbers, and cells as rows of numbers: all corners, where each cell
-// ends among them, what it is. Internal to io/.
+// Cells as both of VTK's formats list them: all corners in one row, where each cell ends in it, what it is.
+// Internal to io/.
 #pragma once
 
 #include "turgor/io/solid_formats.hpp"
 
 namespace turgor::io {
-
-struct NumberType {
-  enum Kind { kReal, kSigned, kUnsigned } kind = kReal;
-  int bytes = 8;  // 0: bits
-};
-double read_real(MeshCursor& cursor, NumberType type);
-/// Fails for real types.
-std::int64_t read_whole(MeshCursor& cursor, NumberType type);
 
 struct VtkCells {
   std::int64_t first_node = 0, node_count = 0, first_cell = 0;  // in the whole file

@@ -1,0 +1,38 @@
+// What the readers of surfaces share: polygons as a file lists them, and the parsers of the formats. Internal
+// to io/.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "turgor/io/mesh_cursor.hpp"
+#include "turgor/io/surface_files.hpp"
+
+namespace turgor::io {
+
+/// A surface as its file lists it.
+struct FoundSurface {
+  std::string format;
+  std::vector<Vec3d> vertices;
+  std::vector<std::int64_t> corners;  // of all polygons, from 0
+  std::vector<std::size_t> ends;      // of each polygon among them
+  int first = 0;                      // the file's own number of its first vertex
+};
+
+/// Welded, triangulated, checked.
+Result<ReadSurface> finish_surface(const std::filesystem::path& path, const FoundSurface& found,
+                                   double scale);
+
+enum class SurfaceFormat { kNone, kObj, kStlText, kStlBinary, kPly };
+/// `size` is that of the whole file: binary STL files are known by it alone.
+SurfaceFormat surface_format(const std::filesystem::path& path, std::string_view head, std::uintmax_t size);
+
+Result<FoundSurface> parse_obj(const std::filesystem::path& path, std::string_view bytes);
+Result<FoundSurface> parse_stl_text(const std::filesystem::path& path, std::string_view bytes);
+Result<FoundSurface> parse_stl_binary(const std::filesystem::path& path, std::string_view bytes);
+Result<FoundSurface> parse_ply(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace turgor::io
