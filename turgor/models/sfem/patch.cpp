@@ -103,24 +103,50 @@ Matrix<T> coarse_green(const Model& model, const PatchUnknowns& unknowns, const 
   return ((changed + changed.transpose()) / 2).cast<T>();
 }
 
-/// S = K_L − K_LG Ξ K_GL and its Cholesky factor; Ψ = K_LG Ξ stays for what comes after.
+/// Cholesky's factor of the first `n` rows of a, and below it what becomes of the rows that follow: B L⁻ᵀ.
+/// Only the lower half of the square part is read and written. Products do nearly all of the work.
+template <class T>
+bool factor_with_rows(Matrix<T>& a, Eigen::Index n) {
+  constexpr Eigen::Index kBlock = 24;
+  Matrix<T> below, inverse;
+  for (Eigen::Index k = 0; k < n; k += kBlock) {
+    const Eigen::Index b = std::min(kBlock, n - k), rest = a.rows() - k - b;
+    a.block(k, k, a.rows() - k, b).noalias() -=
+        a.block(k, 0, a.rows() - k, k) * a.block(k, 0, b, k).transpose();
+    auto pivot = a.block(k, k, b, b);
+    Eigen::LLT<Eigen::Ref<Matrix<T>, 0, Eigen::OuterStride<>>> factored(pivot);
+    if (factored.info() != Eigen::Success) return false;
+    inverse.setIdentity(b, b);
+    pivot.template triangularView<Eigen::Lower>().solveInPlace(inverse);
+    below.noalias() = a.block(k + b, k, rest, b) * inverse.transpose();
+    a.block(k + b, k, rest, b) = below;
+  }
+  return true;
+}
+
+/// S = K_L − K_LG Ξ K_GL and its Cholesky factor; below it Zᵀ = (L⁻¹ Ψ)ᵀ of some coarse vertices, Ψ = K_LG Ξ.
 template <class T>
 struct Elimination {
-  Matrix<T> green, psi, factor;
+  Matrix<T> green, factor;
 };
 
 template <class T>
-Elimination<T> eliminate(const Model& model, const PatchUnknowns& unknowns, PatchMatrices<T>& matrices) {
+Elimination<T> eliminate(const Model& model, const PatchUnknowns& unknowns, const PatchMatrices<T>& matrices,
+                         const std::vector<int>& wanted) {
   const Eigen::Index local = 3 * unknowns.local_count, coarse = 3 * Eigen::Index(unknowns.coarse.size());
   Elimination<T> e;
   e.green = coarse_green(model, unknowns, matrices.change);
-  e.factor = Map<T>(matrices.local.data(), local, local);
   if (local == 0) return e;
-  const Map<T> coupling(matrices.coupling.data(), local, coarse);
-  e.psi.noalias() = coupling * e.green;
-  e.factor.template triangularView<Eigen::Lower>() -= e.psi * coupling.transpose();
-  Eigen::LLT<Eigen::Ref<Matrix<T>>> in_place(e.factor);
-  TURGOR_ASSERT(in_place.info() == Eigen::Success, "a patch of a held body is positive definite");
+  const ConstMap<T> coupling(matrices.coupling.data(), local, coarse);
+  const Matrix<T> psi = coupling * e.green;
+  e.factor.resize(local + 3 * Eigen::Index(wanted.size()), local);
+  e.factor.topRows(local) = ConstMap<T>(matrices.local.data(), local, local);
+  e.factor.topRows(local).template triangularView<Eigen::Lower>() -= psi * coupling.transpose();
+  for (std::size_t i = 0; i < wanted.size(); i++)
+    e.factor.template middleRows<3>(local + 3 * Eigen::Index(i)) =
+        psi.template middleCols<3>(3 * wanted[i]).transpose();
+  const bool definite = factor_with_rows(e.factor, local);
+  TURGOR_ASSERT(definite, "a patch of a held body is positive definite");
   return e;
 }
 
@@ -132,24 +158,19 @@ Matrix<T> function_compliance(const Elimination<T>& e, const std::vector<int>& c
   const Eigen::Index local = 3 * unknowns.local_count, c = 3 * Eigen::Index(coarse.size());
   const Eigen::Index s = local - 3 * unknowns.first_touched;  // touched local unknowns are the last
   Matrix<T> compliance(c + s, c + s);
-  Matrix<T> z(local, c);
-  for (std::size_t i = 0; i < coarse.size(); i++) {
-    const Eigen::Index column = 3 * Eigen::Index(i), from = 3 * coarse[i];
+  for (std::size_t i = 0; i < coarse.size(); i++)
     for (std::size_t k = 0; k < coarse.size(); k++)
-      compliance.template block<3, 3>(3 * Eigen::Index(k), column) =
-          e.green.template block<3, 3>(3 * coarse[k], from);
-    if (local > 0) z.template middleCols<3>(column) = e.psi.template middleCols<3>(from);
-  }
+      compliance.template block<3, 3>(3 * Eigen::Index(k), 3 * Eigen::Index(i)) =
+          e.green.template block<3, 3>(3 * coarse[k], 3 * coarse[i]);
   if (local == 0) return compliance;
-  const auto lower = e.factor.template triangularView<Eigen::Lower>();
-  lower.solveInPlace(z);
-  compliance.topLeftCorner(c, c).noalias() += z.transpose() * z;  // Ξ_GG = Ξ + Ψᵀ S⁻¹ Ψ
+  const auto z = e.factor.bottomRows(c);                          // transposed
+  compliance.topLeftCorner(c, c).noalias() += z * z.transpose();  // Ξ_GG = Ξ + Ψᵀ S⁻¹ Ψ
   Matrix<T> inverse = Matrix<T>::Identity(s, s);
-  e.factor.bottomRightCorner(s, s).template triangularView<Eigen::Lower>().solveInPlace(inverse);
-  const auto transposed = inverse.transpose().template triangularView<Eigen::Upper>();
-  compliance.bottomLeftCorner(s, c).noalias() = -(transposed * z.bottomRows(s));  // Ξ_LG
-  compliance.topRightCorner(c, s) = compliance.bottomLeftCorner(s, c).transpose();
-  compliance.bottomRightCorner(s, s).noalias() = transposed * inverse;  // Ξ_LL = S⁻¹
+  e.factor.block(local - s, local - s, s, s).template triangularView<Eigen::Lower>().solveInPlace(inverse);
+  compliance.topRightCorner(c, s).noalias() = -(z.rightCols(s) * inverse);  // Ξ_GL = −Ψᵀ S⁻¹
+  compliance.bottomLeftCorner(s, c) = compliance.topRightCorner(c, s).transpose();
+  compliance.bottomRightCorner(s, s).noalias() =  // Ξ_LL = S⁻¹
+      inverse.transpose().template triangularView<Eigen::Upper>() * inverse;
   return compliance;
 }
 
@@ -193,22 +214,24 @@ template <class T>
 void condense(const Model& model, std::span<const int> elements, const FineMesh& fine,
               const PatchUnknowns& unknowns, bool with_change, Patch& patch) {
   PatchMatrices<T> matrices = assemble_patch<T>(model, elements, fine, unknowns, with_change);
-  Elimination<T> e = eliminate(model, unknowns, matrices);
-
   std::vector<int> place(unknowns.coarse.size(), -1), coarse;  // coarse functions that move the points
   for (const PatchPoint& point : patch.points)
     for (std::size_t s = 0; s < std::size_t(point.supports); s++)
       if (int& at = place[std::size_t(point.coarse[s])]; at < 0)
         at = int(coarse.size()), coarse.push_back(point.coarse[s]);
   const Eigen::Index coarse_rows = 3 * Eigen::Index(coarse.size()), n = 3 * Eigen::Index(patch.points.size());
+  const Elimination<T> e = eliminate(model, unknowns, matrices, coarse);
   const Matrix<T> functions = function_compliance(e, coarse, unknowns);
   const Matrix<T> half = expand(patch, place, unknowns.first_touched, coarse_rows, functions).transpose();
   const Matrix<T> full = expand(patch, place, unknowns.first_touched, coarse_rows, half);
   patch.compliance.resize(std::size_t(n * n));
   Map<double>(patch.compliance.data(), n, n) = full.template cast<double>();
 
-  const auto values = [](const Matrix<T>& m) { return std::vector<T>(m.data(), m.data() + m.size()); };
-  patch.system = CondensedSystem<T>{values(e.factor), std::move(matrices.coupling), values(e.green),
+  const Eigen::Index local = 3 * unknowns.local_count;
+  Map<T>(matrices.local.data(), local, local) = e.factor.topRows(local);
+  patch.system = CondensedSystem<T>{std::move(matrices.local),
+                                    std::move(matrices.coupling),
+                                    {e.green.data(), e.green.data() + e.green.size()},
                                     std::move(matrices.change)};
 }
 

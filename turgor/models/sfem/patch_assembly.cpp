@@ -10,65 +10,130 @@ namespace turgor::sfem {
 
 namespace {
 
+/// A column-major matrix of 3×3 blocks, and the sum of other such blocks into it.
+template <class T>
+struct BlockView {
+  std::vector<T>& values;
+  std::size_t rows;
+
+  /// `block` row by row with this distance between rows.
+  void add(int row, int column, const double* block, std::size_t stride, double scale) const {
+    T* at = values.data() + 3 * std::size_t(column) * rows + 3 * std::size_t(row);
+    for (std::size_t c = 0; c < 3; c++)
+      for (std::size_t r = 0; r < 3; r++) at[c * rows + r] += T(scale * block[r * stride + c]);
+  }
+};
+
 /// Puts blocks between fine nodes where they belong. u = N u_G + u_L, so a block between nodes a and b is one
 /// of K_L, one of K_LG for every coarse vertex b hangs on, and, when asked for, one of Nᵀ K N for all pairs.
 template <class T>
 class PatchScatter {
  public:
   PatchScatter(const FineMesh& fine, const PatchUnknowns& unknowns, std::size_t vertices, bool with_change)
-      : fine_(fine),
-        unknowns_(unknowns),
-        index_(vertices, -1),
-        local_rows_(3 * std::size_t(unknowns.local_count)),
-        coarse_rows_(3 * unknowns.coarse.size()),
-        with_change_(with_change) {
+      : fine_(fine), unknowns_(unknowns), index_(vertices, -1), with_change_(with_change) {
+    const std::size_t local = 3 * std::size_t(unknowns.local_count), coarse = 3 * unknowns.coarse.size();
     for (std::size_t i = 0; i < unknowns.coarse.size(); i++) index_[std::size_t(unknowns.coarse[i])] = int(i);
-    matrices_.local.assign(local_rows_ * local_rows_, 0);
-    matrices_.coupling.assign(local_rows_ * coarse_rows_, 0);
-    if (with_change) matrices_.change.assign(coarse_rows_ * coarse_rows_, 0);
+    matrices_.local.assign(local * local, 0);
+    matrices_.coupling.assign(local * coarse, 0);
+    if (with_change) matrices_.change.assign(coarse * coarse, 0);
+    local_rows_ = local, coarse_rows_ = coarse;
   }
 
-  /// Row a, column b; `block` row by row with this distance between rows.
-  void add(int a, int b, const double* block, std::size_t stride) {
-    const FineNode &row = fine_.nodes[std::size_t(a)], &column = fine_.nodes[std::size_t(b)];
-    const int local_row = unknowns_.local[std::size_t(a)], local_column = unknowns_.local[std::size_t(b)];
-    if (local_row >= 0) {
-      if (local_column >= 0 && local_column <= local_row)
-        add_block(matrices_.local, local_rows_, local_row, local_column, block, stride, 1);
-      for (int s = 0; s < column.supports; s++)
-        add_block(matrices_.coupling, local_rows_, local_row, index_of(column, s), block, stride,
-                  column.weight[std::size_t(s)]);
-    }
+  /// K_L alone: row a, column b.
+  void add_local(int a, int b, const double* block, std::size_t stride) {
+    const int row = unknowns_.local[std::size_t(a)], column = unknowns_.local[std::size_t(b)];
+    if (column >= 0 && column <= row)
+      BlockView<T>{matrices_.local, local_rows_}.add(row, column, block, stride, 1);
+  }
+  /// What node a feels of a coarse vertex: K_LG, and the row's share of the change.
+  void add_coarse_column(int a, int vertex, const double* block, std::size_t stride, double scale) {
+    const int column = index_[std::size_t(vertex)], local = unknowns_.local[std::size_t(a)];
+    if (column < 0) return;
+    if (local >= 0) BlockView<T>{matrices_.coupling, local_rows_}.add(local, column, block, stride, scale);
     if (!with_change_) return;
-    for (int r = 0; r < row.supports; r++)
-      for (int s = 0; s < column.supports; s++)
-        add_block(matrices_.change, coarse_rows_, index_of(row, r), index_of(column, s), block, stride,
-                  row.weight[std::size_t(r)] * column.weight[std::size_t(s)]);
+    const FineNode& row = fine_.nodes[std::size_t(a)];
+    for (std::size_t s = 0; s < std::size_t(row.supports); s++)
+      add_change(row.coarse[s], vertex, block, stride, scale * row.weight[s]);
   }
-  /// Adds to the change between two coarse vertices, which may be fixed.
-  void add_coarse(int vertex_row, int vertex_column, const double* block, std::size_t stride, double scale) {
+  /// The change between two coarse vertices, which may be fixed.
+  void add_change(int vertex_row, int vertex_column, const double* block, std::size_t stride, double scale) {
     const int row = index_[std::size_t(vertex_row)], column = index_[std::size_t(vertex_column)];
-    if (row >= 0 && column >= 0) add_block(matrices_.change, coarse_rows_, row, column, block, stride, scale);
+    if (row >= 0 && column >= 0)
+      BlockView<T>{matrices_.change, coarse_rows_}.add(row, column, block, stride, scale);
   }
+  /// Does anything depend on the row of this node?
+  bool is_wanted(int a) const { return with_change_ || unknowns_.local[std::size_t(a)] >= 0; }
   PatchMatrices<T> take() { return std::move(matrices_); }
 
  private:
-  int index_of(const FineNode& node, int support) const {
-    return index_[std::size_t(node.coarse[std::size_t(support)])];
-  }
-  static void add_block(std::vector<T>& matrix, std::size_t rows, int row, int column, const double* block,
-                        std::size_t stride, double scale) {
-    T* at = matrix.data() + 3 * std::size_t(column) * rows + 3 * std::size_t(row);
-    for (std::size_t c = 0; c < 3; c++)
-      for (std::size_t r = 0; r < 3; r++) at[c * rows + r] += T(scale * block[r * stride + c]);
-  }
-
   const FineMesh& fine_;
   const PatchUnknowns& unknowns_;
   std::vector<int> index_;  // of each vertex among the coarse unknowns
-  std::size_t local_rows_, coarse_rows_;
+  std::size_t local_rows_ = 0, coarse_rows_ = 0;
   bool with_change_;
   PatchMatrices<T> matrices_;
+};
+
+/// The parts of one coarse element: K N, whose columns are the element's corners, is summed here before it
+/// goes where the corners are.
+template <class T, std::size_t N>
+class ElementScatter {
+ public:
+  ElementScatter(const SolidMesh& mesh, const FineMesh& fine, PatchScatter<T>& scatter)
+      : mesh_(mesh), fine_(fine), scatter_(scatter), place_(fine.nodes.size(), -1) {}
+
+  void begin(int e) { element_ = e, nodes_.clear(), rows_.clear(), weights_.clear(); }
+  /// One fine element: 3N×3N, row by row.
+  void add(const int* nodes, const double* k) {
+    std::array<int, N> at;
+    for (std::size_t c = 0; c < N; c++) at[c] = place_of(nodes[c]);
+    for (std::size_t a = 0; a < N; a++) {
+      if (!scatter_.is_wanted(nodes[a])) continue;
+      auto& row = rows_[std::size_t(at[a])];
+      for (std::size_t b = 0; b < N; b++) {
+        const double* block = k + 9 * N * a + 3 * b;
+        scatter_.add_local(nodes[a], nodes[b], block, 3 * N);
+        const auto& weight = weights_[std::size_t(at[b])];
+        for (std::size_t corner = 0; corner < N; corner++)
+          if (weight[corner] != 0)
+            for (std::size_t i = 0; i < 9; i++)
+              row[9 * corner + i] += weight[corner] * block[i / 3 * 3 * N + i % 3];
+      }
+    }
+  }
+  void end() {
+    for (std::size_t n = 0; n < nodes_.size(); n++) {
+      place_[std::size_t(nodes_[n])] = -1;
+      if (!scatter_.is_wanted(nodes_[n])) continue;
+      for (std::size_t corner = 0; corner < N; corner++)
+        scatter_.add_coarse_column(nodes_[n], element(mesh_, std::size_t(element_))[corner],
+                                   &rows_[n][9 * corner], 3, 1);
+    }
+  }
+
+ private:
+  int place_of(int node) {
+    int& place = place_[std::size_t(node)];
+    if (place >= 0) return place;
+    place = int(nodes_.size());
+    nodes_.push_back(node);
+    rows_.emplace_back();
+    std::array<double, N>& weight = weights_.emplace_back();
+    const FineNode& from = fine_.nodes[std::size_t(node)];
+    for (std::size_t s = 0; s < std::size_t(from.supports); s++)
+      for (std::size_t corner = 0; corner < N; corner++)
+        if (element(mesh_, std::size_t(element_))[corner] == from.coarse[s]) weight[corner] = from.weight[s];
+    return place;
+  }
+
+  const SolidMesh& mesh_;
+  const FineMesh& fine_;
+  PatchScatter<T>& scatter_;
+  int element_ = -1;
+  std::vector<int> place_;                       // of each fine node among those of this element
+  std::vector<int> nodes_;                       // of this element
+  std::vector<std::array<double, 9 * N>> rows_;  // of each: a block for every corner
+  std::vector<std::array<double, N>> weights_;   // of each node on the corners
 };
 
 template <std::size_t N>
@@ -114,38 +179,49 @@ std::vector<int> fine_materials(const Model& model, const FineMesh& fine) {
   return material;
 }
 
-template <class T>
-void add_tets(const Model& model, const FineMesh& fine, const std::vector<int>& material,
-              PatchScatter<T>& scatter) {
-  std::array<double, 144> k;
-  for (std::size_t f = 0; f < fine.parent.size(); f++) {
-    tet_stiffness(fine_corners<4>(fine, f), model.body.materials[std::size_t(material[f])], k);
-    for (std::size_t a = 0; a < 4; a++)
-      for (std::size_t b = 0; b < 4; b++)
-        scatter.add(fine.corners[4 * f + a], fine.corners[4 * f + b], &k[36 * a + 3 * b], 12);
-  }
-}
+/// Stiffness of the parts of one coarse element; congruent parts of one material share theirs.
+template <std::size_t N>
+class PartStiffness {
+ public:
+  PartStiffness(const Model& model, const FineMesh& fine) : model_(model), fine_(fine) {}
 
-/// The parts of a parallelepiped are congruent: one stiffness serves all of the same material.
-template <class T>
-void add_hexes(const Model& model, const FineMesh& fine, const std::vector<int>& material,
+  const double* operator()(std::size_t f, int material) {
+    if (fine_.parent[f] != parent_) {
+      parent_ = fine_.parent[f];
+      made_for_.fill(-1);
+      if constexpr (N == 8) congruent_ = is_parallelepiped(coarse_corners<8>(model_.body.mesh, parent_));
+    }
+    const auto shape = std::size_t(fine_.shape[f]);
+    auto& k = stiffness_[shape];
+    if (congruent_ && made_for_[shape] == material) return k.data();
+    made_for_[shape] = material;
+    const Material& m = model_.body.materials[std::size_t(material)];
+    if constexpr (N == 8)
+      hex_stiffness(fine_corners<8>(fine_, f), m, model_.params.formulation, k);
+    else
+      tet_stiffness(fine_corners<4>(fine_, f), m, k);
+    return k.data();
+  }
+
+ private:
+  static constexpr std::size_t kShapes = 6;
+  const Model& model_;
+  const FineMesh& fine_;
+  int parent_ = -1;
+  bool congruent_ = true;
+  std::array<int, kShapes> made_for_{};  // material
+  std::array<std::array<double, 9 * N * N>, kShapes> stiffness_;
+};
+
+template <std::size_t N, class T>
+void add_parts(const Model& model, const FineMesh& fine, const std::vector<int>& material,
                PatchScatter<T>& scatter) {
-  std::array<double, 576> k;
-  int parent = -1, made_for = -1;
-  bool congruent = false;
+  PartStiffness<N> stiffness(model, fine);
+  ElementScatter<T, N> of_element(model.body.mesh, fine, scatter);
   for (std::size_t f = 0; f < fine.parent.size(); f++) {
-    if (fine.parent[f] != parent) {
-      parent = fine.parent[f], made_for = -1;
-      congruent = is_parallelepiped(coarse_corners<8>(model.body.mesh, parent));
-    }
-    if (!congruent || made_for != material[f]) {
-      hex_stiffness(fine_corners<8>(fine, f), model.body.materials[std::size_t(material[f])],
-                    model.params.formulation, k);
-      made_for = material[f];
-    }
-    for (std::size_t a = 0; a < 8; a++)
-      for (std::size_t b = 0; b < 8; b++)
-        scatter.add(fine.corners[8 * f + a], fine.corners[8 * f + b], &k[72 * a + 3 * b], 24);
+    if (f == 0 || fine.parent[f] != fine.parent[f - 1]) of_element.begin(fine.parent[f]);
+    of_element.add(&fine.corners[N * f], stiffness(f, material[f]));
+    if (f + 1 == fine.parent.size() || fine.parent[f + 1] != fine.parent[f]) of_element.end();
   }
 }
 
@@ -158,8 +234,12 @@ void add_averaged_tets(const Exec& exec, const Model& model, const FineMesh& fin
   mesh.elements = fine.corners;
   const BlockMatrix k = assemble(exec, mesh, model.body.materials, material, Formulation::kAveraged);
   for (std::size_t a = 0; a + 1 < k.row_begin.size(); a++)
-    for (std::size_t i = k.row_begin[a]; i < k.row_begin[a + 1]; i++)
-      scatter.add(int(a), k.column[i], &k.value[9 * i], 3);
+    for (std::size_t i = k.row_begin[a]; i < k.row_begin[a + 1]; i++) {
+      const FineNode& column = fine.nodes[std::size_t(k.column[i])];
+      scatter.add_local(int(a), k.column[i], &k.value[9 * i], 3);
+      for (std::size_t s = 0; s < std::size_t(column.supports); s++)
+        scatter.add_coarse_column(int(a), column.coarse[s], &k.value[9 * i], 3, column.weight[s]);
+    }
 }
 
 /// Adds the stiffness of these coarse elements, as they are among themselves, to the change.
@@ -184,7 +264,7 @@ void add_coarse(const Exec& exec, const Model& model, const std::vector<int>& el
   const BlockMatrix k = assemble(exec, mesh, model.body.materials, material, model.params.formulation);
   for (std::size_t a = 0; a < vertices.size(); a++)
     for (std::size_t i = k.row_begin[a]; i < k.row_begin[a + 1]; i++)
-      scatter.add_coarse(vertices[a], vertices[std::size_t(k.column[i])], &k.value[9 * i], 3, scale);
+      scatter.add_change(vertices[a], vertices[std::size_t(k.column[i])], &k.value[9 * i], 3, scale);
 }
 
 }  // namespace
@@ -227,11 +307,11 @@ PatchMatrices<T> assemble_patch(const Model& model, std::span<const int> element
   PatchScatter<T> scatter(fine, unknowns, model.body.mesh.vertices.size(), with_change);
   const bool averaged = model.params.formulation == Formulation::kAveraged;
   if (model.body.mesh.corners == 8)
-    add_hexes(model, fine, material, scatter);
+    add_parts<8>(model, fine, material, scatter);
   else if (averaged)
     add_averaged_tets(alone, model, fine, material, scatter);
   else
-    add_tets(model, fine, material, scatter);
+    add_parts<4>(model, fine, material, scatter);
   if (with_change) {
     // The coarse stiffness counted the patch's elements; now the fine ones stand for them, and what is left
     // of the coarse ones around the patch is averaged among itself.

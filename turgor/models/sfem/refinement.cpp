@@ -14,6 +14,7 @@ struct Subdivision {
   std::vector<std::array<int, 8>> weight;  // of each corner at each point; their sum is `denominator`
   int denominator = 1;
   std::vector<int> corners;             // points of the fine elements
+  std::vector<int> shape;               // of each: which order of axes Kuhn's rule took
   std::vector<std::vector<Int3>> face;  // triangles of points on each face
 };
 
@@ -45,6 +46,7 @@ void subdivide_tet(int r, Subdivision& sub) {
           if (!inside) continue;
           if (o >= 3) std::swap(tet[2], tet[3]);  // an odd order turns the simplex inside out
           sub.corners.insert(sub.corners.end(), tet.begin(), tet.end());
+          sub.shape.push_back(int(o));
         }
 }
 
@@ -64,6 +66,7 @@ void subdivide_hex(int r, Subdivision& sub) {
         for (const Int3 c :
              {Int3{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}})
           sub.corners.push_back(number(i + c.x, j + c.y, k + c.z));
+  sub.shape.assign(std::size_t(r * r * r), 0);
 }
 
 /// The triangles of fine elements that lie on each face of the coarse one.
@@ -179,7 +182,8 @@ FineMesh refine(const Model& model, std::span<const int> elements, int refinemen
         fine.nodes.push_back(make_node(model, corners, sub.weight[p], sub.denominator, key));
     }
     for (const int point : sub.corners) fine.corners.push_back(number[std::size_t(point)]);
-    fine.parent.insert(fine.parent.end(), sub.corners.size() / corners.size(), e);
+    fine.parent.insert(fine.parent.end(), sub.shape.size(), e);
+    fine.shape.insert(fine.shape.end(), sub.shape.begin(), sub.shape.end());
     for (std::size_t f = 0; f < faces.size(); f++) {
       const int across = model.neighbours[std::size_t(e) * faces.size() + f];
       if (across >= 0 && std::binary_search(elements.begin(), elements.end(), across)) continue;

@@ -28,7 +28,8 @@ struct FineNode {
 struct FineMesh {
   std::vector<FineNode> nodes;
   std::vector<int> corners;  // fine elements, as many nodes each as the coarse ones
-  std::vector<int> parent;   // coarse element of each fine one
+  std::vector<int> parent;   // coarse element of each fine one, one coarse element after the other
+  std::vector<int> shape;    // equal for the parts of one tetrahedron, or of one box, that are congruent
   std::vector<Int3> outer;   // triangles of the body's outer surface, nodes
 };
 
