@@ -78,7 +78,8 @@ double sweep(Coulomb& p) {
     const Vec3d alone = to_frame * read_site(p.separation, i) - d_f;
     const SiteSolution solution = solve_site(d, alone, p.friction[std::size_t(i)]);
     p.state[std::size_t(i)] = solution.state;
-    const Vec3d change = frame.axes * (solution.force - f);
+    const bool open = solution.state == SiteState::kOpen;  // then no force is left to rounding
+    const Vec3d change = open ? -read_site(p.force, i) : frame.axes * (solution.force - f);
     if (change == Vec3d{}) continue;
     add_force(p, i, change);
     largest = std::max(largest, norm(change));
@@ -86,9 +87,11 @@ double sweep(Coulomb& p) {
   return largest;
 }
 
-double largest_force(const Coulomb& p) {
+/// The largest force that one site alone would need to close its own gap.
+double force_scale(const Coulomb& p) {
   double largest = 0;
-  for (int i = p.held; i < p.count; i++) largest = std::max(largest, norm(read_site(p.force, i)));
+  for (int i = p.held; i < p.count; i++)
+    largest = std::max(largest, norm(read_site(p.separation, i)) / p.frames[std::size_t(i)].d[0]);
   return largest;
 }
 
@@ -98,29 +101,40 @@ void restore(Coulomb& p) {
     add_force(p, i, read_site(p.force_before, i) - read_site(p.force, i));
 }
 
-/// Gauss–Seidel finds who touches, sticks and slides; once that rests, Newton steps finish. A step that does
-/// not pay is taken back, and the next one waits for twice as many sweeps.
-CoulombReport solve_contacts(Coulomb& p, const CoulombParams& params) {
+void save(Coulomb& p) { std::copy_n(p.force.begin(), 3 * p.count, p.force_before.begin()); }
+
+/// Gauss–Seidel finds who touches, sticks and slides; Newton steps, each followed by a sweep that looks at
+/// those states again, finish. When a few of them in a row have not halved the residual, they are taken back,
+/// and the next ones wait for more sweeps.
+CoulombReport solve_contacts(Coulomb& p, const CoulombParams& params, double scale) {
+  constexpr int kRun = 5;
   CoulombReport report;
-  int until_newton = 3;
-  double before_newton = -1;  // residual, while the last step is on probation
+  int wait = 3, run = 0;   // sweeps before the next steps, steps in a row
+  double best = HUGE_VAL;  // residual that the steps must halve
   while (report.sweeps < params.sweeps) {
-    const double change = sweep(p), scale = largest_force(p);
+    const double change = sweep(p);
     report.sweeps++;
-    report.residual = scale > 0 ? change / scale : 0;
-    if (report.residual <= params.tolerance) {
-      report.converged = true;
-      return report;
+    report.residual = change > 0 ? change / scale : 0;
+    report.converged = report.residual <= params.tolerance;
+    if (report.converged) break;
+    if (--wait > 0) continue;
+    if (run == 0 || report.residual < best / 2) {
+      save(p);
+      best = report.residual;
+      run = 0;
     }
-    if (before_newton >= 0 && report.residual > before_newton) {
-      restore(p);
-      until_newton = 2 * report.newton_steps + 8;
+    const bool stuck = run == kRun;
+    if (!stuck && report.newton_steps < params.newton_steps && newton_step(p)) {
+      run++, report.newton_steps++;
+      continue;
     }
-    before_newton = -1;
-    if (--until_newton > 0) continue;
-    std::copy_n(p.force.begin(), 3 * p.count, p.force_before.begin());
-    until_newton = 1;
-    if (newton_step(p)) before_newton = report.residual, report.newton_steps++;
+    if (run > 0) restore(p);
+    run = 0;
+    wait = report.sweeps;
+  }
+  if (run > 0 && report.residual > best) {
+    restore(p);
+    report.residual = best;
   }
   return report;
 }
@@ -146,8 +160,9 @@ CoulombReport solve(Coulomb& p, const CoulombParams& params) {
   TURGOR_ASSERT(3 * p.count <= p.stride && p.held <= p.count, "contact sites fit what was allocated");
   if (p.held > 0) eliminate_held(p);
   for (int i = p.held; i < p.count; i++) make_frame(p, i);
+  const double scale = force_scale(p);
   for (int i = p.held; i < p.count; i++) add_separation(p, i, read_site(p.force, i));
-  const CoulombReport report = solve_contacts(p, params);
+  const CoulombReport report = solve_contacts(p, params, scale);
   if (p.held > 0) place_held(p);
   return report;
 }

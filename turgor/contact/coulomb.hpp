@@ -52,14 +52,16 @@ struct Coulomb {
 Coulomb make_coulomb(int capacity);
 
 struct CoulombParams {
-  int sweeps = 400;         // at most
+  int sweeps = 120;         // at most
+  int newton_steps = 12;    // at most
   double tolerance = 1e-8;  // see CoulombReport::residual
 };
 
 struct CoulombReport {
   int sweeps = 0, newton_steps = 0;
-  double residual = 0;  // largest change that its own exact solution still makes to a site's force, relative
-                        // to the largest force [1]
+  // The largest change that its own exact solution still makes to a site's force, relative to the largest
+  // force that one site alone would need [1].
+  double residual = 0;
   bool converged = false;
 };
 

@@ -51,10 +51,12 @@ ShapeDistance distance_of(const MeshShape& m, Vec3d x) {
   return ball_distance(surface, 0, x);
 }
 
-/// Balls along a capsule's axis, not farther apart than its radius.
+/// Balls along a capsule's axis. What lies between them is found as well: a site's distance is that from the
+/// whole capsule.
 int ball_count(const Capsule& c) {
-  constexpr int kMost = 9;
-  return std::min(kMost, 1 + int(std::ceil(2 * c.half_length / c.radius)));
+  constexpr double kApart = 4;  // radii
+  constexpr int kMost = 5;
+  return c.half_length > 0 ? std::min(kMost, 2 + int(2 * c.half_length / (kApart * c.radius))) : 1;
 }
 
 struct BoundingRadius {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "turgor/contact/coulomb.hpp"
+#include "turgor/contact/sites.hpp"
 #include "turgor/contact/tool.hpp"
 #include "turgor/contact/viscosity.hpp"
 #include "turgor/models/sfem/patch.hpp"
@@ -45,60 +46,57 @@ struct ToolForce {
 };
 
 struct TouchParams {
-  int capacity = 32;  // sites of all tools together
+  int capacity = 32;            // sites of all tools together
+  double tool_softness = 1e-5;  // compliance of a site itself, as part of that of the softest point [1]
   Viscosity viscosity;
   CoulombParams solver;
 };
 
-/// A place on the surface: one point of the patch, or somewhere in a triangle.
-struct Site {
-  int tool = 0;
-  int triangle = -1;    // -1: a point
-  Int3 point;           // of the patch; a point alone is point.x
-  Vec3d weight;         // of each, sum 1
-  double distance = 0;  // from the tool, before the tick [m]
-  Vec3d normal;         // from the tool at the body, unit
-  Vec3d anchor;         // where it sticks, or is held, in the tool's frame [m]
-  Vec3d force;          // on the body [N]
-  SiteState state = SiteState::kOpen;
-};
-
-/// What follows from the points and triangles of a patch alone.
-struct PatchSurface {
-  std::vector<Vec3d> normal;         // of each point at rest, unit, outward
-  std::vector<double> area;          // a third of the triangles around it [m²]
-  std::vector<double> longest_edge;  // of each triangle [m]
-  std::vector<std::uint8_t> border;  // 1: on the edge of the patch
-  double largest_edge = 0;           // [m]
-};
-void measure_surface(const sfem::Patch& patch, PatchSurface& surface);
-
 /// One tool between ticks.
 struct ToolMemory {
-  Pose pose;                      // of the last tick
-  bool seen = false;              // pose is one
-  bool inside = false;            // see ToolForce
-  bool touching = false;          // bore force in the last tick
-  Vec3d force_rest, torque_rest;  // left of a jump that is being blended away (follow.hpp) [N] [N·m]
+  Pose pose;              // of the last tick
+  bool seen = false;      // there is one
+  bool inside = false;    // see ToolForce
+  bool touching = false;  // it bore force in the last tick
+};
+
+/// What is left of the jumps that new patches made (follow.hpp).
+struct ForceRest {
+  Vec3d force;   // [N]
+  Vec3d torque;  // [N·m]
+  double reference =
+      0;  // force of the last tick on the patch that made the jump; with less, less is left [N]
+};
+
+/// Numbers that hold still between two patches, kept so that taking one allocates nothing (follow.hpp).
+struct PatchMatch {
+  std::vector<int> from_order, to_order;  // points by key
+  std::vector<int> new_point, old_point;  // the same point of the other patch; -1 = none
+  std::vector<Vec3d> offset;              // [m]
+  std::vector<ToolForce> forces;          // on the old patch
 };
 
 /// What changes.
 struct TouchState {
   TouchParams params;
   PatchSurface surface;
-  std::vector<Vec3d> x;      // points after the last tick [m]
-  std::vector<Vec3d> u;      // x − rest − offset [m]
-  std::vector<Vec3d> force;  // on each point [N]
-  std::vector<Vec3d>
-      offset;  // displacement that no force of ours makes; zero unless the caller writes it [m]
+  std::vector<Vec3d> x;        // points after the last tick [m]
+  std::vector<Vec3d> u;        // of it, what forces made, now and before [m]
+  std::vector<Vec3d> outward;  // at each point after the last tick, of any length
+  std::vector<Vec3d> force;    // on each point [N]
+  std::vector<Vec3d> offset;   // what no force of ours makes; zero unless the caller writes it [m]
   ViscousHistory history;
-  std::vector<ToolMemory> tools;
   std::vector<Site> sites;  // of the last tick; the held ones first
   int held = 0;
-  CoulombReport solution;  // of the last tick
+  std::vector<ToolMemory> tools;
+  std::vector<ForceRest> rests;   // of each tool
+  std::vector<ToolPose> poses;    // of the last tick
+  std::vector<ToolForce> forces;  // of the last tick
+  CoulombReport solution;         // of the last tick
 
-  Coulomb problem;  // from here on, only of use within a tick
-  std::vector<Site> candidates;
+  Coulomb problem;              // of use within a tick only
+  std::vector<Site> new_sites;  // likewise
+  PatchMatch match;             // likewise
 };
 
 /// At rest. `largest_patch`: points that a later patch may have without an allocation.
@@ -108,6 +106,10 @@ TouchState make_touch_state(const sfem::Patch& patch, std::size_t tool_count, co
 /// One tick of `dt` seconds; a tick of 0 s repeats the last one. Poses and forces: one a tool.
 void touch(const sfem::Patch& patch, TouchState& state, std::span<const Tool> tools,
            std::span<const ToolPose> poses, double dt, std::span<ToolForce> forces);
+
+/// Puts the points of a patch where the forces of the sites push them: the part of a tick behind its
+/// contacts.
+void move_points(const sfem::Patch& patch, const ViscousTick& viscous, TouchState& state);
 
 /// Contact pressure at every point: force along its normal at rest / area around it [Pa].
 void contact_pressure(const TouchState& state, std::span<double> pressure);

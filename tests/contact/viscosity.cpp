@@ -1,0 +1,140 @@
+#include "turgor/contact/viscosity.hpp"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "contact/half_space.hpp"
+#include "turgor/contact/touch.hpp"
+
+namespace turgor::contact {
+namespace {
+
+constexpr double kRadius = 5e-3;
+const HalfSpace kSoft{.side = 9};
+
+/// A sphere that holds the middle of a half space, so that its answer is linear.
+struct Grip {
+  sfem::Patch patch = half_space_patch(kSoft);
+  std::vector<Tool> tools{{Sphere{kRadius}, 0.3}};
+  TouchState state;
+  std::vector<ToolForce> forces{1};
+  Vec3d at{0, 0, kRadius - 0.2e-3};
+
+  explicit Grip(const Viscosity& viscosity) : state(make_touch_state(patch, 1, {.viscosity = viscosity})) {
+    move({}, 0, false);
+    // Forget how it was gripped: what is held begins at rest.
+    for (int i = 0; i < 100; i++) move({}, 1e6, true);
+  }
+  Vec3d move(Vec3d by, double dt, bool hold = true) {
+    at += by;
+    const std::vector<ToolPose> poses{{{at, {}}, hold}};
+    touch(patch, state, tools, poses, dt, forces);
+    return forces[0].force;
+  }
+};
+
+TEST(Viscosity, a_sudden_move_is_stiffer_by_exactly_one_plus_p_and_a_hold_relaxes_as_the_closed_form) {
+  const Viscosity law{.stiffening = 1.5, .time = 0.1};
+  Grip soft({}), stiff(law);
+  const Vec3d step{1e-4, 0, 2e-4};
+  const Vec3d soft_before = soft.forces[0].force, stiff_before = stiff.forces[0].force;
+  EXPECT_LT(norm(stiff_before - soft_before), 1e-6 * norm(soft_before)) << "at rest both are elastic";
+  const Vec3d elastic = soft.move(step, 0) - soft_before;
+  const Vec3d sudden = stiff.move(step, 0) - stiff_before;
+  EXPECT_LT(norm(sudden - 2.5 * elastic), 1e-9 * norm(elastic));
+  const double dt = 1e-4;
+  double worst = 0;
+  for (int i = 1; i <= 5000; i++) {
+    const Vec3d now = stiff.move({}, dt) - stiff_before;
+    const double exact = 1 + 1.5 * std::exp(-i * dt / law.time);
+    worst = std::max(worst, norm(now - exact * elastic) / norm(elastic));
+  }
+  EXPECT_LT(worst, 0.5 * dt / law.time * 1.5) << "implicit Euler is of first order";
+  EXPECT_LT(norm(stiff.move({}, dt) - stiff_before - (1 + 1.5 * std::exp(-5)) * elastic),
+            1e-3 * norm(elastic));
+}
+
+TEST(Viscosity, a_constant_force_creeps_as_the_closed_form) {
+  // u(t) = u_inf (1 − p/(1+p) exp(−t/(τ (1+p)))), with the law alone, Ξ being one number.
+  const Viscosity law{.stiffening = 2, .time = 0.05};
+  const double xi = 3e-3, f = 0.4, dt = 1e-4;
+  ViscousHistory history{.v = {{}}, .phi = {{}}};
+  double worst = 0;
+  for (int i = 1; i <= 6000; i++) {
+    const ViscousTick tick = viscous_tick(law, dt);
+    const std::vector<Vec3d> u{{(xi * f + tick.p * history.v[0].x) / (1 + tick.p), 0, 0}}, force{{f, 0, 0}};
+    remember(tick, u, force, history);
+    const double exact = xi * f * (1 - 2.0 / 3 * std::exp(-i * dt / (law.time * 3)));
+    worst = std::max(worst, std::abs(u[0].x - exact) / (xi * f));
+    EXPECT_NEAR(history.v[0].x, xi * history.phi[0].x, 1e-15) << "v = Xi phi";
+  }
+  EXPECT_LT(worst, 2e-3);
+}
+
+TEST(Viscosity, far_history_decays_as_near_history_without_new_forces) {
+  const Viscosity law{.stiffening = 2, .time = 0.05};
+  ViscousHistory history{.v = {{}}, .phi = {{1, 0, 0}}, .far = {{0, {1, 0, 0}}}};
+  for (int i = 0; i < 200; i++) {
+    const std::vector<Vec3d> u{{}}, force{{}};
+    remember(viscous_tick(law, 1e-3), u, force, history);
+    EXPECT_NEAR(history.phi[0].x, history.far_fraction, 1e-13);
+  }
+  EXPECT_LT(history.far_fraction, 0.3);
+}
+
+TEST(Viscosity, random_paths_never_give_energy_back) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> number;
+  for (const double time : {0.003, 0.03, 0.3}) {
+    Grip grip({.stiffening = 1, .time = time});
+    const Vec3d start = grip.at;
+    Vec3d before = grip.forces[0].force, velocity;
+    double work = 0, size = 0;
+    const auto go = [&](Vec3d by) {
+      const Vec3d now = grip.move(by, 1e-3);
+      work -= dot((now + before) / 2, by);
+      size += std::abs(dot(now, by));
+      before = now;
+    };
+    for (int tick = 0; tick < 4000; tick++) {
+      velocity = 0.9 * velocity + Vec3d{number(random), number(random), number(random)} * 5e-6 -
+                 (grip.at - start) * 0.02;
+      go(velocity);
+    }
+    const Vec3d back = (start - grip.at) / 50;
+    for (int i = 0; i < 50; i++) go(back);
+    for (int i = 0; i < 3000; i++) go({});
+    EXPECT_GT(work, 0) << time;
+    EXPECT_GT(work, 1e-3 * size) << time;
+  }
+}
+
+TEST(Viscosity, off_is_exactly_elastic) {
+  Grip elastic({}), off({.stiffening = 0, .time = 0.1});
+  for (int i = 0; i < 100; i++)
+    EXPECT_EQ(elastic.move({1e-6 * i, 0, 2e-6}, 1e-3), off.move({1e-6 * i, 0, 2e-6}, 1e-2));
+}
+
+TEST(Viscosity, a_fast_press_feels_stiffer_than_a_slow_one_and_a_slow_one_is_elastic) {
+  const auto press = [](const Viscosity& viscosity, double duration) {
+    sfem::Patch patch = half_space_patch({.side = 13});
+    const std::vector<Tool> tools{{Sphere{kRadius}, 0}};
+    TouchState state = make_touch_state(patch, 1, {.viscosity = viscosity});
+    std::vector<ToolForce> forces(1);
+    for (int i = 1; i <= 200; i++) {
+      const std::vector<ToolPose> poses{{{{0, 0, kRadius - 5e-6 * i}, {}}, false}};
+      touch(patch, state, tools, poses, duration / 200, forces);
+    }
+    return forces[0].force.z;
+  };
+  const Viscosity law{.stiffening = 1, .time = 0.1};
+  const double elastic = press({}, 1);
+  EXPECT_NEAR(press(law, 1000) / elastic, 1, 1e-3);
+  EXPECT_NEAR(press(law, 1e-4) / elastic, 2, 2e-3);
+  EXPECT_GT(press(law, 0.1) / elastic, 1.3);
+}
+
+}  // namespace
+}  // namespace turgor::contact
