@@ -1,0 +1,228 @@
+// A picture: how far every vertex is from each touch along the surface, and how the chains and the bulge
+// around them move it.
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/core/hash.hpp"
+#include "turgor/models/rhombus/rhombus.hpp"
+#include "turgor/models/rhombus/touching.hpp"
+
+namespace turgor::rhombus {
+
+namespace {
+
+constexpr double kTurnedUnits = 4;   // a twist of what is held fades over so many units
+constexpr double kFoldReach = 2.5;   // the surface around a fold is drawn in out to so many half openings
+constexpr std::size_t kGrain = 512;  // vertices
+
+/// From 1 to 0 as x goes from 0 to 1, level at both ends.
+double fading(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return (1 - x) * (1 - x) * (1 + 2 * x);
+}
+
+/// Everything about a touch that its vertices need.
+struct MovingTouch {
+  const Touching* touch;
+  const GeodesicField* distances;
+  MoveParts parts;
+  ChainShape depth, drag;
+  double width = 0;        // of a unit [m]
+  double half_fold = 0;    // half the surface between the jaws when they closed [m]
+  double ring_centre = 0;  // where the bulge is highest [units]
+  bool turned = false;
+};
+
+/// Mean index of what moves: how wide the dent is, without a step when units join.
+double mean_index(const ChainShape& shape) {
+  double sum = 0, moment = 0;
+  for (int j = 0; j < shape.units; j++)
+    sum += shape.depth[std::size_t(j)], moment += j * shape.depth[std::size_t(j)];
+  return sum != 0 ? moment / sum : 0;
+}
+
+MovingTouch moving_touch(const Model& model, const Touching& t) {
+  MovingTouch m{.touch = &t, .distances = nullptr, .parts = parts_of(t.moved, t.foot.normal)};
+  m.depth = shape_of_force(model.chain, t.depth_force);
+  m.drag = shape_of_force(model.chain, -t.drag_force);
+  m.width = unit_width(model.chain);
+  m.ring_centre = 2 + 2 * mean_index(m.depth);
+  if (!t.holding) return m;
+  m.half_fold = 0.5 * t.held_opening;
+  m.turned = !(t.turn == Mat3d{});
+  return m;
+}
+
+/// How far from the touch anything moves [m].
+double reach(const Model& model, const MovingTouch& m) {
+  double units = std::max(m.depth.units, m.drag.units);
+  if (model.params.bulge > 0) units = std::max(units, 2 * m.ring_centre);
+  if (m.turned) units = std::max(units, kTurnedUnits);
+  return std::max(units * m.width, kFoldReach * m.half_fold);
+}
+
+/// Distances are measured again when the touch has moved, or reaches farther than they do; then a bit farther
+/// than asked, so that a growing dent does not ask every time.
+void update_distances(const Model& model, const MovingTouch& m, GeodesicField& field) {
+  const TrianglePoint& at = m.touch->foot.at;
+  const double radius = reach(model, m);
+  const bool same = !field.distance.empty() && at.triangle == field.source.triangle &&
+                    norm(at.place - field.source.place) <= 1e-6 * model.surface.mean_edge;
+  if (same && radius <= field.radius) return;
+  measure_distances(model.surface, at, same ? 1.25 * radius : 1.1 * radius, field);
+}
+
+/// What the closing jaws do to the surface between and around them: it comes together and rises into a fold.
+Vec3d fold_move(const MovingTouch& m, Vec3d from_foot, double distance) {
+  const Touching& t = *m.touch;
+  const double h = m.half_fold;
+  if (!(h > 0 && t.closing > 0)) return {};
+  const double x = dot(from_foot, t.fold_axis), near = fading((distance / h - 1) / (kFoldReach - 1));
+  const double inwards = std::clamp(x, -h, h), rise = std::max(0.0, h - std::abs(x));
+  return (t.foot.normal * rise - t.fold_axis * inwards) * (near * t.closing);
+}
+
+/// Move of a vertex by one touch.
+Vec3d chain_move(const MovingTouch& m, Vec3d x, double distance) {
+  const Touching& t = *m.touch;
+  const Vec3d normal = t.foot.normal, from_foot = x - t.foot.at.place;
+  const double s = distance / m.width;
+  const ShapePoint dent = shape_at(m.depth, s);
+  const Vec3d outwards = normalized(from_foot - normal * dot(from_foot, normal));
+  Vec3d move = (outwards * dent.outward - normal * dent.depth) * t.depth_part;
+  if (m.drag.units > 0) move -= m.parts.along * (shape_at(m.drag, s).depth * t.drag_part);
+  if (!t.holding) return move;
+  if (m.turned) move += (t.turn * from_foot - from_foot) * fading(s / kTurnedUnits);
+  return move + fold_move(m, from_foot, distance);
+}
+
+/// Shape of the bulge: a ring around the dent.
+double ring(const MovingTouch& m, double distance) {
+  const double off = std::abs(distance / m.width - m.ring_centre) / m.ring_centre;
+  return std::abs(m.parts.depth) * fading(off);
+}
+
+/// Adds the moves of a touch to its vertices.
+struct AddMoves {
+  const Model& model;
+  const MovingTouch& touch;
+  State& state;
+
+  void operator()(std::size_t i) const {
+    const auto v = std::size_t(touch.distances->reached[i]);
+    const double distance = touch.distances->distance[v];
+    state.displacement[v] += chain_move(touch, model.surface.vertices[v], distance);
+    if (model.params.bulge > 0) state.ring[v] += ring(touch, distance);
+  }
+};
+
+/// Calls visit(triangle) once for every triangle with a moved vertex; `is_moved` says which vertices are.
+template <class Visit>
+void for_each_moved_triangle(const Surface& s, const State& state, const Visit& visit) {
+  const auto is_moved = [&](int v) {
+    return state.ring[std::size_t(v)] != 0 ||
+           dot(state.displacement[std::size_t(v)], state.displacement[std::size_t(v)]) > 0;
+  };
+  for (const int v : state.moved)
+    for (const int corner : corners_of(s, v)) {
+      const Int3 t = s.triangles[std::size_t(corner / 3)];
+      const int first = is_moved(t.x) ? t.x : is_moved(t.y) ? t.y : t.z;
+      if (first == v) visit(corner / 3);
+    }
+}
+
+/// Volume that the organ has gained, and that it gains a metre of bulge.
+struct VolumeChange {
+  double gained = 0;  // [m³]
+  double slope = 0;   // [m²]
+};
+VolumeChange volume_change(const Surface& s, const State& state, Vec3d origin) {
+  VolumeChange sum;
+  for_each_moved_triangle(s, state, [&](int t) {
+    const Int3 c = s.triangles[std::size_t(t)];
+    const auto rest = [&](int v) { return s.vertices[std::size_t(v)] - origin; };
+    const auto now = [&](int v) { return rest(v) + state.displacement[std::size_t(v)]; };
+    const auto up = [&](int v) { return s.normals[std::size_t(v)] * state.ring[std::size_t(v)]; };
+    const Vec3d a = now(c.x), b = now(c.y), d = now(c.z);
+    sum.gained += (dot(a, cross(b, d)) - dot(rest(c.x), cross(rest(c.y), rest(c.z)))) / 6;
+    sum.slope += dot(cross(b - a, d - a), up(c.x) + up(c.y) + up(c.z)) / 6;
+  });
+  return sum;
+}
+
+/// Raises the rings until they hold the asked share of the volume that was pressed in.
+void bulge(const Exec& exec, const Model& model, State& state, StepReport& report) {
+  const Vec3d origin = model.surface.vertices[std::size_t(state.moved[0])];
+  const double goal = 1 - model.params.bulge;
+  for (int i = 0; i < 2; i++) {  // Newton; a ring is low, so its volume is nearly proportional to its height
+    const VolumeChange change = volume_change(model.surface, state, origin);
+    if (i == 0) report.pressed_volume = -change.gained;
+    const double missing = -goal * report.pressed_volume - change.gained;
+    if (!(change.slope > 0)) break;
+    const double height = missing / change.slope;
+    parallel_for(
+        exec, state.moved.size(),
+        [&](std::size_t k) {
+          const auto v = std::size_t(state.moved[k]);
+          state.displacement[v] += model.surface.normals[v] * (height * state.ring[v]);
+        },
+        kGrain);
+  }
+}
+
+void clear_moves(State& state) {
+  for (const int moved : state.moved) {
+    const auto v = std::size_t(moved);
+    state.displacement[v] = {}, state.ring[v] = 0, state.listed[v] = 0;
+  }
+  state.moved.clear();
+}
+
+/// Lists a touch's vertices that no touch before it has listed.
+void list_moved(State& state, const GeodesicField& field) {
+  for (const int v : field.reached) {
+    if (state.listed[std::size_t(v)]) continue;
+    state.listed[std::size_t(v)] = 1;
+    state.moved.push_back(v);
+  }
+}
+
+}  // namespace
+
+StepReport step(const Exec& exec, const Model& model, State& state) {
+  clear_moves(state);
+  StepReport report;
+  for (std::size_t k = 0; k < state.touches.size(); k++) {
+    const Touching& t = state.touches[k];
+    if (!(dot(t.moved, t.moved) > 0) && !t.holding) continue;
+    MovingTouch m = moving_touch(model, t);
+    update_distances(model, m, state.distances[k]);
+    m.distances = &state.distances[k];
+    list_moved(state, *m.distances);
+    parallel_for(exec, m.distances->reached.size(), AddMoves{model, m, state}, kGrain);
+  }
+  if (state.moved.empty()) return report;
+  if (model.params.bulge > 0) bulge(exec, model, state, report);
+  double largest2 = 0;
+  for (const int v : state.moved)
+    largest2 =
+        std::max(largest2, dot(state.displacement[std::size_t(v)], state.displacement[std::size_t(v)]));
+  report.largest_displacement = std::sqrt(largest2);
+  report.finite = std::isfinite(largest2);
+  return report;
+}
+
+double energy(const Model& model, const State& state) {
+  double sum = 0;
+  for (const Touching& t : state.touches) {
+    if (!(dot(t.moved, t.moved) > 0)) continue;
+    const double own = chain_energy(model.chain, t.depth_force) * t.depth_part * t.depth_part +
+                       chain_energy(model.chain, -t.drag_force) * t.drag_part * t.drag_part;
+    sum += stiffness_at(model, t.foot.at) * own + 0.5 * dot(t.elastic, t.moved - t.demand);
+  }
+  return sum;
+}
+
+std::uint64_t state_hash(const State& state) { return hash_values(std::span(state.displacement)); }
+
+}  // namespace turgor::rhombus
