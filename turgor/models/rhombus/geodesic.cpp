@@ -23,7 +23,7 @@ double through_edge(Vec3d a, Vec3d b, Vec3d c, double da, double db) {
   const double sy = std::sqrt(std::max(0.0, da * da - sx * sx));
   const double crossing = sx + (cx - sx) * sy / (cy + sy);
   if (crossing < 0 || crossing > length) return along_edges;
-  return std::hypot(cx - sx, cy + sy);
+  return std::sqrt((cx - sx) * (cx - sx) + (cy + sy) * (cy + sy));
 }
 
 /// The smallest distance first; equal ones by vertex, so that every run goes the same way.
@@ -72,6 +72,7 @@ void measure_distances(const Surface& surface, const TrianglePoint& source, doub
     if (distance > field.distance[std::size_t(vertex)]) continue;  // a shorter one came since
     for (const int corner : corners_of(surface, vertex)) advance(surface, corner, field);
   }
+  std::sort(field.reached.begin(), field.reached.end());
 }
 
 }  // namespace turgor::rhombus

@@ -15,7 +15,7 @@ namespace turgor::rhombus {
 
 struct GeodesicField {
   std::vector<double> distance;  // of every vertex; infinite where the front did not come [m]
-  std::vector<int> reached;      // vertices with a distance, some of them beyond the radius
+  std::vector<int> reached;      // vertices with a distance, ascending, some of them beyond the radius
   TrianglePoint source;
   double radius = 0;  // up to which distances are right [m]
 

@@ -116,58 +116,60 @@ struct AddMoves {
   }
 };
 
-/// Calls visit(triangle) once for every triangle with a moved vertex; `is_moved` says which vertices are.
+/// Calls visit(triangle) once for every triangle with a listed vertex.
 template <class Visit>
 void for_each_moved_triangle(const Surface& s, const State& state, const Visit& visit) {
-  const auto is_moved = [&](int v) {
-    return state.ring[std::size_t(v)] != 0 ||
-           dot(state.displacement[std::size_t(v)], state.displacement[std::size_t(v)]) > 0;
-  };
+  const auto is_listed = [&](int v) { return state.listed[std::size_t(v)] != 0; };
   for (const int v : state.moved)
     for (const int corner : corners_of(s, v)) {
       const Int3 t = s.triangles[std::size_t(corner / 3)];
-      const int first = is_moved(t.x) ? t.x : is_moved(t.y) ? t.y : t.z;
+      const int first = is_listed(t.x) ? t.x : is_listed(t.y) ? t.y : t.z;
       if (first == v) visit(corner / 3);
     }
 }
 
-/// Volume that the organ has gained, and that it gains a metre of bulge.
-struct VolumeChange {
-  double gained = 0;  // [m³]
-  double slope = 0;   // [m²]
+/// Volume that the organ has gained when the rings are raised by a height h: c0 + c1 h + c2 h² + c3 h³ [m³].
+struct GainedVolume {
+  double c0 = 0, c1 = 0, c2 = 0, c3 = 0;
+
+  double at(double h) const { return c0 + h * (c1 + h * (c2 + h * c3)); }
+  double slope(double h) const { return c1 + h * (2 * c2 + 3 * h * c3); }
 };
-VolumeChange volume_change(const Surface& s, const State& state, Vec3d origin) {
-  VolumeChange sum;
+GainedVolume gained_volume(const Surface& s, const State& state, Vec3d origin) {
+  GainedVolume sum;
   for_each_moved_triangle(s, state, [&](int t) {
-    const Int3 c = s.triangles[std::size_t(t)];
-    const auto rest = [&](int v) { return s.vertices[std::size_t(v)] - origin; };
-    const auto now = [&](int v) { return rest(v) + state.displacement[std::size_t(v)]; };
-    const auto up = [&](int v) { return s.normals[std::size_t(v)] * state.ring[std::size_t(v)]; };
-    const Vec3d a = now(c.x), b = now(c.y), d = now(c.z);
-    sum.gained += (dot(a, cross(b, d)) - dot(rest(c.x), cross(rest(c.y), rest(c.z)))) / 6;
-    sum.slope += dot(cross(b - a, d - a), up(c.x) + up(c.y) + up(c.z)) / 6;
+    const Int3 v = s.triangles[std::size_t(t)];
+    Vec3d rest[3], now[3], up[3];
+    for (int i = 0; i < 3; i++) {
+      const auto k = std::size_t(v[i]);
+      rest[i] = s.vertices[k] - origin;
+      now[i] = rest[i] + state.displacement[k];
+      up[i] = s.normals[k] * state.ring[k];
+    }
+    const Vec3d n = cross(now[1], now[2]), m = cross(up[1], now[2]) + cross(now[1], up[2]),
+                o = cross(up[1], up[2]);
+    sum.c0 += dot(now[0], n) - dot(rest[0], cross(rest[1], rest[2]));
+    sum.c1 += dot(up[0], n) + dot(now[0], m);
+    sum.c2 += dot(up[0], m) + dot(now[0], o);
+    sum.c3 += dot(up[0], o);
   });
-  return sum;
+  return {sum.c0 / 6, sum.c1 / 6, sum.c2 / 6, sum.c3 / 6};
 }
 
 /// Raises the rings until they hold the asked share of the volume that was pressed in.
 void bulge(const Exec& exec, const Model& model, State& state, StepReport& report) {
   const Vec3d origin = model.surface.vertices[std::size_t(state.moved[0])];
-  const double goal = 1 - model.params.bulge;
-  for (int i = 0; i < 2; i++) {  // Newton; a ring is low, so its volume is nearly proportional to its height
-    const VolumeChange change = volume_change(model.surface, state, origin);
-    if (i == 0) report.pressed_volume = -change.gained;
-    const double missing = -goal * report.pressed_volume - change.gained;
-    if (!(change.slope > 0)) break;
-    const double height = missing / change.slope;
-    parallel_for(
-        exec, state.moved.size(),
-        [&](std::size_t k) {
-          const auto v = std::size_t(state.moved[k]);
-          state.displacement[v] += model.surface.normals[v] * (height * state.ring[v]);
-        },
-        kGrain);
-  }
+  const GainedVolume gained = gained_volume(model.surface, state, origin);
+  report.pressed_volume = -gained.c0;
+  const double goal = (1 - model.params.bulge) * gained.c0;
+  double height = 0;
+  for (int i = 0; i < 4 && gained.slope(height) > 0; i++)  // a low ring: its volume is nearly proportional
+    height -= (gained.at(height) - goal) / gained.slope(height);
+  const auto raise = [&](std::size_t k) {
+    const auto v = std::size_t(state.moved[k]);
+    state.displacement[v] += model.surface.normals[v] * (height * state.ring[v]);
+  };
+  parallel_for(exec, state.moved.size(), raise, kGrain);
 }
 
 void clear_moves(State& state) {
