@@ -21,7 +21,7 @@ std::string flaw(const TriMesh& mesh) {
       return "vertex " + std::to_string(v) + " of a mesh tool is not finite";
   std::vector<std::pair<int, int>> edges;
   for (const auto [a, b, c] : mesh.triangles) {
-    for (const auto [from, to] : {std::pair{a, b}, {b, c}, {c, a}}) {
+    for (const auto& [from, to] : {std::pair{a, b}, {b, c}, {c, a}}) {
       if (from < 0 || from >= count)
         return "a mesh tool names vertex " + std::to_string(from) + " of " + std::to_string(count);
       edges.emplace_back(from, to);

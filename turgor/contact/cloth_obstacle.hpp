@@ -1,0 +1,12 @@
+// A tool's shape as something that a cloth stays out of.
+#pragma once
+
+#include "turgor/contact/tool.hpp"
+#include "turgor/models/cloth/cloth.hpp"
+
+namespace turgor::contact {
+
+/// The shape at the beginning of a step in which it goes from one pose to another. Refers to the shape.
+cloth::Obstacle cloth_obstacle(const Shape& shape, const Pose& from, const Pose& to, double dt);
+
+}  // namespace turgor::contact
