@@ -1,4 +1,4 @@
-// `turgor info`: what a CT file holds, and what a segmentation says about it.
+// `turgor info`: what a CT file holds, and what a segmentation says about it. Meshes are in info_mesh.cpp.
 #include <fstream>
 #include <memory>
 
@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
+#include "app/info_mesh.hpp"
 #include "turgor/geometry/label_measures.hpp"
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
@@ -20,6 +21,7 @@ using Json = nlohmann::ordered_json;
 
 struct InfoOptions {
   std::string path, labels, series, json;
+  double scale = 1;  // of a mesh
 };
 
 /// Towards where in the patient the axes i, j, k grow: "LPS", "RAS", …
@@ -134,8 +136,9 @@ std::string what_is_there(const InfoOptions& options, const Exec& exec) {
   return series.empty() ? "" : "\nThe folder's headers say:" + series;
 }
 
-void run_info(const InfoOptions& options, const Global& global) {
-  const Exec exec(global.threads);
+Json inform_about_ct(const InfoOptions& options, const Exec& exec) {
+  if (options.scale != 1)
+    throw Failure{2, fmt::format("{}: --scale is of meshes; a CT knows its millimetres", options.path)};
   Json json;
   {
     ProgressBar bar("reading");
@@ -146,6 +149,21 @@ void run_info(const InfoOptions& options, const Global& global) {
   }
   print(json);
   if (json.contains("labels")) print_labels(json["labels"]);
+  return json;
+}
+
+Json inform_about_mesh(const InfoOptions& options, const Exec& exec) {
+  if (!options.labels.empty() || !options.series.empty())
+    throw Failure{2, fmt::format("{}: --labels and --series are of CTs; this is a mesh", options.path)};
+  const Json json = describe_mesh(exec, options.path, options.scale);
+  print_mesh(json);
+  return json;
+}
+
+void run_info(const InfoOptions& options, const Global& global) {
+  const Exec exec(global.threads);
+  const Json json =
+      is_mesh_file(options.path) ? inform_about_mesh(options, exec) : inform_about_ct(options, exec);
   if (options.json.empty()) return;
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   if (Status written = write_file(options.json, text); !written) throw Failure{2, written.error().message};
@@ -154,16 +172,26 @@ void run_info(const InfoOptions& options, const Global& global) {
 }  // namespace
 
 void add_info_command(CLI::App& program, Global& global) {
-  CLI::App* command = program.add_subcommand(
-      "info", "What a CT holds: size, place, densities, and the organs of a segmentation");
+  CLI::App* command = program.add_subcommand("info",
+                                             "What a CT holds: size, place, densities, and the organs of a "
+                                             "segmentation; or a mesh: elements, regions, "
+                                             "volume, angles");
   auto options = std::make_shared<InfoOptions>();
-  command->add_option("path", options->path, "A DICOM folder or one of its files, .nii, .nii.gz, .nrrd, .mha")
+  command
+      ->add_option(
+          "path", options->path,
+          "A DICOM folder or one of its files, .nii, .nii.gz, .nrrd, .mha; or a mesh: .msh, .vtk, .vtu, "
+          ".node, .mesh, .obj, .stl, .ply")
       ->required();
   command->add_option("--labels", options->labels,
                       "A segmentation of the CT: sizes and places of its labels");
   command->add_option("--series", options->series, "DICOM: which series, by number or SeriesInstanceUID");
+  command->add_option("--scale", options->scale, "A mesh: metres of one unit of its file, 0.001 for mm")
+      ->check(CLI::PositiveNumber);
   command->add_option("--json", options->json, "Also write what is said to this file");
-  command->footer("Example:\n  turgor info ct/ --labels segmentation.nii.gz --json ct.json");
+  command->footer(
+      "Example:\n  turgor info ct/ --labels segmentation.nii.gz --json ct.json\n  turgor info liver.msh "
+      "--scale 0.01");
   command->callback([options, &global] { run_info(*options, global); });
 }
 

@@ -39,6 +39,9 @@ TEST(Info, APhantomIsTheSameAsDicomAsNiftiAndImported) {
 TEST(Info, WhatCannotBeDoneIsSaidAndLeavesNothing) {
   const fs::path folder = fresh_folder();
   ASSERT_EQ(run_program("phantom leg --size 16 16 12 -o ct", folder).code, 0);
+  write(folder / "flat.mesh",
+        "MeshVersionFormatted 1 Dimension 3 Vertices 4  0 0 0 0  1 0 0 0  0 1 0 0  1 1 0 0 Tetrahedra 1  1 2 "
+        "3 4 0");
   const struct {
     const char* command;
     int code;
@@ -46,6 +49,10 @@ TEST(Info, WhatCannotBeDoneIsSaidAndLeavesNothing) {
   } cases[] = {{"info cts", 2, "did you mean ct?"},
                {"info ct --labels nothing.nii.gz", 2, "nothing.nii.gz: does not exist"},
                {"info ct --series 7", 2, "no series \"7\""},
+               {"info ct --scale 0.001", 2, "--scale is of meshes"},
+               {"info flat.mesh --series 7", 2, "--labels and --series are of CTs"},
+               {"info flat.mesh", 2, "expected tetrahedra with a volume, found 1 flat: 1"},
+               {"info flat.mesh --scale 0", 2, "--scale"},
                {"import ct -o a.jpg", 2, "expected .nii, .nii.gz, .nrrd or .mha"},
                {"phantom leg --size 8 8 8 -o ct", 2, "not an empty folder"},
                {"phantom arm -o arm", 2, "arm"},
@@ -55,7 +62,7 @@ TEST(Info, WhatCannotBeDoneIsSaidAndLeavesNothing) {
     EXPECT_EQ(ended.code, c.code) << c.command << ": " << ended.printed;
     EXPECT_NE(ended.printed.find(c.words), std::string::npos) << c.command << ": " << ended.printed;
   }
-  EXPECT_EQ(names_in(folder), (std::set<std::string>{"ct"}));
+  EXPECT_EQ(names_in(folder), (std::set<std::string>{"ct", "flat.mesh"}));
 }
 
 TEST(Info, AnIncompleteSeriesIsRefusedButDescribed) {
@@ -66,6 +73,39 @@ TEST(Info, AnIncompleteSeriesIsRefusedButDescribed) {
   EXPECT_EQ(ended.code, 2);
   for (const char* words : {"missing slices: 1 of 12", "slice-00004.dcm", "11 slices of 16 x 16"})
     EXPECT_NE(ended.printed.find(words), std::string::npos) << ended.printed;
+}
+
+TEST(Info, AMeshTellsItsElementsRegionsVolumeAndAngles) {
+  const fs::path folder = fresh_folder();
+  write(folder / "two.mesh",
+        "MeshVersionFormatted 1 Dimension 3 Vertices 5  0 0 0 0  10 0 0 0  0 10 0 0  0 0 10 0  0 0 -10 0\n"
+        "Tetrahedra 2  1 2 3 4 3  1 2 3 5 4 End");
+  const Ended info = run_program("info two.mesh --scale 0.001 --json out.json", folder);
+  ASSERT_EQ(info.code, 0) << info.printed;
+  for (const char* words : {"Medit", "2 tetrahedra, 5 vertices", "volume       0.333333 mL", "10 to 14.14 mm",
+                            "54.74 to 90.00 degrees", "region       4: 1 element, 0.166667 mL",
+                            "1 of 2 tetrahedra were listed inside out"})
+    EXPECT_NE(info.printed.find(words), std::string::npos) << words << "\n" << info.printed;
+  const nlohmann::json json = read_json(folder / "out.json");
+  EXPECT_EQ(json["kind"], "tetrahedra");
+  EXPECT_EQ(json["inverted_repaired"], 1);
+  EXPECT_EQ(json["parts"], 1);
+  EXPECT_EQ(json["surface_triangles"], 6);
+  EXPECT_NEAR(json["volume_m3"].get<double>(), 1e-6 / 3, 1e-18);
+}
+
+TEST(Info, ASurfaceTellsWhetherItBoundsABody) {
+  const fs::path folder = fresh_folder();
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
+  write(folder / "closed.obj", corners + "f 3 1 4\n");
+  write(folder / "open.obj", corners);
+  const Ended closed = run_program("info closed.obj", folder), open = run_program("info open.obj", folder);
+  EXPECT_EQ(closed.code, 0);
+  EXPECT_NE(closed.printed.find("closed       yes"), std::string::npos) << closed.printed;
+  EXPECT_NE(closed.printed.find("volume       166667 mL"), std::string::npos) << closed.printed;
+  EXPECT_EQ(open.code, 0);
+  EXPECT_NE(open.printed.find("closed       no"), std::string::npos) << open.printed;
+  EXPECT_NE(open.printed.find("bounds no body: "), std::string::npos) << open.printed;
 }
 
 TEST(Info, EveryCommandHasAnExample) {

@@ -1,0 +1,20 @@
+// What `turgor info` says about meshes: solid ones (Gmsh, VTK, VTU, TetGen, Medit) and surfaces (OBJ, STL,
+// PLY).
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "turgor/core/exec.hpp"
+
+namespace turgor {
+
+/// Whether a file begins as one of the mesh formats does.
+bool is_mesh_file(const std::string& path);
+/// Kind, counts, regions, box, volume, edges, angles and what was repaired; coordinates times `scale` are
+/// metres. Throws Failure.
+nlohmann::ordered_json describe_mesh(const Exec& exec, const std::string& path, double scale);
+void print_mesh(const nlohmann::ordered_json& json);
+
+}  // namespace turgor
