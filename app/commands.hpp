@@ -23,6 +23,7 @@ struct Failure {
 void add_info_command(CLI::App& program, Global& global);
 void add_import_command(CLI::App& program, Global& global);
 void add_phantom_command(CLI::App& program, Global& global);
+void add_mesh_command(CLI::App& program, Global& global);
 void add_run_command(CLI::App& program, Global& global);
 void add_bench_command(CLI::App& program, Global& global);
 

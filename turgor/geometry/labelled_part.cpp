@@ -22,7 +22,7 @@ std::string known_labels(const std::vector<LabelMeasure>& measures) {
 
 Status check_labels_occur(const LabelVolume& labels, std::span<const int> wanted) {
   const std::vector<LabelMeasure> measures = measure_labels(labels, nullptr);
-  if (wanted.empty()) return Error{"no label was chosen; the segmentation: " + known_labels(measures)};
+  if (wanted.empty()) return Error{"no label was chosen from the segmentation; " + known_labels(measures)};
   for (const int label : wanted)
     if (std::none_of(measures.begin(), measures.end(), [&](const auto& m) { return m.label == label; }))
       return Error{"label " + std::to_string(label) + " is not in the segmentation; " +

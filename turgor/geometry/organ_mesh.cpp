@@ -132,7 +132,7 @@ std::vector<int> regions_of(const SolidMesh& mesh, const LabelVolume& labels, st
 /// winds around a place, is compared with what is inside.
 Status check_crossings(const Exec& exec, const CheckedSurface& body, const SignedDistance& shape) {
   if (body.crossings == 0 || !(body.volume > 0)) return Done{};
-  const BccLattice lattice = lattice_around(shape, std::cbrt(body.volume) / 20, 0);
+  const BccLattice lattice = lattice_around(shape, std::cbrt(body.volume) / 15, 0);
   const LatticeSamples samples = sample(exec, shape, lattice);
   const auto inside =
       std::count_if(samples.distance.begin(), samples.distance.end(), [](float d) { return d < 0; });

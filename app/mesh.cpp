@@ -1,0 +1,115 @@
+// `turgor mesh`: from a label of a segmentation, or a closed surface, to a mesh of tetrahedra.
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/commands.hpp"
+#include "turgor/geometry/mesh_quality.hpp"
+#include "turgor/geometry/organ_mesh.hpp"
+#include "turgor/io/ct.hpp"
+#include "turgor/io/mesh_files.hpp"
+#include "turgor/io/solid_files.hpp"
+#include "turgor/io/surface_files.hpp"
+
+namespace turgor {
+
+namespace {
+
+struct MeshOptions {
+  std::string input, output;
+  std::vector<int> labels;
+  double size = 0.008;  // [m]
+  double scale = 1;
+};
+
+OrganMesh finished(Result<OrganMesh> organ, const std::string& input) {
+  if (!organ) throw Failure{2, fmt::format("{}: {}", input, organ.error().message)};
+  return std::move(*organ);
+}
+
+OrganMesh mesh_surface(const MeshOptions& options, const Exec& exec) {
+  if (!options.labels.empty())
+    throw Failure{2, options.input + " is a surface; --label is for segmentations"};
+  const Result<ReadSurface> read = read_surface(options.input, options.scale);
+  if (!read) throw Failure{2, read.error().message};
+  ProgressBar bar("meshing");
+  OrganMesh organ = finished(mesh_of_surface(exec, read->mesh, options.size, bar.callback()), options.input);
+  organ.notes.insert(organ.notes.begin(), read->notes.begin(), read->notes.end());
+  return organ;
+}
+
+OrganMesh mesh_labels(const MeshOptions& options, const Exec& exec) {
+  const Result<LabelVolume> labels = read_labels(options.input);
+  if (!labels) throw Failure{2, labels.error().message};
+  if (options.scale != 1) throw Failure{2, "--scale is for surfaces; a segmentation knows its millimetres"};
+  ProgressBar bar("meshing");
+  return finished(mesh_of_labels(exec, *labels, options.labels, options.size, bar.callback()), options.input);
+}
+
+Status write_mesh(const std::filesystem::path& path, const SolidMesh& mesh) {
+  if (path.extension() == ".vtu") return write_vtu(path, mesh, {}, {});
+  return write_msh(path, mesh);
+}
+
+void print_regions(const SolidMesh& mesh, const std::vector<int>& labels) {
+  for (const int label : labels) {
+    std::size_t count = 0;
+    double sum = 0;
+    for (std::size_t e = 0; e < element_count(mesh); e++)
+      if (region(mesh, e) == label) count++, sum += volume(mesh, e);
+    fmt::print("  region {}: {} tetrahedra, {:.4g} mL\n", label, count, sum * 1e6);
+  }
+}
+
+void print_mesh(const OrganMesh& organ, const MeshOptions& options) {
+  const MeshQuality quality = measure_quality(organ.mesh);
+  fmt::print("{}: {} vertices, {} tetrahedra\n", options.output, organ.mesh.vertices.size(),
+             element_count(organ.mesh));
+  fmt::print("  volume {:.4g} mL, input {:.4g} mL ({:+.2f} %)\n", quality.volume * 1e6,
+             organ.input_volume * 1e6, (quality.volume / organ.input_volume - 1) * 100);
+  fmt::print("  dihedral angles {:.1f} to {:.1f} degrees\n", quality.min_dihedral, quality.max_dihedral);
+  fmt::print("  edges {:.3g} to {:.3g} mm\n", quality.shortest_edge * 1e3, quality.longest_edge * 1e3);
+  if (options.labels.size() > 1) print_regions(organ.mesh, options.labels);
+}
+
+void run_mesh(const MeshOptions& options, const Global& global) {
+  const std::string extension = std::filesystem::path(options.output).extension().string();
+  if (extension != ".vtu" && extension != ".msh")
+    throw Failure{2, fmt::format("{}: expected a name that ends in .vtu or .msh", options.output)};
+  const Exec exec(global.threads);
+  const OrganMesh organ =
+      is_surface_file(options.input) ? mesh_surface(options, exec) : mesh_labels(options, exec);
+  for (const std::string& note : organ.notes) fmt::print(stderr, "turgor: note: {}\n", note);
+  if (Status written = write_mesh(options.output, organ.mesh); !written)
+    throw Failure{2, written.error().message};
+  print_mesh(organ, options);
+}
+
+}  // namespace
+
+void add_mesh_command(CLI::App& program, Global& global) {
+  CLI::App* command = program.add_subcommand("mesh", "Tetrahedra inside a label or a closed surface");
+  auto options = std::make_shared<MeshOptions>();
+  command
+      ->add_option("input", options->input,
+                   "A segmentation (.nii, .nii.gz, .nrrd, .mha) or a surface (.obj, .stl, .ply)")
+      ->required();
+  command->add_option("-o,--output", options->output, "The file to write: .vtu or .msh")->required();
+  command
+      ->add_option("--label", options->labels,
+                   "Labels of the body, such as an organ and the nodules in it: each becomes a region")
+      ->check(CLI::Range(1, 65535));
+  command->add_option("--size", options->size, "Length of the edges, about [m] (default 0.008)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--scale", options->scale, "Of a surface's coordinates to metres: 0.001 for millimetres")
+      ->check(CLI::PositiveNumber);
+  command->footer(
+      "Examples:\n"
+      "  turgor mesh segmentation.nii.gz --label 5 --size 0.008 -o liver.vtu\n"
+      "  turgor mesh liver.stl --scale 0.001 -o liver.msh");
+  command->callback([options, &global] { run_mesh(*options, global); });
+}
+
+}  // namespace turgor

@@ -1,0 +1,92 @@
+// `turgor mesh` as people run it, on the phantom and on real data.
+#include "app/program.hpp"
+#include "turgor/geometry/mesh_quality.hpp"
+#include "turgor/geometry/stuffing.hpp"
+#include "turgor/io/solid_files.hpp"
+
+namespace turgor::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kData = fs::path(TURGOR_SOURCE_DIR) / ".." / "shared" / "data";
+
+#define SKIP_WITHOUT(path) \
+  if (!fs::exists(path)) GTEST_SKIP() << (path).string() << " is absent: real data is not part of the project"
+
+/// What a written file holds; every angle within the guarantee.
+SolidMesh read_good_mesh(const fs::path& path) {
+  Result<ReadSolid> read = read_solid(path);
+  EXPECT_TRUE(read) << read.error().message;
+  if (!read) return {};
+  EXPECT_EQ(read->inverted, 0u);
+  const MeshQuality quality = measure_quality(read->mesh);
+  EXPECT_GE(quality.min_dihedral, kLeastStuffedDihedral - 0.01);  // files round places
+  EXPECT_LE(quality.max_dihedral, kLargestStuffedDihedral + 0.01);
+  return std::move(read->mesh);
+}
+
+TEST(Mesh, the_phantom_s_liver_and_its_nodule_become_two_regions_of_one_mesh) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(run_program("phantom torso --size 96 96 60 --labels l.nii.gz -o ct.nii.gz", folder).code, 0);
+  for (const char* name : {"liver.vtu", "liver.msh"}) {
+    const Ended ended =
+        run_program(std::string("mesh l.nii.gz --label 5 200 --size 0.012 -o ") + name, folder);
+    ASSERT_EQ(ended.code, 0) << ended.printed;
+    EXPECT_NE(ended.printed.find("dihedral angles"), std::string::npos) << ended.printed;
+    EXPECT_NE(ended.printed.find("region 200"), std::string::npos) << ended.printed;
+    const SolidMesh mesh = read_good_mesh(folder / name);
+    EXPECT_EQ(std::set<int>(mesh.regions.begin(), mesh.regions.end()), (std::set<int>{5, 200}));
+  }
+}
+
+TEST(Mesh, a_real_liver_of_1043_ml_keeps_its_volume_within_two_per_cent) {
+  SKIP_WITHOUT(kData / "ct" / "abdomen-slab-labels.nii.gz");
+  const fs::path folder = fresh_folder(), labels = fs::absolute(kData / "ct" / "abdomen-slab-labels.nii.gz");
+  for (const char* size : {"0.02", "0.012", "0.008"}) {
+    const Ended ended =
+        run_program("mesh '" + labels.string() + "' --label 5 -o liver.vtu --size " + size, folder);
+    ASSERT_EQ(ended.code, 0) << ended.printed;
+    EXPECT_NEAR(volume(read_good_mesh(folder / "liver.vtu")) * 1e6, 1043.118, 0.02 * 1043.118) << size;
+    EXPECT_NE(ended.printed.find("it may be cut off there"), std::string::npos)
+        << "the slab ends in the liver";
+  }
+}
+
+TEST(Mesh, a_real_surface_with_a_small_fold_becomes_a_mesh_and_a_note) {
+  SKIP_WITHOUT(kData / "mesh" / "liver-smooth.obj");
+  const fs::path folder = fresh_folder(), surface = fs::absolute(kData / "mesh" / "liver-smooth.obj");
+  const Ended ended =
+      run_program("mesh '" + surface.string() + "' --scale 0.01 --size 0.005 -o liver.msh", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_NE(ended.printed.find("crosses itself: 7 pairs"), std::string::npos) << ended.printed;
+  EXPECT_NEAR(volume(read_good_mesh(folder / "liver.msh")) * 1e6, 39.27, 0.02 * 39.27);
+}
+
+TEST(Mesh, what_cannot_be_meshed_is_said_with_numbers_and_leaves_nothing) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(run_program("phantom torso --size 48 48 40 --labels l.nii.gz -o ct.nii.gz", folder).code, 0);
+  write(folder / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
+  const struct {
+    const char* command;
+    const char* words;
+  } cases[] = {{"mesh l.nii.gz -o a.vtu", "no label was chosen from the segmentation; it has 1 ("},
+               {"mesh l.nii.gz --label 250 -o a.vtu", "label 250 is not in the segmentation; it has 1 ("},
+               {"mesh l.nii.gz --label 5 --size 0.2 -o a.vtu", "too small for a lattice of 200 mm"},
+               {"mesh l.nii.gz --label 5 --size 0.00001 -o a.vtu", "or are the coordinates not in metres?"},
+               {"mesh l.nii.gz --label 5 -o a.stl", "a.stl: expected a name that ends in .vtu or .msh"},
+               {"mesh l.nii.gz --label 5 --scale 0.001 -o a.vtu", "--scale is for surfaces"},
+               {"mesh open.obj -o a.vtu", "open.obj: the surface is open: 3 edges are of one triangle only"},
+               {"mesh open.obj --label 5 -o a.vtu", "--label is for segmentations"},
+               {"mesh nothing.nii.gz --label 5 -o a.vtu", "nothing.nii.gz"},
+               {"mesh l.nii.gz --label 5 --size -1 -o a.vtu", "--size"}};
+  for (const auto& c : cases) {
+    const Ended ended = run_program(c.command, folder);
+    EXPECT_EQ(ended.code, 2) << c.command << ": " << ended.printed;
+    EXPECT_NE(ended.printed.find(c.words), std::string::npos) << c.command << ": " << ended.printed;
+  }
+  EXPECT_EQ(names_in(folder), (std::set<std::string>{"ct.nii.gz", "l.nii.gz", "open.obj"}));
+}
+
+}  // namespace
+}  // namespace turgor::test
