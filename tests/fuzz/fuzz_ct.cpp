@@ -2,31 +2,14 @@
 // grid, never a crash.
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
+#include "fuzz_input.hpp"
 #include "turgor/io/ct.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "turgor-fuzz-XXXXXX").string();
-    path = mkdtemp(name.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 template <class T>
 void check(const turgor::Volume<T>& volume) {
@@ -57,7 +40,7 @@ const char* name_for(const std::string& bytes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  static const Folder folder;
+  static const FuzzFolder folder;
   static const turgor::Exec exec(1);
   const std::string text(reinterpret_cast<const char*>(bytes), size);
   const fs::path file = folder.path / name_for(text);

@@ -1,32 +1,14 @@
 // Any bytes as a mesh of tetrahedra or hexahedra, in every format: an error or a mesh that can be computed
 // with, never a crash. TetGen's pair of files is one input, parted by a line "#pair".
-#include <cmath>
 #include <cstdint>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
+#include "fuzz_input.hpp"
 #include "turgor/io/solid_files.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "turgor-fuzz-XXXXXX").string();
-    path = mkdtemp(name.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 void check(const turgor::SolidMesh& mesh) {
   require(mesh.corners == 4 || mesh.corners == 8);
@@ -39,7 +21,7 @@ void check(const turgor::SolidMesh& mesh) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  static const Folder folder;
+  static const FuzzFolder folder;
   const std::string text(reinterpret_cast<const char*>(bytes), size);
   const std::size_t pair = std::min(text.find("#pair\n"), size);
   const fs::path file = folder.path / "mesh.node";

@@ -1,31 +1,14 @@
 // Any bytes as a triangle surface, in every format: an error or triangles between vertices, never a crash.
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
+#include "fuzz_input.hpp"
 #include "turgor/io/surface_files.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "turgor-fuzz-XXXXXX").string();
-    path = mkdtemp(name.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 void check(const turgor::TriMesh& mesh) {
   require(!mesh.triangles.empty());
@@ -40,7 +23,7 @@ void check(const turgor::TriMesh& mesh) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  static const Folder folder;
+  static const FuzzFolder folder;
   const fs::path file = folder.path / "mesh.stl";
   std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(bytes), std::streamsize(size));
   const turgor::Result<turgor::ReadSurface> read = turgor::read_surface(file);

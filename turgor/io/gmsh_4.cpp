@@ -50,7 +50,8 @@ void read_node_block(MeshCursor& cursor, FoundSolid& found) {
   }
 }
 
-void read_element_block(MeshCursor& cursor, const GmshGroups& groups, FoundSolid& found) {
+/// Returns how many there are.
+std::size_t read_element_block(MeshCursor& cursor, const GmshGroups& groups, FoundSolid& found) {
   const int dimension = read_dimension(cursor);
   const std::int64_t volume = cursor.whole(kInt, "a piece of geometry");
   const std::int64_t number = cursor.whole(kInt, "the type of an element");
@@ -66,6 +67,7 @@ void read_element_block(MeshCursor& cursor, const GmshGroups& groups, FoundSolid
     for (std::int64_t& node : nodes) node = cursor.whole(kSize, "the number of a node");
     if (cursor.ok()) add_element(found, type, id, region, nodes);
   }
+  return count;
 }
 
 }  // namespace
@@ -101,9 +103,11 @@ void read_gmsh_4_elements(MeshCursor& cursor, Encoding encoding, const GmshGroup
                           FoundSolid& found) {
   begin(cursor, encoding);
   const std::size_t blocks = cursor.count(kSize, {4, 3 * kInt + kSize}, "a number of blocks");
-  cursor.count(kSize, {2, 16}, "a number of elements");
+  const std::size_t count = cursor.count(kSize, {2, 16}, "a number of elements");
   for (int i = 0; i < 2; i++) cursor.whole(kSize, "the number of an element");  // smallest, largest
-  for (std::size_t b = 0; b < blocks && cursor.ok(); b++) read_element_block(cursor, groups, found);
+  std::size_t read = 0;
+  for (std::size_t b = 0; b < blocks && cursor.ok(); b++) read += read_element_block(cursor, groups, found);
+  if (read != count) cursor.fail(fmt::format("{} elements", count), fmt::format("{}", read));
   cursor.encoding = Encoding::kText;
 }
 
