@@ -89,8 +89,7 @@ void open_crowded_edges(const Neighbourhood& around, std::vector<std::uint8_t>& 
   });
 }
 
-/// The triangles of the surface at each vertex, by the group of the elements behind them: a group is right
-/// when its triangles form one ring. Each vertex's triangles are joined when they share an edge at it.
+/// The triangles of the surface at each vertex.
 struct SurfaceStar {
   std::vector<int> begin, triangle;
 };
