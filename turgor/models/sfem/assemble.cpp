@@ -8,35 +8,6 @@ namespace turgor::sfem {
 
 namespace {
 
-/// Stiffness matrices of all elements, one behind the other.
-std::vector<double> element_matrices(const Exec& exec, const SolidMesh& mesh,
-                                     std::span<const Material> materials, std::span<const int> material,
-                                     Formulation formulation) {
-  const std::size_t n = 9 * std::size_t(mesh.corners) * std::size_t(mesh.corners);
-  std::vector<double> all(element_count(mesh) * n);
-  const auto corners = [&](std::size_t e, auto& x) {
-    for (std::size_t c = 0; c < x.size(); c++) x[c] = mesh.vertices[std::size_t(element(mesh, e)[c])];
-  };
-  parallel_for(
-      exec, element_count(mesh),
-      [&](std::size_t e) {
-        const Material& m = materials[std::size_t(material[e])];
-        if (mesh.corners == 8) {
-          std::array<Vec3d, 8> x;
-          corners(e, x);
-          hex_stiffness(x, m, formulation, std::span<double, 576>(all.data() + e * n, 576));
-        } else {
-          std::array<Vec3d, 4> x;
-          corners(e, x);
-          const Moduli whole = moduli(m);
-          const double bulk = formulation == Formulation::kAveraged ? 0 : whole.bulk;
-          tet_stiffness(x, Moduli{bulk, whole.shear}, std::span<double, 144>(all.data() + e * n, 144));
-        }
-      },
-      64);
-  return all;
-}
-
 /// Row i of the pattern: every vertex that shares a list with vertex i.
 void make_pattern(const Exec& exec, const Lists& lists, const Lists& around, BlockMatrix& k) {
   const std::size_t rows = around.count();
@@ -107,6 +78,34 @@ void add_volumes(std::size_t row, const NodalVolumes& volumes, std::span<const i
 }
 
 }  // namespace
+
+std::vector<double> element_matrices(const Exec& exec, const SolidMesh& mesh,
+                                     std::span<const Material> materials, std::span<const int> material,
+                                     Formulation formulation) {
+  const std::size_t n = 9 * std::size_t(mesh.corners) * std::size_t(mesh.corners);
+  std::vector<double> all(element_count(mesh) * n);
+  const auto corners = [&](std::size_t e, auto& x) {
+    for (std::size_t c = 0; c < x.size(); c++) x[c] = mesh.vertices[std::size_t(element(mesh, e)[c])];
+  };
+  parallel_for(
+      exec, element_count(mesh),
+      [&](std::size_t e) {
+        const Material& m = materials[std::size_t(material[e])];
+        if (mesh.corners == 8) {
+          std::array<Vec3d, 8> x;
+          corners(e, x);
+          hex_stiffness(x, m, formulation, std::span<double, 576>(all.data() + e * n, 576));
+        } else {
+          std::array<Vec3d, 4> x;
+          corners(e, x);
+          const Moduli whole = moduli(m);
+          const double bulk = formulation == Formulation::kAveraged ? 0 : whole.bulk;
+          tet_stiffness(x, Moduli{bulk, whole.shear}, std::span<double, 144>(all.data() + e * n, 144));
+        }
+      },
+      64);
+  return all;
+}
 
 BlockMatrix assemble(const Exec& exec, const SolidMesh& mesh, std::span<const Material> materials,
                      std::span<const int> material, Formulation formulation) {

@@ -151,6 +151,7 @@ NodalVolumes nodal_volumes(const SolidMesh& mesh, std::span<const int> material)
       const bool new_material = i == 0 || shares[i].material != shares[i - 1].material;
       if (new_material) {
         result.material.push_back(shares[i].material);
+        result.centre.push_back(int(v));
         result.volume.push_back(0);
         result.vertices.begin.push_back(result.vertices.begin.back());
       }

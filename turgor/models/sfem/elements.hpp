@@ -44,8 +44,15 @@ struct NodalVolumes {
   std::vector<Vec3d> gradient;  // for each of `vertices.item` [m²]
   std::vector<double> volume;   // [m³]
   std::vector<int> material;
+  std::vector<int> centre;  // the vertex
 };
 NodalVolumes nodal_volumes(const SolidMesh& mesh, std::span<const int> material);
+
+/// The stiffness matrices of all elements, one behind the other; those of averaged tetrahedra resist shear
+/// only, because their volumes are not their own.
+std::vector<double> element_matrices(const Exec& exec, const SolidMesh& mesh,
+                                     std::span<const Material> materials, std::span<const int> material,
+                                     Formulation formulation);
 
 /// K over all nodes of a mesh, row i = vertex i; `material` is an index into `materials` for every element.
 BlockMatrix assemble(const Exec& exec, const SolidMesh& mesh, std::span<const Material> materials,
