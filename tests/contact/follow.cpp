@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "contact/half_space.hpp"
+#include "turgor/geometry/hex_block.hpp"
 
 namespace turgor::contact {
 namespace {
@@ -139,6 +140,82 @@ TEST(Follow, a_viscous_material_remembers_across_patches) {
   Vec3d total;
   for (const VertexForce& f : m.state.history.far) total += f.force;
   EXPECT_LT(total.z, 0) << "the press is remembered";
+}
+
+/// A block of soft tissue on a fixed floor, with the patch following a ball that slides over it.
+struct Block {
+  sfem::Model model;
+  FollowParams params{.radius = 12e-3, .hysteresis = 0.35, .blend_time = 0.03, .largest_step = 2e-3};
+  std::vector<Vec3d> centres{{-15e-3, 0, 0}};
+  Viscosity viscosity;
+
+  explicit Block(const Viscosity& with) : viscosity(with) {
+    sfem::Body body;
+    body.mesh = hex_block({60e-3, 40e-3, 20e-3}, {12, 8, 4});
+    for (Vec3d& x : body.mesh.vertices) x += Vec3d{-30e-3, -20e-3, -20e-3};
+    for (const Vec3d x : body.mesh.vertices) body.fixed.push_back(x.z < -19.9e-3);
+    body.materials = {{5e3, 0.4}};
+    Result<sfem::Model> built = sfem::build(Exec(2), std::move(body), {.touch_depth = 0.02});
+    EXPECT_TRUE(built) << built.error().message;
+    model = std::move(*built);
+    EXPECT_TRUE(sfem::compute_green(Exec(2), model, std::size_t(1) << 30));
+  }
+  sfem::Patch patch_at(std::span<const Vec3d> places) const {
+    return sfem::build_patch(model, sfem::patch_elements(model, places, params.radius), 2, places);
+  }
+};
+
+struct SlideReport {
+  int handovers = 0;
+  double force = 0, largest_jump = 0, largest_raw_step = 0, largest_felt_step = 0;  // [N]
+};
+
+SlideReport slide_over(Block& block) {
+  sfem::Patch patch = block.patch_at(block.centres);
+  TouchState state =
+      make_touch_state(patch, 1, {.capacity = 64, .viscosity = block.viscosity}, 4 * patch.points.size());
+  std::vector<ToolForce> forces(1);
+  SlideReport report;
+  Vec3d raw, felt;
+  for (int i = 0; i <= 3300; i++) {  // 300 ticks down, then 30 mm at 10 µm a tick
+    const double depth = 2e-3 * std::min(1.0, i / 300.0), x = -15e-3 + 1e-5 * std::max(0, i - 300);
+    const std::vector<ToolPose> poses{{{{x, 1e-3, kRadius - depth}, {}}, false}};
+    const std::vector<Vec3d> places = touched_places(block.model, patch, state, poses, block.centres);
+    if (must_follow(block.params, block.centres, places)) {
+      sfem::Patch next = block.patch_at(places);
+      std::vector<Vec3d> history;
+      if (block.viscosity.stiffening > 0)
+        history = displacements(block.model, coarse_history(state.history, patch), next);
+      const Handover handover = take_patch(state, patch, next, kBall, history);
+      EXPECT_GT(handover.kept_points, 20);
+      report.largest_jump = std::max(report.largest_jump, handover.force_jump);
+      report.handovers++;
+      patch = std::move(next);
+      block.centres = places;
+    }
+    touch(patch, state, kBall, poses, kTick, forces);
+    if (i > 300) report.largest_raw_step = std::max(report.largest_raw_step, norm(forces[0].force - raw));
+    raw = forces[0].force;
+    blend(block.params, state, kTick, forces);
+    if (i > 300) report.largest_felt_step = std::max(report.largest_felt_step, norm(forces[0].force - felt));
+    felt = forces[0].force;
+    EXPECT_FALSE(forces[0].beyond_patch) << i;
+  }
+  report.force = norm(felt);
+  std::printf(
+      "%d hand-overs over 30 mm at %.4f N: largest jump %.5f N; largest step a tick %.5f N, felt %.5f N\n",
+      report.handovers, report.force, report.largest_jump, report.largest_raw_step, report.largest_felt_step);
+  return report;
+}
+
+TEST(Follow, a_ball_that_slides_over_a_body_feels_no_jump_where_the_patch_is_rebuilt) {
+  for (const Viscosity& viscosity : {Viscosity{}, Viscosity{.stiffening = 1, .time = 0.1}}) {
+    Block block(viscosity);
+    const SlideReport report = slide_over(block);
+    EXPECT_GE(report.handovers, 5);
+    EXPECT_LT(report.largest_jump, 0.15 * report.force);
+    EXPECT_LT(report.largest_felt_step, 0.02 * report.force);
+  }
 }
 
 }  // namespace

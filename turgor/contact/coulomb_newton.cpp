@@ -10,41 +10,58 @@ namespace turgor::contact {
 
 namespace {
 
-/// The linear system of one step, in place of Coulomb's scratch.
+/// The linear system of one step, in place of Coulomb's scratch. Rows behind the last one are zero.
 struct System {
   double* a;  // column-major
   double* rhs;
+  double* factors;  // of the rows below a pivot
   int n = 0, stride = 0;
 
   double* column(int j) const { return a + std::size_t(j) * std::size_t(stride); }
 };
 
-/// Gaussian elimination with row exchanges. False when a pivot is lost.
-bool solve_in_place(const System& s) {
-  constexpr double kLost = 1e-13;
+double largest_entry(const System& s) {
   double largest = 0;
   for (int j = 0; j < s.n; j++)
     for (int i = 0; i < s.n; i++) largest = std::max(largest, std::abs(s.column(j)[i]));
-  for (int k = 0; k < s.n; k++) {
-    double* pivot = s.column(k);
-    const auto best = int(std::max_element(pivot + k, pivot + s.n,
-                                           [](double x, double y) { return std::abs(x) < std::abs(y); }) -
-                          pivot);
-    if (!(std::abs(pivot[best]) > kLost * largest)) return false;
-    if (best != k) {
-      for (int j = k; j < s.n; j++) std::swap(s.column(j)[k], s.column(j)[best]);
-      std::swap(s.rhs[k], s.rhs[best]);
-    }
-    const double inverse = 1 / pivot[k];
-    for (int i = k + 1; i < s.n; i++) pivot[i] *= inverse;
-    for (int j = k + 1; j < s.n; j++) {
-      double* target = s.column(j);
-      const double factor = target[k];
-      if (factor == 0) continue;
+  return largest;
+}
+
+void exchange_rows(const System& s, int a, int b) {
+  for (int j = 0; j < s.n; j++) std::swap(s.column(j)[a], s.column(j)[b]);
+  std::swap(s.rhs[a], s.rhs[b]);
+}
+
+/// Takes the pivot's row out of all columns behind it. The factors of rows above are zero, so that whole
+/// lanes can be taken.
+void eliminate(const System& s, int k) {
+  const int begin = k / kLanes * kLanes, end = padded(s.n);
+  const double* pivot = s.column(k);
+  const double inverse = 1 / pivot[k];
+  for (int i = begin; i < end; i++) s.factors[i] = i > k ? pivot[i] * inverse : 0;
+  for (int j = k + 1; j < s.n; j++) {
+    double* target = s.column(j);
+    const double row = target[k];
+    for (int i = begin; i < end; i += kLanes) {
       TURGOR_LANES
-      for (int i = k + 1; i < s.n; i++) target[i] -= pivot[i] * factor;
+      for (int q = i; q < i + kLanes; q++) target[q] -= s.factors[q] * row;
     }
-    for (int i = k + 1; i < s.n; i++) s.rhs[i] -= pivot[i] * s.rhs[k];
+  }
+  for (int i = k + 1; i < s.n; i++) s.rhs[i] -= s.factors[i] * s.rhs[k];
+}
+
+/// Gaussian elimination with row exchanges. False when a pivot is lost.
+bool solve_in_place(const System& s) {
+  constexpr double kLost = 1e-13;
+  const double smallest = kLost * largest_entry(s);
+  for (int k = 0; k < s.n; k++) {
+    const double* pivot = s.column(k);
+    int best = k;
+    for (int i = k + 1; i < s.n; i++)
+      if (std::abs(pivot[i]) > std::abs(pivot[best])) best = i;
+    if (!(std::abs(pivot[best]) > smallest)) return false;
+    if (best != k) exchange_rows(s, k, best);
+    eliminate(s, k);
   }
   for (int k = s.n - 1; k >= 0; k--) {
     const double* pivot = s.column(k);
@@ -67,79 +84,82 @@ int number_unknowns(Coulomb& p) {
   return count;
 }
 
-/// C_ij in the frames of its two sites.
-Mat3d block(const Coulomb& p, int i, int j) {
-  Mat3d b;
-  for (int axis = 0; axis < 3; axis++) {
-    const double* c = column(p, 3 * j + axis) + 3 * i;
-    b.column[axis] = {c[0], c[1], c[2]};
-  }
-  return transposed(p.frames[std::size_t(i)].axes) * (b * p.frames[std::size_t(j)].axes);
-}
-
-Vec3d in_frame(const Coulomb& p, int site, const std::vector<double>& v) {
-  return transposed(p.frames[std::size_t(site)].axes) * read_site(v, site);
-}
-
-/// How a sliding site's second and third equation depend on its slip.
+/// How a sliding site's second and third equation depend on its slip, in units of a separation.
 struct Slip {
-  double d[2];      // direction
-  double turn = 0;  // μ λ_n / |c_t|
+  double d[2] = {0, 0};  // direction
+  double turn = 0;       // μ λ_n / |c_t|
+  double friction = 0, unit = 0;
 };
 
-/// Rows of one site against the columns of another (or the same) one.
-void fill_block(const Coulomb& p, int i, int j, const Slip& slip, const System& s) {
-  const Mat3d c = block(p, i, j);
-  const int row = p.newton_row[std::size_t(i)], first = p.newton_row[std::size_t(j)];
-  const int columns = is_frictionless(p, j) ? 1 : 3;
-  const bool slides = p.state[std::size_t(i)] == SiteState::kSlip;
-  const double mu = p.friction[std::size_t(i)], unit = p.frames[std::size_t(i)].d[0];
-  for (int k = 0; k < columns; k++) {
-    double* target = s.column(first + k) + row;
-    const Vec3d v = c.column[k];
-    target[0] = v.x;
-    if (is_frictionless(p, i)) continue;
-    target[1] = v.y, target[2] = v.z;
-    if (!slides) continue;
-    const double along = slip.d[0] * v.y + slip.d[1] * v.z;
-    const double own[2] = {i == j ? (k == 1) + mu * slip.d[0] * (k == 0) : 0,
-                           i == j ? (k == 2) + mu * slip.d[1] * (k == 0) : 0};
-    target[1] = unit * (own[0] + slip.turn * (v.y - slip.d[0] * along));
-    target[2] = unit * (own[1] + slip.turn * (v.z - slip.d[1] * along));
+Slip slip_of(const Coulomb& p, int site) {
+  const Vec3d c = read_site(p.separation, site), f = read_site(p.force, site);
+  Slip slip{.friction = p.friction[std::size_t(site)], .unit = p.laws[std::size_t(site)].d.column[0].x};
+  const double length = std::sqrt(c.y * c.y + c.z * c.z);
+  if (length > 0) {
+    slip.d[0] = c.y / length, slip.d[1] = c.z / length;
+    slip.turn = slip.friction * f.x / length;
+  }
+  return slip;
+}
+
+/// Rows of a sliding site with friction: where C was, the change of c, comes that of the equations.
+void turn_rows(const System& s, int row, const Slip& slip) {
+  const double scale = slip.unit * slip.turn;
+  for (int j = 0; j < s.n; j++) {
+    double* c = s.column(j) + row;
+    const double across = slip.d[0] * c[2] - slip.d[1] * c[1];
+    c[1] = -scale * slip.d[1] * across;
+    c[2] = scale * slip.d[0] * across;
+  }
+  for (int axis = 0; axis < 2; axis++) {
+    s.column(row)[row + 1 + axis] += slip.unit * slip.friction * slip.d[axis];
+    s.column(row + 1 + axis)[row + 1 + axis] += slip.unit;
   }
 }
 
-/// All rows of one site.
-void fill_rows(const Coulomb& p, int i, const System& s) {
-  const int row = p.newton_row[std::size_t(i)];
-  const Vec3d c = in_frame(p, i, p.separation), f = in_frame(p, i, p.force);
-  const double mu = p.friction[std::size_t(i)], unit = p.frames[std::size_t(i)].d[0];
-  const double length = std::hypot(c.y, c.z);
-  Slip slip{{0, 0}, 0};
-  if (length > 0) slip = {{c.y / length, c.z / length}, mu * f.x / length};
-  s.rhs[row] = -c.x;
-  if (!is_frictionless(p, i)) {
-    const bool slides = p.state[std::size_t(i)] == SiteState::kSlip;
-    s.rhs[row + 1] = slides ? -unit * (f.y + mu * f.x * slip.d[0]) : -c.y;
-    s.rhs[row + 2] = slides ? -unit * (f.z + mu * f.x * slip.d[1]) : -c.z;
+void fill_columns(const Coulomb& p, int site, const System& s) {
+  const int first = p.newton_row[std::size_t(site)], columns = is_frictionless(p, site) ? 1 : 3;
+  for (int k = 0; k < columns; k++) {
+    double* target = s.column(first + k);
+    const double* c = column(p, 3 * site + k);
+    for (int i = p.held; i < p.count; i++) {
+      const int row = p.newton_row[std::size_t(i)];
+      if (row < 0) continue;
+      target[row] = c[3 * i];
+      if (!is_frictionless(p, i)) target[row + 1] = c[3 * i + 1], target[row + 2] = c[3 * i + 2];
+    }
+    std::fill(target + s.n, target + padded(s.n), 0.0);
   }
-  for (int j = p.held; j < p.count; j++)
-    if (p.newton_row[std::size_t(j)] >= 0) fill_block(p, i, j, slip, s);
+}
+
+void fill_rhs(const Coulomb& p, int site, const System& s) {
+  const int row = p.newton_row[std::size_t(site)];
+  const Vec3d c = read_site(p.separation, site), f = read_site(p.force, site);
+  s.rhs[row] = -c.x;
+  if (is_frictionless(p, site)) return;
+  s.rhs[row + 1] = -c.y, s.rhs[row + 2] = -c.z;
+  if (p.state[std::size_t(site)] != SiteState::kSlip) return;
+  const Slip slip = slip_of(p, site);
+  s.rhs[row + 1] = -slip.unit * (f.y + slip.friction * f.x * slip.d[0]);
+  s.rhs[row + 2] = -slip.unit * (f.z + slip.friction * f.x * slip.d[1]);
+  turn_rows(s, row, slip);
 }
 
 }  // namespace
 
 bool newton_step(Coulomb& p) {
-  const System s{p.newton_matrix.data(), p.newton_rhs.data(), number_unknowns(p), p.stride};
+  const System s{p.newton_matrix.data(), p.newton_rhs.data(), p.newton_column.data(), number_unknowns(p),
+                 p.stride};
   for (int i = p.held; i < p.count; i++)
-    if (p.newton_row[std::size_t(i)] >= 0) fill_rows(p, i, s);
+    if (p.newton_row[std::size_t(i)] >= 0) fill_columns(p, i, s);
+  for (int i = p.held; i < p.count; i++)
+    if (p.newton_row[std::size_t(i)] >= 0) fill_rhs(p, i, s);
   if (!solve_in_place(s)) return false;
   for (int j = p.held; j < p.count; j++) {
     const int row = p.newton_row[std::size_t(j)];
     if (row < 0) continue;
-    const Vec3d local{s.rhs[row], is_frictionless(p, j) ? 0 : s.rhs[row + 1],
-                      is_frictionless(p, j) ? 0 : s.rhs[row + 2]};
-    add_force(p, j, p.frames[std::size_t(j)].axes * local);
+    const bool one = is_frictionless(p, j);
+    add_force(p, j, {s.rhs[row], one ? 0 : s.rhs[row + 1], one ? 0 : s.rhs[row + 2]});
   }
   return true;
 }

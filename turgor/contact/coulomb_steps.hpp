@@ -1,14 +1,26 @@
-// What the parts of the contact solver share: access to its numbers, and the Newton step.
+// What the parts of the contact solver share: access to its numbers, which are in the frames of the sites
+// while it works, and the Newton step.
 #pragma once
 
 #include "turgor/contact/coulomb.hpp"
 
 namespace turgor::contact {
 
-inline Vec3d read_site(const std::vector<double>& v, int site) {
+/// Loops over columns run in whole lanes; what is behind the last unknown is zero.
+constexpr int kLanes = 8;
+inline int padded(int count) { return (count + kLanes - 1) / kLanes * kLanes; }
+
+template <class Numbers>
+Vec3d read_site(const Numbers& v, int site) {
   const double* p = &v[std::size_t(3 * site)];
   return {p[0], p[1], p[2]};
 }
+template <class Numbers>
+void write_site(Vec3d value, int site, Numbers& v) {
+  double* p = &v[std::size_t(3 * site)];
+  p[0] = value.x, p[1] = value.y, p[2] = value.z;
+}
+
 inline double* column(Coulomb& p, int j) { return &p.compliance[std::size_t(j) * std::size_t(p.stride)]; }
 inline const double* column(const Coulomb& p, int j) {
   return &p.compliance[std::size_t(j) * std::size_t(p.stride)];
@@ -18,8 +30,10 @@ inline const double* column(const Coulomb& p, int j) {
 inline void add_separation(Coulomb& p, int site, Vec3d change) {
   const double *a = column(p, 3 * site), *b = column(p, 3 * site + 1), *c = column(p, 3 * site + 2);
   double* s = p.separation.data();
-  TURGOR_LANES
-  for (int i = 3 * p.held; i < 3 * p.count; i++) s[i] += a[i] * change.x + b[i] * change.y + c[i] * change.z;
+  for (int i = 0, end = padded(3 * p.count); i < end; i += kLanes) {
+    TURGOR_LANES
+    for (int q = i; q < i + kLanes; q++) s[q] += a[q] * change.x + b[q] * change.y + c[q] * change.z;
+  }
 }
 
 /// λ_i += Δλ, and what follows from it.

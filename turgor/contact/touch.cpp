@@ -13,7 +13,7 @@ namespace {
 constexpr double kStep = 0.5;    // of the tip's radius: the farthest that a tool moves in one solution
 constexpr int kMostSteps = 8;    // in a tick; a tool that moves farther has jumped
 constexpr int kLetGoSteps = 3;   // what was held springs back far: the tools are looked at again on its way
-constexpr double kReach = 0.05;  // of the tip's radius: sites that near are looked at beforehand
+constexpr double kReach = 0.01;  // of the tip's radius: sites that near are looked at beforehand
 
 /// The parts of one tick that all functions need.
 struct Tick {
@@ -175,18 +175,20 @@ void add_block(const sfem::Patch& patch, const Site& row, const Site& column, do
   });
 }
 
+/// The lower triangle.
 void fill_compliance(Tick& tick) {
   Coulomb& problem = tick.state.problem;
   const std::vector<Site>& sites = tick.state.new_sites;
   const auto stride = std::size_t(problem.stride);
   const double scale = 1 / (1 + tick.viscous.p);
+  // Two tools that squeeze one place, or many sites in one triangle, would have no finite answer, or many.
+  const double own = tick.state.params.tool_softness * scale * tick.state.surface.largest_softness;
   for (std::size_t j = 0; j < sites.size(); j++) {
     double* column = &problem.compliance[3 * j * stride];
-    for (std::size_t axis = 0; axis < 3; axis++) std::fill_n(column + axis * stride, 3 * sites.size(), 0.0);
-    for (std::size_t i = 0; i < sites.size(); i++)
+    for (std::size_t axis = 0; axis < 3; axis++)
+      std::fill_n(column + axis * stride + 3 * j, 3 * (sites.size() - j), 0.0);
+    for (std::size_t i = j; i < sites.size(); i++)
       add_block(tick.patch, sites[i], sites[j], scale, column + 3 * i, stride);
-    // Two tools that squeeze one place, or many sites in one triangle, would have no finite answer, or many.
-    const double own = tick.state.params.tool_softness * scale * tick.state.surface.largest_softness;
     if (sites[j].state == SiteState::kHeld) continue;
     for (std::size_t axis = 0; axis < 3; axis++) column[axis * stride + 3 * j + axis] += own;
   }
