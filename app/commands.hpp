@@ -26,5 +26,6 @@ void add_phantom_command(CLI::App& program, Global& global);
 void add_mesh_command(CLI::App& program, Global& global);
 void add_run_command(CLI::App& program, Global& global);
 void add_bench_command(CLI::App& program, Global& global);
+void add_validate_command(CLI::App& program, Global& global);
 
 }  // namespace turgor
