@@ -23,6 +23,13 @@ constexpr const char* kPicture = ".plot.svg";
 /// Colours that are told apart by colour-blind eyes (Okabe and Ito), on light and on dark ground.
 constexpr const char* kColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 
+/// Text between the quotes of a gnuplot string.
+std::string quotable(const std::string& text) {
+  std::string result;
+  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c);
+  return result;
+}
+
 std::string script_of(const Plot& plot) {
   std::string text = fmt::format(
       "set terminal svg size 720,360 dynamic noenhanced font 'sans-serif,13'\n"
@@ -30,7 +37,8 @@ std::string script_of(const Plot& plot) {
       "set grid lc rgb '#888888' lw 0.3\nset key textcolor rgb '#888888' top {}\n"
       "set title '{}' textcolor rgb '#888888'\nset xlabel '{}' textcolor rgb '#888888'\n"
       "set ylabel '{}' textcolor rgb '#888888'\n",
-      kPicture, plot.logarithmic ? "right" : "left", plot.title, plot.x_label, plot.y_label);
+      kPicture, plot.logarithmic ? "right" : "left", quotable(plot.title), quotable(plot.x_label),
+      quotable(plot.y_label));
   text += plot.logarithmic ? "set logscale y\nset format y '%.0e'\n" : "set yrange [*<0:*]\n";
   std::string commands;
   for (std::size_t c = 0; c < plot.curves.size(); c++) {
@@ -41,7 +49,7 @@ std::string script_of(const Plot& plot) {
     text += "END\n";
     commands += fmt::format("{}$curve{} using 1:2 with {} lw 2 lc rgb '{}' title '{}'", c ? ", " : "", c,
                             curve.points.size() > 40 ? "lines" : "linespoints pt 7 ps 0.5",
-                            kColors[c % std::size(kColors)], curve.label);
+                            kColors[c % std::size(kColors)], quotable(curve.label));
   }
   return text + "plot " + commands + "\n";
 }
