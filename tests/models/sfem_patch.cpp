@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "models/sfem_body.hpp"
+#include "models/sfem_dense.hpp"
 #include "turgor/models/sfem/elements.hpp"
 #include "turgor/models/sfem/patch.hpp"
 #include "turgor/models/sfem/refinement.hpp"
@@ -26,7 +26,7 @@ int point_at(const Patch& patch, Vec3d x) {
 
 /// The force that displaces the top centre of the plate by 3 mm downwards.
 double plate_force(int refinement) {
-  const Model model = densely_solved(plate({4, 4, 1}), {.precision = Precision::kDouble});
+  const Model model = densely_solved(clamped_plate(4, 1), {.precision = Precision::kDouble});
   const Patch patch = build_patch(model, std::vector<int>{5, 6, 9, 10}, refinement);
   const int tip = point_at(patch, {0.05, 0.05, 0.01});
   const Eigen::Matrix3d c = compliance(patch).block<3, 3>(3 * tip, 3 * tip);
@@ -118,7 +118,7 @@ Model case_model(const Case& c, Precision precision) {
   SolidMesh mesh = hex_block(size, {3, 3, 2});
   distort(mesh, size, 0.02);
   if (!c.hexahedra) mesh = tetrahedralize(mesh);
-  Body body = held_body(std::move(mesh), {4e3, 0.45}, [](Vec3d x) { return x.z < 1e-9 || x.x < 1e-9; });
+  Body body = block_of(std::move(mesh), {4e3, 0.45}, [](Vec3d x) { return x.z < 1e-9 || x.x < 1e-9; });
   body.materials.push_back({4e4, 0.3});
   if (c.nodule) body.inclusions = {{{0.2, 0.15, 0.15}, 0.06, 1}};
   return densely_solved(std::move(body), {c.formulation, precision, 1.0});
@@ -249,7 +249,7 @@ TEST(SfemPatch, single_precision_is_right_to_four_digits) {
 }
 
 TEST(SfemPatch, a_touch_finds_the_elements_around_it_and_only_its_own_side) {
-  const Model model = densely_solved(plate({4, 4, 1}), {.touch_depth = 0.1});
+  const Model model = densely_solved(clamped_plate(4, 1), {.touch_depth = 0.1});
   const Vec3d top{0.05, 0.05, 0.01};
   const std::vector<int> elements = patch_elements(model, std::vector<Vec3d>{top}, 0.02);
   EXPECT_EQ(elements, (std::vector<int>{5, 6, 9, 10}));

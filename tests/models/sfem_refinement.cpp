@@ -1,7 +1,7 @@
 #include <map>
 #include <set>
 
-#include "models/sfem_body.hpp"
+#include "models/sfem_dense.hpp"
 #include "turgor/models/sfem/refinement.hpp"
 
 namespace turgor::sfem {
@@ -11,7 +11,7 @@ Model block_model(bool hexahedra) {
   SolidMesh mesh = hex_block({0.2, 0.2, 0.2}, {2, 2, 2});
   distort(mesh, {0.2, 0.2, 0.2}, 0.03);
   if (!hexahedra) mesh = tetrahedralize(mesh);
-  return densely_solved(held_body(std::move(mesh), {}, [](Vec3d x) { return x.z < 1e-9; }), {});
+  return densely_solved(block_of(std::move(mesh), {}, [](Vec3d x) { return x.z < 1e-9; }), {});
 }
 
 SolidMesh solid(const FineMesh& fine, int corners) {
@@ -80,7 +80,7 @@ TEST(SfemRefinement, a_node_has_the_same_key_in_every_patch) {
 }
 
 TEST(SfemRefinement, the_border_is_where_the_patch_ends_inside_the_body) {
-  const Model model = densely_solved(plate({4, 4, 1}), {});
+  const Model model = densely_solved(clamped_plate(4, 1), {});
   const FineMesh fine = refine(model, std::vector<int>{5, 6, 9, 10}, 2);
   int border = 0, own = 0, vertices = 0;
   for (const FineNode& node : fine.nodes) {

@@ -1,30 +1,13 @@
-// Small bodies for tests of sfem, and their Green's functions by a dense inverse.
+// Green's functions of small bodies by a dense inverse: slow, and independent of how the engine gets them.
 #pragma once
 
 #include <Eigen/Dense>
-#include <cmath>
-#include <functional>
 
 #include <gtest/gtest.h>
 
-#include "turgor/geometry/hex_block.hpp"
-#include "turgor/models/sfem/sfem.hpp"
+#include "models/sfem_bodies.hpp"
 
 namespace turgor::sfem {
-
-inline Body held_body(SolidMesh mesh, Material material, const std::function<bool(Vec3d)>& is_fixed) {
-  Body body;
-  for (const Vec3d x : mesh.vertices) body.fixed.push_back(is_fixed(x));
-  body.mesh = std::move(mesh);
-  body.materials = {material};
-  return body;
-}
-
-/// The paper's plate: all four sides clamped over the full thickness.
-inline Body plate(Int3 count) {
-  return held_body(hex_block({0.1, 0.1, 0.01}, count), {1e5, 0.4},
-                   [](Vec3d x) { return x.x < 1e-9 || x.y < 1e-9 || x.x > 0.1 - 1e-9 || x.y > 0.1 - 1e-9; });
-}
 
 inline Eigen::MatrixXd dense(const BlockMatrix& k) {
   const Eigen::Index rows = 3 * Eigen::Index(k.row_begin.size() - 1);
@@ -58,20 +41,6 @@ inline Model densely_solved(Body body, const Params& params) {
   else
     model.green.single_values.assign(green.data(), green.data() + green.size());
   return model;
-}
-
-/// Moves inner vertices about, so that no element is like another. Faces of the block stay plane.
-inline void distort(SolidMesh& mesh, Vec3d size, double amount) {
-  unsigned random = 1;
-  const auto next = [&random] {
-    random = random * 1664525u + 1013904223u;
-    return double(random >> 8) / (1 << 24) - 0.5;
-  };
-  for (Vec3d& x : mesh.vertices)
-    for (int axis = 0; axis < 3; axis++) {
-      const double shift = amount * next();
-      if (x[axis] > 1e-9 && x[axis] < size[axis] - 1e-9) x[axis] += shift;
-    }
 }
 
 }  // namespace turgor::sfem
