@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/bench_sfem.hpp"
 #include "app/bench_skin_tension.hpp"
 #include "app/commands.hpp"
 
@@ -86,10 +87,33 @@ void print(const SkinTensionBench& bench) {
       bench.bar_tets, bench.bar_frame_one, bench.bar_frame, bench.threads);
 }
 
-void write_json(const std::string& path, const SkinTensionBench& bench) {
+void write_text(const std::string& path, const std::string& text) {
   std::ofstream file(path);
-  file << to_json(bench).dump(2) << '\n';
+  file << text;
   if (!file.flush()) throw Failure{2, fmt::format("{}: cannot write the figures", path)};
+}
+
+void add_sfem_bench(CLI::App& bench, Global& global) {
+  CLI::App* sfem =
+      bench.add_subcommand("sfem", "Green's functions, haptic ticks, patches and surfaces of organs");
+  struct Options {
+    int largest = 10000;
+    std::string json;
+  };
+  auto options = std::make_shared<Options>();
+  sfem->add_option("--largest", options->largest, "Nodes of the largest body")
+      ->check(CLI::Range(1000, 10000));
+  sfem->add_option("--json", options->json, "Write the figures to a file too");
+  sfem->footer("Example:\n  turgor bench sfem --largest 3000\n10000 nodes need 4 GB of memory.");
+  sfem->callback([options, &global] {
+    SfemBench result;
+    {
+      ProgressBar bar("measuring");
+      result = bench_sfem(Exec(global.threads), options->largest, bar.callback());
+    }
+    if (!options->json.empty()) write_text(options->json, to_json_text(result));
+    print(result);
+  });
 }
 
 }  // namespace
@@ -116,9 +140,10 @@ void add_bench_command(CLI::App& program, Global& global) {
     ProgressBar bar("measuring");
     const auto only = options->only.empty() ? std::nullopt : std::optional(options->only);
     const SkinTensionBench result = bench_skin_tension(exec, options->shrink, only, bar.callback());
-    if (!options->json.empty()) write_json(options->json, result);
+    if (!options->json.empty()) write_text(options->json, to_json(result).dump(2) + "\n");
     print(result);
   });
+  add_sfem_bench(*bench, global);
 }
 
 }  // namespace turgor

@@ -16,32 +16,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kVideoFolder = ".video";
 constexpr double kVideoRate = 20;  // pictures a second, of simulated and of shown time
-constexpr Rgb kSkin{224, 172, 145}, kWall{166, 58, 50};
-
-lattice::Shown shown_scalar(SkinColor color) {
-  switch (color) {
-    case SkinColor::kDisplacement:
-      return lattice::Shown::kDisplacement;
-    case SkinColor::kStretch:
-      return lattice::Shown::kStretch;
-    case SkinColor::kNone:
-      break;
-  }
-  return lattice::Shown::kNothing;
-}
-
-/// The same colours at every snapshot, so that pictures can be compared.
-ColorScale scale_of(const OutputScene& output) {
-  const bool stretch = output.color == SkinColor::kStretch;
-  const auto [low, high] = output.color_range.value_or(stretch ? std::pair(-0.2, 0.2) : std::pair(0.0, 0.01));
-  constexpr float kFar =
-      std::numeric_limits<float>::max();  // up to the next float, so that 0.01 m is not below 10 mm
-  ColorScale scale{float(low), std::nextafter(float(high), kFar),
-                   stretch ? "area strain of the skin [%]" : "displacement [mm]", 1000};
-  if (stretch) scale.factor = 100;
-  return scale;
-}
-
 Vec3d to_patient(const Grid& grid, Vec3d local) { return grid.origin + grid.axes * local; }
 
 Box grown(Box box, double margin) {
@@ -65,54 +39,35 @@ SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::Blade
           {}};
 }
 
-SurfaceView view_of_bodies(const World& world, Vec3d outward, double aspect) {
-  const BodyBox first = body_box(world.lattices[0].model);
-  Box box{first.low, first.high};
+Box world_box(const World& world) {
+  constexpr double kFar = std::numeric_limits<double>::max();
+  Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
   for (const LatticeBody& body : world.lattices) {
     const BodyBox more = body_box(body.model);
     box = {min(box.low, more.low), max(box.high, more.high)};
   }
+  for (const Organ& organ : world.organs)
+    for (const Vec3 x : organ.shown.rest) box = {min(box.low, Vec3d(x)), max(box.high, Vec3d(x))};
+  return box;
+}
+
+/// The side from which the first tool comes; none without tools.
+std::optional<Vec3d> side_of_tools(const World& world) {
+  const Box box = world_box(world);
+  for (const Organ& organ : world.organs)
+    if (!organ.shown.tools.empty()) return organ.shown.tools[0].pose.position - (box.low + box.high) * 0.5;
+  return std::nullopt;
+}
+
+SurfaceView view_of_bodies(const World& world, Vec3d outward, double aspect) {
   const Vec3d direction = normalized(outward) + Vec3d{0.45, 0, 0.2};
-  return {"skin", "the skin", frame_box(box, direction, {0, 0, 1}, aspect), true, {}, {}};
-}
-
-/// The skin and the walls of wounds as two meshes that share vertices.
-struct DrawnMeshes {
-  TriMesh skin, walls;
-};
-DrawnMeshes drawn_meshes(const LatticeBody& body, DrawnBody& drawn, SkinColor color) {
-  if (!drawn.made || drawn.cut_edges != body.state.cut_edges.size()) {
-    drawn.surface = lattice::build_surface(body.model, body.state);
-    drawn.cut_edges = body.state.cut_edges.size();
-    drawn.made = true;
-  }
-  DrawnMeshes meshes;
-  meshes.skin = lattice::deformed_surface(body.model, body.state, drawn.surface, shown_scalar(color));
-  meshes.walls = meshes.skin;
-  const auto split = std::ptrdiff_t(drawn.surface.skin_triangles);
-  meshes.walls.triangles.erase(meshes.walls.triangles.begin(), meshes.walls.triangles.begin() + split);
-  meshes.skin.triangles.resize(std::size_t(split));
-  return meshes;
-}
-
-Status write_meshes(const World& world, Outputs& outputs) {
-  for (std::size_t b = 0; b < world.lattices.size(); b++) {
-    const LatticeBody& body = world.lattices[b];
-    const TriMesh moved = lattice::deformed_surface(body.model, body.state, outputs.bodies[b].surface,
-                                                    lattice::Shown::kStretch);
-    std::vector<Vec3> displacement(moved.vertices.size());
-    for (std::size_t v = 0; v < displacement.size(); v++) {
-      const Vec3d rest = to_patient(body.model.grid, Vec3d(outputs.bodies[b].surface.rest[v]));
-      displacement[v] = moved.vertices[v] - Vec3(rest);
-    }
-    const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, world.frame);
-    const Status status = write_vtu(
-        outputs.folder / file, moved,
-        {vertex_field("displacement [m]", displacement), vertex_field("area strain [1]", moved.scalars)});
-    if (!status) return status;
-    outputs.series.push_back({time_of(world), file, body.name});
-  }
-  return Done{};
+  const bool skin = !world.lattices.empty();
+  return {skin ? "skin" : "body",
+          skin ? "the skin" : "the body",
+          frame_box(world_box(world), direction, {0, 0, 1}, aspect),
+          true,
+          {},
+          {}};
 }
 
 /// A cut from near once more, in colours.
@@ -124,18 +79,6 @@ Status add_colored_view(const World& world, Outputs& outputs, const SurfaceView&
 }
 
 std::string seconds_text(double seconds) { return fmt::format("{:.2f} s", seconds); }
-
-Status write_objs(const World& world, Outputs& outputs) {
-  for (std::size_t b = 0; b < world.lattices.size(); b++) {
-    const LatticeBody& body = world.lattices[b];
-    const std::string file = body.name + ".obj";
-    const TriMesh mesh = lattice::deformed_surface(body.model, body.state, outputs.bodies[b].surface,
-                                                   lattice::Shown::kNothing);
-    if (const Status status = write_obj(outputs.folder / file, mesh); !status) return status;
-    outputs.facts.files.push_back(file);
-  }
-  return Done{};
-}
 
 Status finish_video(Outputs& outputs) {
   if (outputs.video_frames.size() > 1) {
@@ -161,7 +104,7 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
       return Error{
           fmt::format("{}: cannot make the folder: {}", (outputs.folder / name).string(), error.message())};
   const double aspect = double(scene.output.width) / scene.output.height;
-  Vec3d outward{0, -1, 0};  // the front of a patient
+  Vec3d outward = side_of_tools(world).value_or(Vec3d{0, -1, 0});  // else the front of a patient
   std::vector<SurfaceView> cuts;
   for (const LatticeBody& body : world.lattices) {
     outputs.bodies.emplace_back();
@@ -179,24 +122,40 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
   return outputs;
 }
 
-std::optional<Image> draw_bodies(const World& world, Outputs& outputs, const Camera& camera, bool colored) {
-  const OutputScene& output = outputs.scene->output;
-  const SkinColor color = colored ? output.color : SkinColor::kNone;
-  const ColorScale scale = scale_of(output);
-  std::vector<DrawnMeshes> meshes;
-  for (std::size_t b = 0; b < world.lattices.size(); b++)
-    meshes.push_back(drawn_meshes(world.lattices[b], outputs.bodies[b], color));
+ColorScale color_scale(const Scene& scene, SkinColor color) {
+  const bool stretch = color == SkinColor::kStretch, pressure = color == SkinColor::kPressure;
+  std::pair<double, double> range = stretch ? std::pair(-0.2, 0.2) : std::pair(0.0, 0.01);
+  if (pressure) range = {0, scene.organs[0].material.young};
+  if (scene.output.color == color) range = scene.output.color_range.value_or(range);
+  constexpr float kFar =
+      std::numeric_limits<float>::max();  // up to the next float, so that 0.01 m is not below 10 mm
+  const float low = float(range.first), high = std::nextafter(float(range.second), kFar);
+  if (stretch) return {low, high, "area strain of the skin [%]", 100};
+  if (pressure) return {low, high, "contact pressure [kPa]", 1e-3f};
+  return {low, high, "displacement [mm]", 1000};
+}
+
+std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs) {
   if (!outputs.can_draw) return std::nullopt;
-  std::vector<MeshPart> parts;
-  for (const DrawnMeshes& m : meshes) {
-    parts.push_back({&m.skin, kSkin, color == SkinColor::kNone ? nullptr : &scale, nullptr});
-    if (!m.walls.triangles.empty()) parts.push_back({&m.walls, kWall, nullptr, nullptr});
+  const OutputScene& output = outputs.scene->output;
+  Result<Image> image = draw_meshes(parts.parts, camera, output.width, output.height);
+  if (image) {
+    draw_labels(parts.labels, camera, *image);
+    return std::move(*image);
   }
-  Result<Image> image = draw_meshes(parts, camera, output.width, output.height);
-  if (image) return std::move(*image);
   outputs.can_draw = false;
-  outputs.facts.warnings.push_back("no pictures of the skin: " + image.error().message);
+  outputs.facts.warnings.push_back("no pictures of surfaces: " + image.error().message);
   return std::nullopt;
+}
+
+std::optional<Image> draw_bodies(const World& world, Outputs& outputs, const Camera& camera, bool colored) {
+  const SkinColor color = colored ? outputs.scene->output.color : SkinColor::kNone;
+  const ColorScale scale = color_scale(*outputs.scene, color);
+  const ColorScale* used = color == SkinColor::kNone ? nullptr : &scale;
+  PictureParts parts;
+  add_skin(world, outputs, color, used, parts);
+  add_organs(world, *outputs.scene, color, used, parts);
+  return draw_parts(parts, camera, outputs);
 }
 
 Status add_picture(Outputs& outputs, const std::string& file, const std::string& caption, const Image& image,
@@ -215,7 +174,9 @@ Status add_snapshot(const World& world, Outputs& outputs) {
     if (view.first.width == 0) view.first = draw_bodies(world, outputs, view.camera, false).value_or(*image);
     view.last = std::move(*image);
   }
-  return outputs.scene->output.meshes ? write_meshes(world, outputs) : Done{};
+  if (!outputs.scene->output.meshes) return Done{};
+  if (const Status status = write_skin_meshes(world, outputs); !status) return status;
+  return write_organ_meshes(world, outputs);
 }
 
 int video_interval(const Outputs& outputs) {
@@ -224,7 +185,8 @@ int video_interval(const Outputs& outputs) {
 }
 
 Status add_video_frame(const World& world, Outputs& outputs) {
-  const std::optional<Image> image = draw_bodies(world, outputs, outputs.views.back().camera, false);
+  const bool colored = world.lattices.empty();
+  const std::optional<Image> image = draw_bodies(world, outputs, outputs.views.back().camera, colored);
   if (!image) return Done{};
   const fs::path file = outputs.folder / kVideoFolder / fmt::format("{:06}.png", outputs.video_frames.size());
   outputs.video_frames.push_back(file);
@@ -232,7 +194,8 @@ Status add_video_frame(const World& world, Outputs& outputs) {
 }
 
 Status finish_outputs(const World& world, Outputs& outputs) {
-  for (std::size_t v = outputs.views.size(); v-- > 0;) {  // wounds first, then the whole
+  if (const Status status = finish_organ_outputs(world, outputs); !status) return status;
+  for (std::size_t v = outputs.views.size(); v-- > 0 && !world.lattices.empty();) {  // wounds first
     const SurfaceView& view = outputs.views[v];
     if (view.first.width == 0) continue;
     const Image pair =
@@ -249,7 +212,7 @@ Status finish_outputs(const World& world, Outputs& outputs) {
     outputs.facts.files.push_back("meshes.pvd");
   }
   if (outputs.scene->output.obj)
-    if (const Status status = write_objs(world, outputs); !status) return status;
+    if (const Status status = write_skin_objs(world, outputs); !status) return status;
   return finish_video(outputs);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/picture_parts.hpp"
 #include "turgor/core/exec.hpp"
 #include "turgor/io/mesh_files.hpp"
 #include "turgor/models/lattice/surface.hpp"
@@ -45,7 +46,7 @@ struct Outputs {
   bool can_draw = true;                             // OpenGL works
 };
 
-/// Cameras for the world at rest, and the folders.
+/// Cameras for the world at its first snapshot, and the folders.
 Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& world,
                              std::filesystem::path folder);
 /// Pictures and meshes of the world now.
@@ -61,6 +62,25 @@ std::optional<Image> draw_bodies(const World& world, Outputs& outputs, const Cam
 /// Writes a picture and lists it in the report.
 Status add_picture(Outputs& outputs, const std::string& file, const std::string& caption, const Image& image,
                    bool large);
+
+/// Draws what was put together; nothing and a warning, once, when OpenGL is missing.
+std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs);
+/// The same colours at every snapshot, so that pictures can be compared.
+ColorScale color_scale(const Scene& scene, SkinColor color);
+
+/// outputs_skin.cpp: lattice bodies.
+void add_skin(const World& world, Outputs& outputs, SkinColor color, const ColorScale* scale,
+              PictureParts& parts);
+Status write_skin_meshes(const World& world, Outputs& outputs);
+Status write_skin_objs(const World& world, Outputs& outputs);
+
+/// outputs_organs.cpp: organs that tools touch. Puts their surfaces as they lie now into Organ::shown.
+void show_organs(const Exec& exec, World& world);
+void add_organs(const World& world, const Scene& scene, SkinColor color, const ColorScale* scale,
+                PictureParts& parts);
+Status write_organ_meshes(const World& world, Outputs& outputs);
+/// Pictures under the largest force, their surface as OBJ, forces.csv.
+Status finish_organ_outputs(const World& world, Outputs& outputs);
 
 /// outputs_ct.cpp: the CT as it would be scanned now, in sections, volume rendering and files.
 Status finish_ct_outputs(const World& world, Outputs& outputs);

@@ -49,14 +49,22 @@ class OptionalBar {
   std::optional<ProgressBar> bar_;
 };
 
-World load(const Exec& exec, const Scene& scene, const RunOptions& options) {
-  OptionalBar bar(options, "reading");
-  World world = required(load_world(exec, scene, bar.callback()));
-  return world;
+/// Work that takes long is announced by a sentence and gets a bar of its own.
+World load(const Exec& exec, const Scene& scene, const RunOptions& options,
+           Purpose purpose = Purpose::kSimulate) {
+  std::optional<OptionalBar> bar;
+  const BeginWork begin = [&](const std::string& label, const std::string& sentence) {
+    bar.reset();
+    if (!options.quiet && !sentence.empty()) fmt::print("{}\n", sentence);
+    bar.emplace(options, label.c_str());
+    return bar->callback();
+  };
+  return required(load_world(exec, scene, begin, purpose));
 }
 
 /// A snapshot goes into pictures and meshes, and into the recording when there is one.
-void snapshot(const World& world, Outputs& outputs, std::optional<RecordingWriter>& recording) {
+void snapshot(World& world, Outputs& outputs, std::optional<RecordingWriter>& recording) {
+  show_organs(*outputs.exec, world);
   required(add_snapshot(world, outputs));
   if (recording) required(recording->add_snapshot(world));
 }
@@ -80,7 +88,10 @@ Measures simulate(const Exec& exec, const Scene& scene, World& world, Outputs& o
       snapshot(world, outputs, recording);
       break;
     }
-    if (interval > 0 && frame % interval == 0) required(add_video_frame(world, outputs));
+    if (interval > 0 && frame % interval == 0) {
+      show_organs(exec, world);
+      required(add_video_frame(world, outputs));
+    }
     if (shown) snapshot(world, outputs, recording);
     bar.update(double(frame) / frames);
   }
@@ -93,6 +104,34 @@ void write_report(const Json& report, const fs::path& folder) {
 }
 
 void print_row(const std::string& what, const std::string& value) { fmt::print("  {:<34}{}\n", what, value); }
+
+void print_touch(const Json& report) {
+  const auto value = [](const Json& table, const char* key) { return table.at(key).get<double>(); };
+  for (const Json& organ : report.value("organs", Json::array())) {
+    const Json &mesh = organ.at("mesh"), &green = organ.at("green"), &patch = organ.at("patch");
+    fmt::print("{}: {} nodes, {} elements, {:.0f} ml\n", organ.at("name").get<std::string>(),
+               mesh.at("vertices").get<long>(), mesh.at("elements").get<long>(), value(mesh, "volume_ml"));
+    print_row("Green's functions", fmt::format("{:.0f} MB, {} in {:.2f} s", value(green, "store_bytes") / 1e6,
+                                               green.at("on_demand").get<bool>()    ? "on demand, factor"
+                                               : green.at("from_cache").get<bool>() ? "from the cache"
+                                                                                    : "computed",
+                                               value(green, "seconds")));
+    print_row("patches built (median, longest)",
+              fmt::format("{} of at most {} local nodes ({:.2f} ms, {:.2f} ms)",
+                          patch.at("rebuilds").get<long>(), patch.at("local_nodes_most").get<long>(),
+                          value(patch, "rebuild_p50_ms"), value(patch, "rebuild_max_ms")));
+    print_row("largest jump at a hand-over", fmt::format("{:.4f} N", value(patch, "force_jump_max_N")));
+  }
+  for (const Json& tool : report.value("tools", Json::array())) {
+    fmt::print("{}\n", tool.at("name").get<std::string>());
+    print_row("largest force",
+              fmt::format("{:.3f} N at {:.2f} s", value(tool, "force_max_N"), value(tool, "force_max_at_s")));
+    print_row("deepest below the surface at rest", fmt::format("{:.1f} mm", value(tool, "depth_max_mm")));
+    print_row("a tick (median, 99 of 100, longest)",
+              fmt::format("{:.1f} µs, {:.1f} µs, {:.1f} µs", value(tool, "tick_p50_us"),
+                          value(tool, "tick_p99_us"), value(tool, "tick_max_us")));
+  }
+}
 
 void print_summary(const Json& report, const fs::path& goal) {
   const auto number = [](const Json& value) {
@@ -113,6 +152,7 @@ void print_summary(const Json& report, const fs::path& goal) {
               fmt::format("{:.0f}°, {:.0f} N/m across the cut", number(wound.at("angle_to_lines_deg")),
                           number(wound.at("tension_across_cut_N_per_m"))));
   }
+  print_touch(report);
   const Json& timing = report.at("timing");
   fmt::print("time\n");
   print_row("a frame (median, 99 of 100)",
@@ -146,10 +186,14 @@ void run(const Exec& exec, const RunOptions& options) {
   OutputFolder folder =
       required(OutputFolder::create(options.out.empty() ? default_folder(scene, "") : options.out));
   World world = load(exec, scene, options);
+  show_organs(exec, world);
   Outputs outputs = required(make_outputs(exec, scene, world, folder.path()));
   outputs.facts.load_seconds = total.seconds();
   for (const LatticeBody& body : world.lattices)
     for (const std::string& note : body.notes) outputs.facts.warnings.push_back(body.name + ": " + note);
+  for (const Organ& organ : world.organs)
+    for (const std::string& note : organ.facts.notes)
+      outputs.facts.warnings.push_back(organ.name + ": " + note);
 
   std::optional<RecordingWriter> recording;
   if (scene.output.recording)
@@ -159,7 +203,7 @@ void run(const Exec& exec, const RunOptions& options) {
   outputs.facts.simulation_seconds = simulation.seconds();
   Json report = simulation_report(exec, scene, world, measures, outputs.facts);
   if (recording) {
-    required(recording->finish(report.dump()));
+    required(recording->finish(world, report.dump()));
     recording.reset();
     outputs.facts.files.push_back("recording.h5");
   }
@@ -172,8 +216,10 @@ void replay(const Exec& exec, const RunOptions& options) {
   const Scene scene = required(recording.scene(options.overrides));
   OutputFolder folder =
       required(OutputFolder::create(options.out.empty() ? default_folder(scene, "-replay") : options.out));
-  World world = load(exec, scene, options);
+  World world = load(exec, scene, options, Purpose::kDraw);
   required(recording.check_world(world));
+  required(recording.restore(0, world));
+  required(recording.restore_touch(world));
   Json report = Json::parse(recording.report(), nullptr, false);
   if (!report.is_object() || !report.contains("timing"))
     throw Failure{2, options.replay.string() + ": the recorded report is damaged"};

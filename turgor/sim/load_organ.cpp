@@ -161,6 +161,14 @@ Status load_seen(const Exec& exec, const SfemScene& scene, Organ& organ) {
   return Done{};
 }
 
+Status prepare_turning(const Exec& exec, Organ& organ, const BeginWork& begin) {
+  if (const Status s = sfem::factorize(exec, organ.model, begin_work(begin, "factor")); !s) return s.error();
+  const std::vector<Vec3d> none(organ.model.body.mesh.vertices.size());
+  organ.turning =
+      Turning{sfem::make_corotation(exec, organ.model), sfem::make_rotation_state(organ.model), none, none};
+  return Done{};
+}
+
 }  // namespace
 
 Result<Organ> load_organ(const Exec& exec, const SfemScene& scene, const BeginWork& begin) {
@@ -183,6 +191,8 @@ Result<Organ> load_organ(const Exec& exec, const SfemScene& scene, const BeginWo
   organ.model = std::move(*model);
   if (const Status status = prepare_green(exec, scene, organ, begin); !status) return status.error();
   if (const Status status = load_seen(exec, scene, organ); !status) return status.error();
+  if (scene.rotations)
+    if (const Status status = prepare_turning(exec, organ, begin); !status) return status.error();
   organ.refinement = scene.patch.refinement;
   organ.follow.radius = scene.patch.radius;
   organ.follow.hysteresis = scene.patch.hysteresis;

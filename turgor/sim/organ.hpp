@@ -11,6 +11,7 @@
 #include "turgor/geometry/embedding.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/models/sfem/patch.hpp"
+#include "turgor/models/sfem/rotation.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/sfem_scene.hpp"
 #include "turgor/sim/tool_path.hpp"
@@ -87,11 +88,22 @@ struct OrganFacts {
   std::vector<std::string> notes;
 };
 
+/// Large rotations, corrected once a frame; ticks go from the last correction to the present one.
+struct Turning {
+  sfem::Corotation corotation;
+  sfem::RotationState state;
+  std::vector<Vec3d> before, now;  // free displacement of every vertex [m]
+  int frames = 0, unconverged = 0;
+  double largest_residual = 0;  // see sfem::RotationReport
+};
+
 struct Organ {
   std::string name;
   OrganFacts facts;
   sfem::Model model;
   std::optional<SeenSurface> seen;
+
+  std::optional<Turning> turning;
 
   int refinement = 2;
   contact::FollowParams follow;
@@ -120,6 +132,12 @@ void begin_touch(const Exec& exec, Organ& organ, const std::vector<TouchingTool>
 /// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick.
 void touch_organ(const Exec& exec, Organ& organ, std::vector<TouchingTool>& tools, double from, double to);
 
+/// Corrects large rotations for the next frame, if the organ does so.
+void turn_organ(const Exec& exec, Organ& organ);
+/// Forces on vertices under which the elastic body lies as the organ does now: those of the contacts, and
+/// what viscous tissue remembers; ascending.
+std::vector<contact::VertexForce> coarse_forces_now(const Organ& organ);
+
 /// Keeps the surface when the force on the tools is the largest so far.
 void remember_deepest(const Exec& exec, Organ& organ, double time);
 
@@ -127,6 +145,6 @@ void remember_deepest(const Exec& exec, Organ& organ, double time);
 std::vector<Vec3d> coarse_displacements(const Exec& exec, const Organ& organ);
 
 /// How far the deepest point of a tool is below the surface of the patch at rest; 0 = it does not touch [m].
-double depth_at_rest(const sfem::Patch& patch, const contact::Tool& tool, const contact::Pose& pose);
+double depth_at_rest(const Organ& organ, const contact::Tool& tool, const contact::Pose& pose);
 
 }  // namespace turgor

@@ -18,20 +18,6 @@ std::vector<double> flat(std::span<const Vec3d> vectors) {
   return values;
 }
 
-/// Forces on coarse vertices under which the elastic body lies as the organ does now: those of the contacts,
-/// and what viscous tissue remembers. From viscosity.hpp: u = (Ξ f + p v)/(1 + p) after a tick, v = Ξ φ.
-std::map<int, Vec3d> forces_now(const Organ& organ) {
-  const double p = organ.touch.params.viscosity.stiffening;
-  const std::vector<double> f = sfem::coarse_forces(organ.patch, flat(organ.touch.force));
-  std::map<int, Vec3d> forces;
-  for (std::size_t c = 0; c < organ.patch.coarse.size(); c++)
-    forces[organ.patch.coarse[c]] += Vec3d{f[3 * c], f[3 * c + 1], f[3 * c + 2]} / (1 + p);
-  if (p > 0)
-    for (const contact::VertexForce& remembered : contact::coarse_history(organ.touch.history, organ.patch))
-      forces[remembered.vertex] += remembered.force * (p / (1 + p));
-  return forces;
-}
-
 /// The vertex of the mesh at which each point of the patch lies; -1 = between vertices.
 std::vector<int> vertices_of_points(const Organ& organ) {
   std::map<std::array<double, 3>, int> vertex_at;
@@ -197,19 +183,37 @@ std::vector<Vec3d> coarse_displacements(const Exec& exec, const Organ& organ) {
   const sfem::Green& green = organ.model.green;
   std::vector<int> from;
   std::vector<Vec3d> forces;
-  for (const auto& [vertex, force] : forces_now(organ)) from.push_back(vertex), forces.push_back(force);
+  for (const auto& [vertex, force] : coarse_forces_now(organ))
+    from.push_back(vertex), forces.push_back(force);
   std::vector<float> u(3 * green.surface_count);
   sfem::surface_displacements(exec, organ.model, from, flat(forces), u);
   std::vector<Vec3d> displacement(organ.model.body.mesh.vertices.size());
   for (std::size_t n = 0; n < green.surface_count; n++)
     displacement[std::size_t(green.nodes[n])] = {u[3 * n], u[3 * n + 1], u[3 * n + 2]};
-  if (!organ.seen) return displacement;
   // A finer surface hangs on the vertices behind the coarse one, too.
-  parallel_for(exec, green.nodes.size() - green.surface_count, [&](std::size_t i) {
-    const std::size_t n = green.surface_count + i;
-    displacement[std::size_t(green.nodes[n])] = inner_displacement(organ.model, int(n), from, forces);
-  });
+  if (organ.seen)
+    parallel_for(exec, green.nodes.size() - green.surface_count, [&](std::size_t i) {
+      const std::size_t n = green.surface_count + i;
+      displacement[std::size_t(green.nodes[n])] = inner_displacement(organ.model, int(n), from, forces);
+    });
+  if (organ.turning)
+    for (std::size_t v = 0; v < displacement.size(); v++) displacement[v] += organ.turning->before[v];
   return displacement;
+}
+
+std::vector<contact::VertexForce> coarse_forces_now(const Organ& organ) {
+  // From viscosity.hpp: u = (Ξ f + p v)/(1 + p) after a tick, v = Ξ φ.
+  const double p = organ.touch.params.viscosity.stiffening;
+  const std::vector<double> f = sfem::coarse_forces(organ.patch, flat(organ.touch.force));
+  std::map<int, Vec3d> forces;
+  for (std::size_t c = 0; c < organ.patch.coarse.size(); c++)
+    forces[organ.patch.coarse[c]] += Vec3d{f[3 * c], f[3 * c + 1], f[3 * c + 2]} / (1 + p);
+  if (p > 0)
+    for (const contact::VertexForce& remembered : contact::coarse_history(organ.touch.history, organ.patch))
+      forces[remembered.vertex] += remembered.force * (p / (1 + p));
+  std::vector<contact::VertexForce> list;
+  for (const auto& [vertex, force] : forces) list.push_back({vertex, force});
+  return list;
 }
 
 OrganSurface shown_surface(const Exec& exec, const Organ& organ, double time) {

@@ -107,26 +107,31 @@ Json series_report(const TouchingTool& tool) {
 Json organ_report(const SfemScene& scene, const Organ& organ) {
   const OrganFacts& facts = organ.facts;
   const bool averaged = scene.formulation == sfem::Formulation::kAveraged;
-  return {{"name", organ.name},
-          {"model", "sfem"},
-          {"source", std::visit(SourceText{}, scene.source)},
-          {"young_Pa", rounded(scene.material.young)},
-          {"poisson", rounded(scene.material.poisson)},
-          {"formulation", averaged ? "averaged" : "standard"},
-          {"mesh", mesh_report(organ)},
-          {"green",
-           {{"store_bytes", facts.cost.store_bytes},
-            {"factor_bytes", facts.cost.factor_bytes},
-            {"on_demand", facts.on_demand},
-            {"from_cache", facts.from_cache},
-            {"cache_file", facts.cache_file},
-            {"content_hash", hash_text(facts.content_hash)},
-            {"seconds", rounded(facts.green_seconds)}}},
-          {"shape_s", rounded(facts.shape_seconds)},
-          {"patch", patch_report(scene, organ)},
-          {"surface_p50_ms", rounded(percentile(organ.surface_seconds, 0.5) * kMs)},
-          {"force_max_N", rounded(organ.largest_force)},
-          {"force_max_at_s", rounded(organ.deepest.time)}};
+  Json json{{"name", organ.name},
+            {"model", "sfem"},
+            {"source", std::visit(SourceText{}, scene.source)},
+            {"young_Pa", rounded(scene.material.young)},
+            {"poisson", rounded(scene.material.poisson)},
+            {"formulation", averaged ? "averaged" : "standard"},
+            {"mesh", mesh_report(organ)},
+            {"green",
+             {{"store_bytes", facts.cost.store_bytes},
+              {"factor_bytes", facts.cost.factor_bytes},
+              {"on_demand", facts.on_demand},
+              {"from_cache", facts.from_cache},
+              {"cache_file", facts.cache_file},
+              {"content_hash", hash_text(facts.content_hash)},
+              {"seconds", rounded(facts.green_seconds)}}},
+            {"shape_s", rounded(facts.shape_seconds)},
+            {"patch", patch_report(scene, organ)},
+            {"surface_p50_ms", rounded(percentile(organ.surface_seconds, 0.5) * kMs)},
+            {"force_max_N", rounded(organ.largest_force)},
+            {"force_max_at_s", rounded(organ.deepest.time)}};
+  if (const auto& turning = organ.turning)
+    json["rotations"] = {{"frames", turning->frames},
+                         {"not_converged", turning->unconverged},
+                         {"residual_max", rounded(turning->largest_residual)}};
+  return json;
 }
 
 Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& world) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/organ.hpp"
@@ -59,6 +60,22 @@ void rebuild_patch(const Exec& exec, Organ& organ, std::vector<Vec3d> places, do
   organ.rebuilds.push_back(rebuild);
 }
 
+/// Where turned elements have brought the points, a part of the way from the last frame's to this one's.
+void set_offsets(Organ& organ, double part) {
+  if (!organ.turning) return;
+  const Turning& turning = *organ.turning;
+  for (std::size_t p = 0; p < organ.patch.points.size(); p++) {
+    const sfem::PatchPoint& point = organ.patch.points[p];
+    Vec3d offset;
+    for (int s = 0; s < point.supports; s++) {
+      const auto i = std::size_t(s);
+      const auto v = std::size_t(organ.patch.coarse[std::size_t(point.coarse[i])]);
+      offset += (turning.before[v] * (1 - part) + turning.now[v] * part) * point.weight[i];
+    }
+    organ.touch.offset[p] = offset;
+  }
+}
+
 /// Returns whether the patch was built anew.
 bool follow_tools(const Exec& exec, Organ& organ, double time) {
   std::vector<Vec3d> places =
@@ -76,32 +93,41 @@ void record_tick(const Organ& organ, std::vector<TouchingTool>& tools, ForceSamp
     sample.force = felt.force, sample.torque = felt.torque;
     sample.contacts = felt.contacts;
     sample.beyond_patch = felt.beyond_patch;
-    if (felt.contacts > 0) sample.depth = depth_at_rest(organ.patch, organ.tools[t], organ.poses[t].pose);
+    if (felt.contacts > 0) sample.depth = depth_at_rest(organ, organ.tools[t], organ.poses[t].pose);
     std::vector<ForceSample>& samples = tools[std::size_t(organ.tool_indices[t])].samples;
     if (!samples.empty()) sample.path = samples.back().path + norm(sample.position - samples.back().position);
     samples.push_back(sample);
   }
 }
 
+/// How far a place is above the surface of the patch at rest; negative inside [m].
+double height_at_rest(const sfem::Patch& patch, const contact::PatchSurface& surface, Vec3d x) {
+  Vec3d apart, normal;
+  double nearest = std::numeric_limits<double>::max();
+  for (const Int3 t : patch.triangles) {
+    const auto a = std::size_t(t.x), b = std::size_t(t.y), c = std::size_t(t.z);
+    const Vec3d w = contact::closest_weights(x, patch.points[a].x, patch.points[b].x, patch.points[c].x);
+    const Vec3d d = x - (patch.points[a].x * w.x + patch.points[b].x * w.y + patch.points[c].x * w.z);
+    if (norm(d) >= nearest) continue;
+    nearest = norm(d), apart = d;
+    normal = surface.normal[a] * w.x + surface.normal[b] * w.y + surface.normal[c] * w.z;
+  }
+  return dot(apart, normal) < 0 ? -nearest : nearest;
+}
+
 }  // namespace
 
-double depth_at_rest(const sfem::Patch& patch, const contact::Tool& tool, const contact::Pose& pose) {
-  constexpr int kMostTips = 8;  // of a mesh tool; corners of the triangles are looked at besides
+double depth_at_rest(const Organ& organ, const contact::Tool& tool, const contact::Pose& pose) {
+  constexpr int kMostTips = 16;  // of a mesh tool
   const int tips = contact::tip_count(tool.shape), stride = std::max(1, tips / kMostTips);
-  double lowest = 0;
-  const auto look_at = [&](Vec3d x) {
-    lowest = std::min(lowest, contact::distance(tool.shape, pose, x).distance);
-  };
-  for (const sfem::PatchPoint& point : patch.points) look_at(point.x);
-  for (const Int3 t : patch.triangles) {
-    const Vec3d a = patch.points[std::size_t(t.x)].x, b = patch.points[std::size_t(t.y)].x,
-                c = patch.points[std::size_t(t.z)].x;
-    for (int n = 0; n < tips; n += stride) {
-      const Vec3d w = contact::closest_weights(contact::to_world(pose, contact::tip(tool.shape, n)), a, b, c);
-      look_at(a * w.x + b * w.y + c * w.z);
-    }
+  double deepest = 0;
+  for (int n = 0; n < tips; n += stride) {
+    const Vec3d tip = contact::tip(tool.shape, n);
+    const double radius = -contact::distance(tool.shape, tip).distance;  // of a ball around it in the tool
+    const double height = height_at_rest(organ.patch, organ.touch.surface, contact::to_world(pose, tip));
+    deepest = std::max(deepest, radius - height);
   }
-  return -lowest;
+  return deepest;
 }
 
 void begin_touch(const Exec& exec, Organ& organ, const std::vector<TouchingTool>& tools,
@@ -128,6 +154,7 @@ void touch_organ(const Exec& exec, Organ& organ, std::vector<TouchingTool>& tool
     set_poses(organ, tools, time);
     ForceSample common{.time = time};
     common.new_patch = follow_tools(exec, organ, time);
+    set_offsets(organ, double(tick - first + 1) / double(last - first + 1));
     const Timer timer;
     contact::touch(organ.patch, organ.touch, organ.tools, organ.poses, kTick, organ.forces);
     contact::blend(organ.follow, organ.touch, kTick, organ.forces);

@@ -219,6 +219,7 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
   }
   for (Organ& organ : world.organs) {
     touch_organ(exec, organ, world.tools, time_of(world), time_of(world) + world.dt);
+    turn_organ(exec, organ);
     remember_deepest(exec, organ, time_of(world) + world.dt);
   }
   world.frame++;

@@ -1,0 +1,175 @@
+// Organs and tools as people run them: what a run leaves behind, and what wrong inputs are told.
+#include <nlohmann/json.hpp>
+
+#include "app/program.hpp"
+#include "sim/organ_scene.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::Ended;
+using test::fresh_folder;
+using test::organ_scene_text;
+using test::run_program;
+using test::write;
+
+json report_in(const fs::path& folder) {
+  std::ifstream stream(folder / "report.json");
+  return json::parse(stream);
+}
+
+bool same_bytes(const fs::path& a, const fs::path& b) {
+  return system(("cmp -s '" + a.string() + "' '" + b.string() + "'").c_str()) == 0;
+}
+
+const char* kCache = "cache = \"kept\"\n";
+
+TEST(Palpation, LeavesForcesPicturesMeshesAndAReport) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", organ_scene_text(kCache));
+  const Ended ended = run_program("run s.toml --out out", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_NE(ended.printed.find("pad: 324 free nodes; Green's functions between"), std::string::npos)
+      << ended.printed;
+  EXPECT_NE(ended.printed.find("largest force"), std::string::npos);
+  for (const char* name :
+       {"report.json", "report.html", "recording.h5", "forces.csv", "pad.obj", "meshes.pvd",
+        "meshes/pad-0000.vtu", "meshes/pad-0030.vtu", "pad-near.png", "pad-whole.png", "pad-displacement.png",
+        "pad-pressure.png", "frames/body-0015.png"})
+    EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
+  const json report = report_in(folder / "out");
+  EXPECT_GT(report["tools"][0]["force_max_N"].get<double>(), 0.05);
+  EXPECT_FALSE(report["organs"][0]["green"]["from_cache"].get<bool>());
+  EXPECT_EQ(report["bodies"].size(), 0u);
+}
+
+TEST(Palpation, AReplayDrawsTheSamePicturesAndTheSameForces) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", organ_scene_text(kCache));
+  ASSERT_EQ(run_program("run s.toml -q --out first", folder).code, 0);
+  const Ended ended = run_program("run --replay first/recording.h5 --out again", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "first")) {
+    const fs::path name = fs::relative(entry.path(), folder / "first");
+    if (name.extension() == ".png" || name.extension() == ".csv" || name.extension() == ".vtu") {
+      EXPECT_TRUE(same_bytes(entry.path(), folder / "again" / name)) << name;
+    }
+  }
+  EXPECT_EQ(report_in(folder / "first")["tools"], report_in(folder / "again")["tools"]);
+}
+
+TEST(Palpation, ADamagedCacheIsNamedAndComputedAnew) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", organ_scene_text(kCache));
+  ASSERT_EQ(run_program("run s.toml -q --out first", folder).code, 0);
+  const fs::path cache = report_in(folder / "first")["organs"][0]["green"]["cache_file"].get<std::string>();
+  write(cache, "no");
+  const Ended ended = run_program("run s.toml --out again", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_NE(ended.printed.find("expected an HDF5 file, found something else; computed anew"),
+            std::string::npos)
+      << ended.printed;
+  EXPECT_EQ(report_in(folder / "first")["state_hash"], report_in(folder / "again")["state_hash"]);
+}
+
+TEST(Palpation, APhantomsLiverIsMeshedFromItsLabel) {
+  const fs::path folder = fresh_folder();
+  const std::string scene = std::string(TURGOR_SOURCE_DIR) + "/scenes/palpation.toml";
+  const Ended ended = run_program("run '" + scene +
+                                      "' --out out --set 'body.liver.labels={ phantom = \"torso\", size = "
+                                      "[96, 96, 60], spacing_mm = [4.2, "
+                                      "4.2, 5] }' --set body.liver.resolution=0.018 --set world.duration=0.4 "
+                                      "--set output.video=false --set "
+                                      "body.liver.cache=kept --set output.snapshots.size=[200,160]",
+                                  folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  const json organ = report_in(folder / "out")["organs"][0];
+  EXPECT_LT(std::abs(organ["mesh"]["volume_error_percent"].get<double>()), 2);
+  EXPECT_GT(organ["mesh"]["min_dihedral_deg"].get<double>(), 10.7);
+}
+
+/// A tetrahedron file in Gmsh's format 2.2.
+std::string gmsh(const std::string& nodes, int node_count, const std::string& elements, int element_count) {
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(node_count) + "\n" + nodes +
+         "$EndNodes\n$Elements\n" + std::to_string(element_count) + "\n" + elements + "$EndElements\n";
+}
+
+TEST(Palpation, WrongInputsAreToldWhatIsWrong) {
+  const fs::path folder = fresh_folder();
+  write(folder / "good.toml", organ_scene_text("cache = false\n"));
+  write(folder / "flat.msh", gmsh("1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n", 4, "1 4 2 1 1 1 2 3 4\n", 1));
+  write(folder / "parts.msh",
+        gmsh("1 0 0 0\n2 .1 0 0\n3 0 .1 0\n4 0 0 .1\n5 1 0 1\n6 1.1 0 1\n7 1 .1 1\n8 1 0 1.1\n", 8,
+             "1 4 2 1 1 1 2 3 4\n2 4 2 1 1 5 6 7 8\n", 2));
+  write(folder / "nan.csv", "t,x,y,z\n0,0,0,0\n1,nan,0,0\n");
+  write(folder / "back.csv", "0,0,0,0\n1,0,0,0\n0.5,0,0,0\n");
+  const auto with_mesh = [&](const char* name, const char* mesh, const char* fixed) {
+    std::string text = organ_scene_text("cache = false\n");
+    const std::string block = "block = { size = [0.06, 0.06, 0.03], count = [8, 8, 4] }\nfixed = \"bottom\"";
+    text.replace(text.find(block), block.size(), std::string("mesh = \"") + mesh + "\"\nfixed = " + fixed);
+    write(folder / name, text);
+  };
+  with_mesh("flat.toml", "flat.msh", "\"bottom\"");
+  with_mesh("parts.toml", "parts.msh", "{ box = [[-1, -1, -1], [0.2, 0.2, 0.2]] }");
+  with_mesh("gone.toml", "gone.msh", "\"bottom\"");
+  std::string labels = organ_scene_text("cache = false\n");
+  const std::string block = "block = { size = [0.06, 0.06, 0.03], count = [8, 8, 4] }\n";
+  labels.replace(
+      labels.find(block), block.size(),
+      "labels = { phantom = \"torso\", size = [48, 48, 30], spacing_mm = [8, 8, 10] }\nlabel = 99\n");
+  write(folder / "label.toml", labels);
+  const struct {
+    std::string arguments, words;
+  } cases[] = {
+      {"good.toml --set 'body.pad.fixed={ box = [[9, 9, 9], [10, 10, 10]] }'", "fixed"},
+      {"parts.toml", "part"},
+      {"flat.toml", "flat.msh"},
+      {"gone.toml", "gone.msh"},
+      {"good.toml --set body.pad.poisson=0.5",
+       "--set body.pad.poisson: body.pad.poisson: expected below 0.5"},
+      {"good.toml --set body.pad.young=-3", "expected a number above 0 [Pa], found -3"},
+      {"label.toml", "99"},
+      {"good.toml --set tool.finger.shape.sphere=0.2", "the tool is 0.4 m wide, the body pad 0.06 m"},
+      {"good.toml --set tool.finger.body=paddy", "the scene has no body paddy; did you mean pad?"},
+      {"good.toml --set tool.finger.press=false --set tool.finger.path=nan.csv", "not both"},
+  };
+  for (const auto& c : cases) {
+    const Ended ended = run_program("run --out o " + c.arguments, folder);
+    EXPECT_EQ(ended.code, 2) << c.arguments << "\n" << ended.printed;
+    EXPECT_EQ(ended.printed.find("turgor: "), 0u) << ended.printed;
+    EXPECT_NE(ended.printed.find(c.words), std::string::npos)
+        << c.arguments << "\nprinted:  " << ended.printed << "expected: " << c.words;
+    EXPECT_FALSE(fs::exists(folder / "o")) << c.arguments;
+  }
+  std::string path = organ_scene_text("cache = false\n");
+  path.replace(path.find("press = {"), path.find("slide = 0.15 }") + 14 - path.find("press = {"),
+               "path = \"nan.csv\"");
+  write(folder / "path.toml", path);
+  EXPECT_NE(run_program("run --out o path.toml", folder)
+                .printed.find("nan.csv: row 2 of the path: expected numbers, found nan"),
+            std::string::npos);
+  const Ended back = run_program("run --out o path.toml --set tool.finger.path=back.csv", folder);
+  EXPECT_EQ(back.code, 2);
+  EXPECT_NE(back.printed.find("back.csv: row 3 of the path: expected a time after that of the row before"),
+            std::string::npos)
+      << back.printed;
+}
+
+TEST(Bench, SfemMeasuresAndWritesItsFigures) {
+  const fs::path folder = fresh_folder();
+  const Ended ended = run_program("bench sfem --largest 1000 --json b.json", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  std::ifstream stream(folder / "b.json");
+  const json bench = json::parse(stream);
+  EXPECT_EQ(bench["patches"][1]["local_nodes"], 98) << "the paper's plate, r = 3";
+  EXPECT_EQ(bench["patches"][2]["local_nodes"], 243);
+  EXPECT_EQ(bench["ticks"].size(), 6u);
+  EXPECT_GT(bench["ticks"][5]["contacts"].get<int>(), bench["ticks"][0]["contacts"].get<int>());
+  EXPECT_EQ(bench["precompute"].size(), 1u);
+  EXPECT_EQ(bench["surface"]["vertices"], 5100);
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,214 @@
+#include <cmath>
+#include <set>
+
+#include "sim/organ_scene.hpp"
+#include "turgor/core/hash.hpp"
+#include "turgor/io/file.hpp"
+#include "turgor/sim/forces_csv.hpp"
+#include "turgor/sim/recording.hpp"
+#include "turgor/sim/recording_organs.hpp"
+#include "turgor/sim/report.hpp"
+#include "turgor/sim/report_touch.hpp"
+
+namespace turgor {
+namespace {
+
+using test::organ_scene;
+using test::organ_world;
+
+World run_world(const Exec& exec, const Scene& scene) {
+  World world = organ_world(exec, scene);
+  for (int frame = 0; frame < frame_count(scene); frame++) EXPECT_TRUE(step(exec, world));
+  return world;
+}
+
+TEST(TouchOrgan, TicksAreMillisecondsWhateverTheFrameRate) {
+  const auto folder = test::fresh_folder();
+  for (const char* rate : {"60", "77", "1000"}) {
+    const World world = run_world(
+        Exec(1), organ_scene(folder, "", {std::string("world.frame_rate=") + rate, "world.duration=0.1"}));
+    const auto& samples = world.tools[0].samples;
+    ASSERT_GE(samples.size(), 98u) << rate;
+    ASSERT_LE(samples.size(), 107u) << rate;
+    for (std::size_t i = 0; i < samples.size(); i++)
+      EXPECT_NEAR(samples[i].time, 1e-3 * double(i + 1), 1e-12);
+  }
+}
+
+TEST(TouchOrgan, ForceStartsAtTheSurfaceGrowsWithDepthAndEndsAboveIt) {
+  const World world = run_world(Exec(1), organ_scene(test::fresh_folder()));
+  const auto& samples = world.tools[0].samples;
+  double before = 0, largest = 0;
+  for (const ForceSample& s : samples) {
+    if (s.depth == 0) {
+      EXPECT_LT(norm(s.force), 1e-3) << s.time;
+    }
+    if (s.time < 0.1) {
+      EXPECT_GE(s.force.z, before - 1e-6) << s.time;
+      before = s.force.z;
+    }
+    largest = std::max(largest, s.depth);
+  }
+  EXPECT_NEAR(largest, 0.003, 1e-4);
+  // Hertz for a ball of 6 mm at 3 mm says 0.14 N; the pad is thin, which is stiffer, its mesh is coarse.
+  EXPECT_GT(before, 0.1);
+  EXPECT_LT(before, 0.4);
+  EXPECT_GT(world.organs[0].rebuilds.size(), 1u) << "the patch follows";
+  EXPECT_GT(world.organs[0].largest_force, before * 0.99);
+}
+
+TEST(TouchOrgan, TheSameBitsOnOneTwoAndEightThreads) {
+  const auto folder = test::fresh_folder();
+  std::set<std::uint64_t> hashes;
+  for (const int threads : {1, 2, 8})
+    hashes.insert(touch_hash(run_world(Exec(threads), organ_scene(folder, "", {"body.pad.cache=false"}))));
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST(TouchOrgan, ColumnsOnDemandFeelLikeAllOfThem) {
+  const auto folder = test::fresh_folder();
+  const World dense = run_world(Exec(1), organ_scene(folder, "", {"body.pad.cache=false"}));
+  const World demand = run_world(Exec(1), organ_scene(folder, "", {"body.pad.memory=0.01"}));
+  ASSERT_TRUE(demand.organs[0].facts.on_demand);
+  EXPECT_NE(demand.organs[0].facts.notes[0].find("their columns are computed where the tools are"),
+            std::string::npos);
+  const auto &a = dense.tools[0].samples, &b = demand.tools[0].samples;
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); i++)
+    EXPECT_NEAR(norm(a[i].force - b[i].force), 0, 1e-4 * dense.organs[0].largest_force) << a[i].time;
+}
+
+TEST(TouchOrgan, TheShownSurfaceIsClosedAndLiesOnTheTool) {
+  const Exec exec(1);
+  const Scene scene = organ_scene(test::fresh_folder(), "", {"world.duration=0.12"});
+  const World world = run_world(exec, scene);
+  const OrganSurface surface = shown_surface(exec, world.organs[0], time_of(world));
+  std::map<std::pair<int, int>, int> edges;
+  for (const Int3 t : surface.triangles)
+    for (int c = 0; c < 3; c++) edges[{t[c], t[(c + 1) % 3]}]++;
+  int open = 0;
+  for (const auto& [edge, count] : edges) {
+    EXPECT_EQ(count, 1);
+    open += !edges.contains({edge.second, edge.first});
+  }
+  // Where the patch ends, a coarse edge meets the parts of it: those do not close, all others do.
+  EXPECT_LT(open, int(edges.size()) / 6);
+  const contact::ToolPose& pose = world.organs[0].poses[0];
+  double nearest = 1;
+  for (std::size_t v = 0; v < surface.rest.size(); v++)
+    nearest = std::min(nearest, norm(Vec3d(surface.rest[v] + surface.displacement[v]) - pose.pose.position));
+  EXPECT_NEAR(nearest, 0.006, 1e-4) << "no vertex is inside of the ball, some touch it";
+}
+
+TEST(TouchOrgan, AFinerSurfaceIsCarriedAlong) {
+  const auto folder = test::fresh_folder();
+  // The pad's own top as two triangles a square of 2.5 mm.
+  std::string obj;
+  for (int j = 0; j <= 24; j++)
+    for (int i = 0; i <= 24; i++)
+      obj += "v " + std::to_string(2.5 * i) + " " + std::to_string(2.5 * j) + " 30\n";
+  for (int j = 0; j < 24; j++)
+    for (int i = 0; i < 24; i++) {
+      const int a = j * 25 + i + 1;
+      obj += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " + std::to_string(a + 26) + " " +
+             std::to_string(a + 25) + "\n";
+    }
+  test::write(folder / "top.obj", obj);
+  const Exec exec(1);
+  const World world = run_world(
+      exec, organ_scene(folder, "seen = \"top.obj\"\nseen_scale = 0.001\n", {"world.duration=0.12"}));
+  const OrganSurface surface = shown_surface(exec, world.organs[0], time_of(world));
+  ASSERT_EQ(surface.rest.size(), 625u);
+  const Vec3d ball = world.organs[0].poses[0].pose.position;
+  double lowest = 0, deepest_inside = 0;
+  for (std::size_t v = 0; v < surface.rest.size(); v++) {
+    const Vec3d x(surface.rest[v] + surface.displacement[v]);
+    lowest = std::min(lowest, double(surface.displacement[v].z));
+    deepest_inside = std::max(deepest_inside, 0.006 - norm(x - ball));
+  }
+  EXPECT_NEAR(lowest, -0.003, 3e-4) << "the dent is as deep as the press";
+  EXPECT_LT(deepest_inside, 5e-4) << "and follows the patch around the ball";
+}
+
+/// Twelve frames with a snapshot at the start, in the middle and at the end.
+void record(const Exec& exec, const std::filesystem::path& file, const Scene& scene, World& world) {
+  Result<RecordingWriter> writer = RecordingWriter::create(file, scene, world);
+  ASSERT_TRUE(writer);
+  for (int frame = 0; frame <= 12; frame++) {
+    if (frame > 0) {
+      ASSERT_TRUE(step(exec, world));
+    }
+    if (frame % 6 != 0) continue;
+    world.organs[0].shown = shown_surface(exec, world.organs[0], time_of(world));
+    ASSERT_TRUE(writer->add_snapshot(world));
+  }
+  ASSERT_TRUE(writer->finish(world, "{}"));
+}
+
+TEST(TouchOrgan, ARecordingGivesSurfacesAndForcesBackToTheBit) {
+  const auto folder = test::fresh_folder();
+  const Exec exec(1);
+  const Scene scene = organ_scene(folder, "", {"world.duration=0.2"});
+  World world = organ_world(exec, scene);
+  record(exec, folder / "r.h5", scene, world);
+  const Result<Recording> recording = Recording::open(folder / "r.h5");
+  ASSERT_TRUE(recording) << recording.error().message;
+  const Result<Scene> again = recording->scene({});
+  ASSERT_TRUE(again) << again.error().message;
+  Result<World> drawn = load_world(exec, *again, {}, Purpose::kDraw);
+  ASSERT_TRUE(drawn);
+  ASSERT_TRUE(recording->restore(2, *drawn));
+  ASSERT_TRUE(recording->restore_touch(*drawn));
+  const OrganSurface &a = world.organs[0].shown, &b = drawn->organs[0].shown;
+  EXPECT_EQ(a.rest, b.rest);
+  EXPECT_EQ(a.displacement, b.displacement);
+  EXPECT_EQ(a.pressure, b.pressure);
+  EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.tools[0].pose.position, b.tools[0].pose.position);
+  EXPECT_EQ(world.organs[0].deepest.displacement, drawn->organs[0].deepest.displacement);
+  ASSERT_EQ(world.tools[0].samples.size(), drawn->tools[0].samples.size());
+  for (std::size_t i = 0; i < world.tools[0].samples.size(); i++) {
+    EXPECT_EQ(world.tools[0].samples[i].force, drawn->tools[0].samples[i].force);
+    EXPECT_EQ(world.tools[0].samples[i].depth, drawn->tools[0].samples[i].depth);
+  }
+}
+
+TEST(TouchOrgan, ForcesAreATableWithAColumnForEveryName) {
+  const auto folder = test::fresh_folder();
+  const World world = run_world(Exec(1), organ_scene(folder, "", {"world.duration=0.05"}));
+  ASSERT_TRUE(write_forces(folder / "f.csv", world.tools));
+  const std::string text = read_file(folder / "f.csv").value();
+  std::istringstream lines(text);
+  std::size_t columns = 0, rows = 0;
+  for (std::string line; std::getline(lines, line); rows++) {
+    const auto count = std::size_t(std::count(line.begin(), line.end(), ','));
+    columns = rows == 0 ? count : columns;
+    EXPECT_EQ(count, columns) << line;
+  }
+  EXPECT_EQ(rows, 1 + world.tools[0].samples.size());
+}
+
+TEST(TouchOrgan, AToolWiderThanTheOrganIsRefused) {
+  const auto folder = test::fresh_folder();
+  const Result<World> world = load_world(Exec(1), organ_scene(folder, "", {"tool.finger.shape.sphere=0.05"}));
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("tool.finger: the tool is 0.1 m wide, the body pad 0.06 m"),
+            std::string::npos)
+      << world.error().message;
+}
+
+TEST(TouchOrgan, TheReportHoldsForcesInNewtonsAndTimes) {
+  const Exec exec(1);
+  const Scene scene = organ_scene(test::fresh_folder(), "", {"world.duration=0.2"});
+  const World world = run_world(exec, scene);
+  const Json report = simulation_report(exec, scene, world, make_measures(world), {});
+  EXPECT_EQ(report["organs"][0]["mesh"]["vertices"], 9 * 9 * 5);
+  EXPECT_EQ(report["tools"][0]["shape"], "sphere of 6 mm");
+  EXPECT_NEAR(report["tools"][0]["force_max_N"].get<double>(), world.organs[0].largest_force, 1e-3);
+  EXPECT_GE(report["tools"][0]["series"].size(), 190u);
+  EXPECT_FALSE(report["scene"].contains("method"));
+  EXPECT_EQ(report["state_hash"].get<std::string>().size(), 16u);
+}
+
+}  // namespace
+}  // namespace turgor
