@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <new>
 #include <numbers>
 #include <random>
@@ -102,6 +103,43 @@ TEST(Touch, a_flat_capsule_bears_twice_as_much_under_twice_the_length) {
   }
   EXPECT_GT(force[1] / force[0], 1.4);
   EXPECT_LT(force[1] / force[0], 2.0);
+}
+
+/// Triangles of a ball, by halving those of an octahedron.
+TriMesh ball_mesh(double radius, int halvings) {
+  TriMesh ball;
+  ball.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  ball.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  std::map<std::pair<int, int>, int> middles;
+  const auto middle = [&](int a, int b) {
+    const auto [at, is_new] = middles.try_emplace(std::minmax(a, b), int(ball.vertices.size()));
+    if (is_new)
+      ball.vertices.push_back(normalized(ball.vertices[std::size_t(a)] + ball.vertices[std::size_t(b)]));
+    return at->second;
+  };
+  for (int i = 0; i < halvings; i++) {
+    std::vector<Int3> finer;
+    for (const auto [a, b, c] : ball.triangles) {
+      const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      for (const Int3 t : {Int3{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}}) finer.push_back(t);
+    }
+    ball.triangles = finer;
+  }
+  for (Vec3& x : ball.vertices) x *= Real(radius);
+  return ball;
+}
+
+TEST(Touch, a_ball_made_of_triangles_presses_as_a_sphere) {
+  const Result<Shape> ball = mesh_shape(ball_mesh(kRadius, 4), 64);
+  ASSERT_TRUE(ball) << ball.error().message;
+  Scene sphere({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
+  Scene mesh({.side = 15}, {{*ball, 0.3}}, {.capacity = 64});
+  for (const double depth : {0.5e-3, 1e-3}) {
+    const double exact = sphere.settle(above(0.2e-3, 0, depth)).force.z;
+    EXPECT_NEAR(mesh.settle(above(0.2e-3, 0, depth)).force.z / exact, 1, 0.05) << depth;
+  }
+  const double jump = mesh.move(above(0.2e-3, 0, 1e-3), above(3e-3, 0, 1e-3));
+  EXPECT_LT(jump, 0.05 * mesh.forces[0].force.z);
 }
 
 TEST(Touch, a_tool_that_is_far_or_just_leaves_feels_nothing) {
