@@ -28,7 +28,7 @@ inline std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_
     h = detail::mix(h, word);
   }
   std::uint64_t rest = 0;
-  std::memcpy(&rest, bytes, size);
+  if (size > 0) std::memcpy(&rest, bytes, size);  // of nothing, `data` may be null
   return detail::mix(h, rest);
 }
 
