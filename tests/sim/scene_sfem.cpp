@@ -131,7 +131,7 @@ TEST(SceneSfem, MistakesAreNamedWithTheirPlace) {
       {tool("body = \"b\"\nshape = { cube = 1 }\npath = [[0, 0, 0, 0]]"), "tool.t.shape.cube is not a key"},
       {tool("body = \"b\"\nshape = { sphere = 1 }"), "path or press is missing: how the tool moves"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0], [1, nan, 0, 0]]"),
-       "s.toml:9:23: tool.t.path: expected numbers [s and m], found nan"},
+       "s.toml:9:27: tool.t.path: expected numbers [s and m], found nan"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0], [0, 1, 0, 0]]"),
        "row 2 of the path: expected a time after that of the row before"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npress = { depth = 0.1 }"), "at or at_fraction is missing"},

@@ -217,7 +217,7 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name) {
   viscosity.read("time", scene.viscous_time, inside(0, 1000, "s"));
   viscosity.finish();
   body.read("rotations", scene.rotations);
-  body.read("memory", scene.memory, within(0.01, 1024, "GB"));
+  body.read("memory", scene.memory, within(0.001, 1024, "GB"));
   read_cache(body, scene);
   body.read_path("seen", scene.seen);
   body.read("seen_scale", scene.seen_scale, kScale);

@@ -63,7 +63,10 @@ bool read_smooth(SceneTable& tool) {
 GivenPath read_rows(SceneTable& tool, const toml::array& array) {
   GivenPath path;
   std::vector<std::vector<double>> rows;
-  for (const toml::node& row : array) rows.push_back(tool.numbers("path", row, any_number("s and m")));
+  for (const toml::node& row : array) {
+    rows.push_back(tool.numbers("path", row, any_number("s and m")));
+    if (rows.back().empty()) return path;  // was complained about
+  }
   Result<std::vector<PathRow>> made = path_rows(rows);
   if (!made) return tool.fail("path", made.error().message), path;
   path.rows = std::move(*made);
