@@ -1,0 +1,149 @@
+#include "turgor/models/rhombus/calibrate.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "turgor/core/number_text.hpp"
+
+namespace turgor::rhombus {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kAngles[2] = {2 * kDegree, 88 * kDegree}, kDecays[2] = {0.2, 30};
+constexpr double kStiffness[2] = {1e-6, 1e6};  // [N/m]
+
+using Unknowns = Eigen::Vector4d;  // without bounds: see to_params
+
+/// Any number to one between two bounds, evenly in logarithms.
+double bounded(double x, const double (&bounds)[2]) {
+  const double part = 1 / (1 + std::exp(-x));
+  return bounds[0] * std::pow(bounds[1] / bounds[0], part);
+}
+double unbounded(double value, const double (&bounds)[2]) {
+  const double part =
+      std::clamp(std::log(value / bounds[0]) / std::log(bounds[1] / bounds[0]), 1e-3, 1 - 1e-3);
+  return std::log(part / (1 - part));
+}
+
+ChainParams to_params(const Unknowns& x, const ChainParams& start) {
+  ChainParams p = start;
+  p.normal = bounded(x[0], kStiffness), p.tangential = bounded(x[1], kStiffness);
+  p.decay = bounded(x[2], kDecays), p.angle = bounded(x[3], kAngles);
+  return p;
+}
+Unknowns to_unknowns(const ChainParams& p) {
+  return {unbounded(p.normal, kStiffness), unbounded(p.tangential, kStiffness), unbounded(p.decay, kDecays),
+          unbounded(p.angle, kAngles)};
+}
+
+/// What is fitted, and what it costs.
+struct Problem {
+  std::span<const CurvePoint> curve;
+  ChainParams start;
+  double peak = 0;  // largest force [N]
+  int evaluations = 0;
+
+  /// Chain minus curve, in fractions of the peak.
+  Eigen::VectorXd residual(const Unknowns& x) {
+    evaluations++;
+    const Chain chain = *build_chain(to_params(x, start));
+    Eigen::VectorXd r(Eigen::Index(curve.size()));
+    double guess = 0;
+    for (std::size_t i = 0; i < curve.size(); i++) {
+      guess = force_of_depth(chain, curve[i].depth, guess);
+      r[Eigen::Index(i)] = (guess - curve[i].force) / peak;
+    }
+    return r;
+  }
+  Eigen::MatrixXd jacobian(const Unknowns& x) {
+    Eigen::MatrixXd j(Eigen::Index(curve.size()), 4);
+    constexpr double kStep = 1e-5;
+    for (int k = 0; k < 4; k++) {
+      const Unknowns d = Unknowns::Unit(k) * kStep;
+      j.col(k) = (residual(x + d) - residual(x - d)) / (2 * kStep);
+    }
+    return j;
+  }
+};
+
+/// Levenberg–Marquardt: steps between Newton's and the gradient's, whichever makes the squares fall.
+Unknowns descend(Problem& problem, Unknowns x) {
+  Eigen::VectorXd r = problem.residual(x);
+  double damping = 1e-2;
+  for (int i = 0; i < 100; i++) {
+    const Eigen::MatrixXd j = problem.jacobian(x);
+    const Eigen::Matrix4d normal = j.transpose() * j;
+    const Unknowns slope = j.transpose() * r;
+    bool better = false;
+    Unknowns step;
+    for (int tries = 0; tries < 12 && !better; tries++) {
+      Eigen::Matrix4d damped = normal;
+      damped.diagonal() += damping * (normal.diagonal().array() + 1e-9).matrix();
+      step = -damped.ldlt().solve(slope);
+      step *= std::min(1.0, 2 / step.cwiseAbs().maxCoeff());  // the bounds' ends are far away
+      const Eigen::VectorXd next = problem.residual(x + step);
+      better = next.squaredNorm() < r.squaredNorm();
+      damping *= better ? 0.3 : 4;
+      if (!better) continue;
+      const bool done = r.squaredNorm() - next.squaredNorm() < 1e-10 * r.squaredNorm();
+      x += step, r = next;
+      if (done) return x;
+    }
+    if (!better) return x;
+  }
+  return x;
+}
+
+Status check(std::span<const CurvePoint> curve) {
+  int useful = 0;
+  for (std::size_t i = 0; i < curve.size(); i++) {
+    const auto [depth, force] = curve[i];
+    const std::string place = "point " + std::to_string(i) + " of the force-depth curve: ";
+    if (!std::isfinite(depth) || !std::isfinite(force))
+      return Error{place + "a depth or a force is no number"};
+    if (depth * force < 0)
+      return Error{place + "expected a force that resists, found " + number_text(force) + " N at " +
+                   number_text(depth) + " m"};
+    useful += depth != 0 && force != 0;
+  }
+  if (useful < 4)
+    return Error{"the force-depth curve: expected at least 4 points with a depth and a force, found " +
+                 std::to_string(useful)};
+  return Done{};
+}
+
+}  // namespace
+
+Result<Fit> calibrate(std::span<const CurvePoint> curve, const ChainParams& start) {
+  if (const Status good = check(curve); !good) return good.error();
+  if (const auto chain = build_chain(start); !chain) return chain.error();
+  Problem problem{curve, start};
+  const CurvePoint& strongest = *std::max_element(
+      curve.begin(), curve.end(), [](auto& a, auto& b) { return std::abs(a.force) < std::abs(b.force); });
+  problem.peak = std::abs(strongest.force);
+  const double secant = strongest.force / strongest.depth;
+  Unknowns best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double angle : {15.0, 45.0, 75.0})
+    for (const double decay : {0.7, 2.0, 8.0})
+      for (const double ratio : {0.2, 3.0}) {
+        ChainParams from = start;
+        from.normal = secant, from.tangential = ratio * secant, from.decay = decay,
+        from.angle = angle * kDegree;
+        // A start as stiff as the curve is at its end; all stiffnesses scale alike.
+        const double force = std::abs(force_of_depth(*build_chain(from), strongest.depth));
+        from.normal *= problem.peak / force, from.tangential *= problem.peak / force;
+        const Unknowns found = descend(problem, to_unknowns(from));
+        const double squares = problem.residual(found).squaredNorm();
+        if (squares < least) least = squares, best = found;
+      }
+  const Eigen::VectorXd r = problem.residual(best);
+  return Fit{to_params(best, start), std::sqrt(r.squaredNorm() / double(r.size())), r.cwiseAbs().maxCoeff(),
+             problem.evaluations};
+}
+
+}  // namespace turgor::rhombus
