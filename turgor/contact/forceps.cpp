@@ -1,0 +1,111 @@
+#include "turgor/contact/forceps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "turgor/core/number_text.hpp"
+#include "turgor/geometry/triangle_tree.hpp"
+
+namespace turgor::contact {
+
+namespace {
+
+TriangleTree tree_of(const TriMesh& mesh) {
+  std::vector<Vec3d> vertices;
+  for (const Vec3 x : mesh.vertices) vertices.push_back(Vec3d(x));
+  return build_triangle_tree(std::move(vertices), mesh.triangles);
+}
+
+Vec3d middle_of(const TriMesh& mesh) {
+  Vec3d sum;
+  for (const Vec3 x : mesh.vertices) sum += Vec3d(x);
+  return sum / double(mesh.vertices.size());
+}
+
+double lowest(const TriMesh& mesh) {
+  double low = std::numeric_limits<double>::infinity();
+  for (const Vec3 x : mesh.vertices) low = std::min(low, double(x.z));
+  return low;
+}
+double highest(const TriMesh& mesh) {
+  double high = -std::numeric_limits<double>::infinity();
+  for (const Vec3 x : mesh.vertices) high = std::max(high, double(x.z));
+  return high;
+}
+
+Status check_jaw(const TriMesh& jaw, const char* which) {
+  if (jaw.triangles.empty()) return Error{std::string(which) + " jaw has no triangles"};
+  for (const Vec3 x : jaw.vertices)
+    if (!std::isfinite(x.x) || !std::isfinite(x.y) || !std::isfinite(x.z))
+      return Error{std::string("a vertex of ") + which + " jaw is at a place that is no number"};
+  return Done{};
+}
+
+/// Smallest distance of the vertices of either jaw from the other one [m].
+double gap_between(const TriMesh& a, const TriMesh& b) {
+  const TriangleTree of_a = tree_of(a), of_b = tree_of(b);
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec3d x : of_a.vertices) least = std::min(least, nearest_point(of_b, x).distance);
+  for (const Vec3d x : of_b.vertices) least = std::min(least, nearest_point(of_a, x).distance);
+  return least;
+}
+
+/// Half the extent of both tips across the jaws and their opening.
+double tip_radius_of(const std::array<TriMesh, 2>& jaws, double tip, double length) {
+  double radius = 0;
+  for (const TriMesh& jaw : jaws)
+    for (const Vec3 x : jaw.vertices)
+      if (x.z < tip + 0.02 * length)
+        radius = std::max(radius, double(std::max(std::abs(x.x), std::abs(x.y))));
+  return std::max(radius, 0.005 * length);
+}
+
+}  // namespace
+
+Result<Forceps> build_forceps(TriMesh first, TriMesh second, double opening) {
+  if (const Status good = check_jaw(first, "the first"); !good) return good.error();
+  if (const Status good = check_jaw(second, "the second"); !good) return good.error();
+  if (middle_of(first).x < middle_of(second).x) std::swap(first, second);
+  if (!(middle_of(first).x > 0 && middle_of(second).x < 0))
+    return Error{"expected one jaw on each side of the plane x = 0, found both on one side"};
+  const double tip = std::min(lowest(first), lowest(second));
+  const double length = std::max(highest(first), highest(second)) - tip;
+  if (!(opening > 0 && opening < length))
+    return Error{"the opening of the jaws: expected more than 0 and less than their length of " +
+                 number_text(length) + " m, found " + number_text(opening) + " m"};
+  if (const double gap = gap_between(first, second); gap > 0.1 * opening)
+    return Error{"the jaws never meet: closed, they are still " + number_text(gap) +
+                 " m apart, expected at most a tenth of the opening of " + number_text(opening) + " m"};
+  Forceps forceps{.jaws = {std::move(first), std::move(second)}, .hinge = tip + length, .opening = opening};
+  forceps.tip_radius = tip_radius_of(forceps.jaws, tip, length);
+  return forceps;
+}
+
+TriMesh forceps_mesh(const Forceps& forceps, double opening) {
+  TriMesh both;
+  for (std::size_t j = 0; j < 2; j++) {
+    const double side = j == 0 ? 1 : -1;
+    const double angle = side * std::asin(std::clamp(0.5 * opening / forceps.hinge, -1.0, 1.0));
+    const double c = std::cos(angle), s = std::sin(angle);
+    const int first = int(both.vertices.size());
+    for (const Vec3 x : forceps.jaws[j].vertices) {
+      const double down = forceps.hinge - double(x.z);
+      both.vertices.push_back(
+          Vec3(Vec3d{c * double(x.x) + s * down, double(x.y), forceps.hinge - c * down + s * double(x.x)}));
+    }
+    for (const Int3 t : forceps.jaws[j].triangles)
+      both.triangles.push_back({t.x + first, t.y + first, t.z + first});
+  }
+  return both;
+}
+
+rhombus::TouchInput touch_input(const Forceps& forceps, const Pose& pose, double grip) {
+  return {.position = to_world(pose, {0, 0, forceps.tip_radius}),
+          .axes = pose.axes,
+          .radius = forceps.tip_radius,
+          .grip = grip,
+          .opening = forceps.opening * (1 - grip)};
+}
+
+}  // namespace turgor::contact

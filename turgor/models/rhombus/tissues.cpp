@@ -1,0 +1,37 @@
+#include "turgor/models/rhombus/tissues.hpp"
+
+#include <array>
+
+namespace turgor::rhombus {
+
+ChainParams chain_of_modulus(double young) {
+  // The fit at 1 kPa; test rhombus_tissues repeats it.
+  return {.normal = 14.960 * young * 1e-3,
+          .tangential = 0.016767 * young * 1e-3,
+          .decay = 0.2,
+          .angle = 0.46014,
+          .side = 0.005};
+}
+
+std::span<const Tissue> tissues() {
+  static const std::array<Tissue, 5> kTissues{{
+      {"liver", "Zhang, Song, Sun, Zou 2010, after Cui, Song, Wu 2007 (ICMA, 2753)", 0, ChainParams{}},
+      {"liver-porcine", "Samur, Sedef, Basdogan, Avtan, Duzgun 2007 (Medical Image Analysis 11, 361)", 12.5e3,
+       chain_of_modulus(12.5e3)},
+      {"breast-fat", "Samani, Zubovits, Plewes 2007 (Physics in Medicine and Biology 52, 1565)", 3.25e3,
+       chain_of_modulus(3.25e3)},
+      {"breast-gland", "Samani, Zubovits, Plewes 2007 (Physics in Medicine and Biology 52, 1565)", 3.24e3,
+       chain_of_modulus(3.24e3)},
+      {"fibroadenoma", "Samani, Zubovits, Plewes 2007 (Physics in Medicine and Biology 52, 1565)", 6.41e3,
+       chain_of_modulus(6.41e3)},
+  }};
+  return kTissues;
+}
+
+const Tissue* find_tissue(std::string_view name) {
+  for (const Tissue& tissue : tissues())
+    if (tissue.name == name) return &tissue;
+  return nullptr;
+}
+
+}  // namespace turgor::rhombus
