@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <numeric>
+
+#include "tests/models/cloth_sheets.hpp"
+#include "turgor/models/cloth/cloth.hpp"
+
+namespace turgor::cloth {
+namespace {
+
+std::string error_of(const TriMesh& mesh, const Params& params = {}) {
+  const Result<Model> model = build(Exec(1), mesh, params);
+  return model ? "no error" : model.error().message;
+}
+
+TEST(ClothBuild, a_sheet_weighs_its_area_times_its_density) {
+  const Model model = must_build(flat_sheet(11, 0.02), {.fabric = {.density = 0.3}});
+  EXPECT_NEAR(model.area, 0.04, 1e-8);
+  EXPECT_NEAR(model.total_mass, 0.012, 1e-8);
+  EXPECT_NEAR(std::accumulate(model.mass.begin(), model.mass.end(), 0.0), 0.012, 1e-7);
+  EXPECT_EQ(model.count, 121);
+  EXPECT_EQ(model.mass.size(), 128u);
+}
+
+TEST(ClothBuild, a_sheet_that_is_numbered_row_by_row_needs_hardly_any_gathers) {
+  const Model model = must_build(flat_sheet(100), {});
+  EXPECT_LT(double(model.rows.gathered.size()) / double(model.rows.rest.size()), 0.01);
+}
+
+TEST(ClothBuild, a_shuffled_mesh_is_numbered_so_that_neighbours_are_near) {
+  TriMesh mesh = flat_sheet(40);
+  const int count = int(mesh.vertices.size());
+  const auto shuffled = [count](int v) { return int((std::int64_t(v) * 977 + 13) % count); };
+  TriMesh mixed = mesh;
+  for (int v = 0; v < count; v++) mixed.vertices[std::size_t(shuffled(v))] = mesh.vertices[std::size_t(v)];
+  for (Int3& t : mixed.triangles) t = {shuffled(t.x), shuffled(t.y), shuffled(t.z)};
+  const Model model = must_build(mixed, {});
+  int farthest = 0;
+  for (const Int3 t : model.triangles)
+    farthest = std::max(farthest, std::max({t.x, t.y, t.z}) - std::min({t.x, t.y, t.z}));
+  EXPECT_LT(farthest, 3 * 40);
+  for (int v = 0; v < count; v++) {
+    const int place = model.place[std::size_t(v)];
+    EXPECT_EQ(model.original[std::size_t(place)], v);
+    EXPECT_EQ(model.x_rest[std::size_t(place)], mixed.vertices[std::size_t(v)]);
+  }
+}
+
+/// Force per width that stretches a strip along x by one percent, over the strain.
+double pulled_stiffness(const TriMesh& mesh, const Fabric& fabric, double width) {
+  Params params{.fabric = fabric};
+  params.collision.self = false;
+  const Model model = must_build(mesh, params);
+  State state = make_state(model);
+  const double rest = energy(model, state, {}).elastic;
+  for (std::size_t v = 0; v < std::size_t(model.count); v++) {
+    Vec3 x = state.x[v];
+    x.x *= 1.01f;
+    state.x.set(v, x);
+  }
+  double length = 0;
+  for (const Vec3 x : mesh.vertices) length = std::max(length, double(x.x));
+  return 2 * (energy(model, state, {}).elastic - rest) / (0.01 * 0.01) / (length * width);
+}
+
+TEST(ClothBuild, a_square_grid_is_as_stiff_as_its_fabric_along_warp_and_weft) {
+  const Fabric fabric{.warp = 700, .weft = 300, .shear = 0, .bend = 0};
+  const TriMesh mesh = flat_sheet(41);
+  EXPECT_NEAR(pulled_stiffness(mesh, fabric, 0.4) / 700, 1, 0.03);
+  Fabric turned = fabric;
+  turned.direction = {0, 1, 0};
+  EXPECT_NEAR(pulled_stiffness(mesh, turned, 0.4) / 300, 1, 0.03);
+}
+
+TEST(ClothBuild, equilateral_triangles_are_as_stiff_as_their_fabric) {
+  // Held at its width, a net of springs of 2-D modulus E and Poisson's ratio 1/3 resists with E / (1 − 1/9).
+  TriMesh mesh;
+  const int n = 60;
+  const double s = 0.01;
+  for (int j = 0; j <= n; j++)
+    for (int i = 0; i <= n; i++)
+      mesh.vertices.push_back(Vec3(Vec3d{s * (i + 0.5 * (j % 2)), s * j * std::sqrt(0.75), 0}));
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) {
+      const int a = j * (n + 1) + i, b = a + 1, d = a + n + 1, c = d + 1;
+      if (j % 2 == 0)
+        mesh.triangles.push_back({a, b, d}), mesh.triangles.push_back({b, c, d});
+      else
+        mesh.triangles.push_back({a, b, c}), mesh.triangles.push_back({a, c, d});
+    }
+  const Fabric fabric{.warp = 500, .weft = 500, .shear = 500, .bend = 0};
+  EXPECT_NEAR(pulled_stiffness(mesh, fabric, s * n * std::sqrt(0.75)) / (500 * 9.0 / 8), 1, 0.04);
+}
+
+TEST(ClothBuild, bad_meshes_are_refused_with_the_numbers_of_what_is_wrong) {
+  EXPECT_EQ(error_of({}), "the mesh has no triangle");
+  TriMesh mesh = flat_sheet(4);
+  mesh.vertices.push_back({9, 9, 9});
+  EXPECT_EQ(error_of(mesh), "a vertex must belong to a triangle, or it has no mass: not so vertex 16");
+  mesh = flat_sheet(4);
+  mesh.triangles.push_back({0, 1, 2});
+  EXPECT_EQ(error_of(mesh), "a triangle must have an area, not so triangle 18");
+  mesh.triangles.back() = {0, 1, 99};
+  EXPECT_EQ(error_of(mesh), "triangle 18 has vertex 99, expected 0 to 15");
+  mesh = flat_sheet(4);
+  mesh.vertices[3].y = NAN;
+  EXPECT_EQ(error_of(mesh), "coordinates must be finite numbers, not so those of vertex 3");
+}
+
+TEST(ClothBuild, bad_numbers_are_refused) {
+  EXPECT_EQ(error_of(flat_sheet(4), {.fabric = {.density = 0}}),
+            "density: expected a number above 0 kg/m², found 0");
+  EXPECT_EQ(error_of(flat_sheet(4), {.fabric = {.warp = -5}}),
+            "warp: expected a number above 0 N/m, found -5");
+  EXPECT_EQ(error_of(flat_sheet(4), {.solver = {.sweeps = 0}}), "sweeps: expected 1 or more, found 0");
+  EXPECT_EQ(error_of(flat_sheet(4), {.collision = {.thickness = 0.05}}),
+            "thickness: expected at most 0.01 m, since half of the mesh's edges are shorter, found 0.05 m");
+}
+
+TEST(ClothBuild, an_edge_of_three_triangles_is_named) {
+  TriMesh mesh = flat_sheet(4);
+  mesh.vertices.push_back({0.015f, 0.01f, 0.01f});
+  mesh.triangles.push_back({5, 6, 16});
+  const Model model = must_build(mesh, {});
+  ASSERT_EQ(model.notes.size(), 1u);
+  EXPECT_EQ(model.notes[0],
+            "1 edge belongs to more than two triangles (5-6): every two of its triangles resist folding");
+}
+
+TEST(ClothBuild, seams_close_when_vertices_at_one_place_become_one) {
+  TriMesh mesh = flat_sheet(4);
+  const TriMesh other =
+      make_sheet({.corner = {0.03, 0, 0}, .side = {0.03, 0, 0}, .up = {0, 0.03, 0}, .columns = 3, .rows = 3});
+  for (const Int3 t : other.triangles) mesh.triangles.push_back({t.x + 16, t.y + 16, t.z + 16});
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  const Model two = must_build(mesh, {});
+  EXPECT_EQ(two.part_begin.size(), 3u);
+  const Model one = must_build(mesh, {.weld = 1e-4});
+  EXPECT_EQ(one.part_begin.size(), 2u);
+  EXPECT_EQ(one.count, 28);
+  EXPECT_EQ(one.place.size(), 32u);
+  EXPECT_EQ(one.place[3], one.place[16]);
+  State state = make_state(one);
+  EXPECT_TRUE(hold(one, state, 31));
+}
+
+TEST(ClothBuild, holds_name_vertices_that_do_not_exist) {
+  const Model model = must_build(flat_sheet(4), {});
+  State state = make_state(model);
+  EXPECT_EQ(hold(model, state, 16).error().message, "expected a vertex from 0 to 15, found 16");
+  EXPECT_EQ(hold(model, state, -1).error().message, "expected a vertex from 0 to 15, found -1");
+  EXPECT_EQ(release(model, state, 3).error().message, "vertex 3 is not held");
+}
+
+}  // namespace
+}  // namespace turgor::cloth

@@ -1,0 +1,71 @@
+// Sixteen numbers that are computed at once, for kernels whose arrays the compiler cannot see through. The
+// operators are the compiler's own (vector extensions of GCC and Clang): on processors with narrower
+// registers it splits them.
+#pragma once
+
+#include <cstring>
+
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
+
+#include "turgor/core/config.hpp"
+
+namespace turgor {
+
+constexpr int kLanes = 16;
+using Lanes = float __attribute__((vector_size(4 * kLanes)));
+
+inline Lanes all_lanes(float value) { return Lanes{} + value; }
+
+inline Lanes load_lanes(const float* from) {
+  Lanes a;
+  std::memcpy(&a, from, sizeof a);
+  return a;
+}
+inline void store_lanes(float* to, Lanes a) { std::memcpy(to, &a, sizeof a); }
+
+/// from[index[0]], from[index[1]], …
+inline Lanes gather_lanes(const float* from, const int* index) {
+#ifdef __AVX512F__
+  return Lanes(_mm512_i32gather_ps(_mm512_loadu_si512(index), from, 4));
+#else
+  Lanes a;
+  for (int l = 0; l < kLanes; l++) a[l] = from[index[l]];
+  return a;
+#endif
+}
+
+inline Lanes square_root(Lanes a) {
+#ifdef __AVX512F__
+  return Lanes(_mm512_sqrt_ps(__m512(a)));
+#else
+  for (int l = 0; l < kLanes; l++) a[l] = __builtin_sqrtf(a[l]);
+  return a;
+#endif
+}
+
+/// Bit l is set when lane l of a is below b.
+inline unsigned lanes_below(Lanes a, float b) {
+#ifdef __AVX512F__
+  return _mm512_cmp_ps_mask(__m512(a), _mm512_set1_ps(b), _CMP_LT_OQ);
+#else
+  unsigned bits = 0;
+  for (int l = 0; l < kLanes; l++) bits |= unsigned(a[l] < b) << l;
+  return bits;
+#endif
+}
+
+inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
+inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
+
+/// Three numbers each.
+struct Lanes3 {
+  Lanes x, y, z;
+};
+inline Lanes3 operator+(Lanes3 a, Lanes3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Lanes3 operator-(Lanes3 a, Lanes3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Lanes3 operator*(Lanes3 a, Lanes s) { return {a.x * s, a.y * s, a.z * s}; }
+inline Lanes dot(Lanes3 a, Lanes3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+}  // namespace turgor

@@ -1,0 +1,168 @@
+// The cloth model: a sheet of springs in the wind that stays out of itself. Backward Euler is solved by
+// Jacobi sweeps with 3×3 blocks on the diagonal [Kang 2004], accelerated, or by conjugate gradients on the
+// same matrix; contacts are found by hashing. Equations, and what differs from the paper:
+// docs/models/cloth.md.
+//
+//   build        checks the mesh, makes springs and masses, renumbers        (build.cpp)
+//   step         wind, forces and matrix, sweeps, contacts, motion            (step.cpp)
+//   hold         vertices that are pinned, or follow something                (hold.cpp)
+//   measure      energy, momentum, penetrations                               (measure.cpp)
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/core/result.hpp"
+#include "turgor/geometry/tri_mesh.hpp"
+#include "turgor/models/cloth/contact.hpp"
+#include "turgor/models/cloth/near_points.hpp"
+#include "turgor/models/cloth/rows.hpp"
+#include "turgor/models/cloth/vectors.hpp"
+#include "turgor/models/cloth/wind.hpp"
+
+namespace turgor::cloth {
+
+/// Stiffness is force per width at a strain of 1, as of a membrane.
+struct Fabric {
+  double density = 0.2;      // [kg/m²]
+  double warp = 1000;        // along the warp [N/m]
+  double weft = 1000;        // across it [N/m]
+  double shear = 200;        // on the bias [N/m]
+  double bend = 20;          // of the springs across edges, which resist folding [N/m]
+  Vec3d direction{1, 0, 0};  // of the warp, where the mesh lies; need not lie in it
+};
+
+struct Damping {
+  double motion = 0.2;     // velocities lose exp(-motion·t) [1/s]
+  double stretch = 0.001;  // Rayleigh: force by the rate of stretch, in multiples of stiffness [s]
+};
+
+/// How (M − h²J) Δv = h f̃ is solved.
+enum class Method : std::uint8_t { kJacobi, kChebyshev, kConjugateGradients };
+
+struct Solver {
+  Method method = Method::kChebyshev;
+  int sweeps = 8;  // or iterations of conjugate gradients; at least 1
+  double strain_limit =
+      0;  // no spring is pulled longer than 1 + this times its rest length; 0 = no limit [1]
+};
+
+struct Collision {
+  bool self = true;
+  double thickness = 0.005;  // θ_c, smallest distance of two layers [m]
+  double friction = 0.3;     // Coulomb's coefficient between layers [1]
+  int iterations = 12;       // at most, of velocities and of places
+};
+
+struct Params {
+  Fabric fabric;
+  Damping damping;
+  Solver solver;
+  Collision collision;
+  double weld = 0;  // vertices closer than this are one: closes the seams of a garment [m]
+};
+
+/// What does not change. Vertices are numbered anew: by part, and so that neighbours are near each other in
+/// memory.
+struct Model {
+  Params params;
+  int count = 0;                     // vertices; arrays are padded to whole batches
+  std::vector<int> original, place;  // vertex of the mesh by vertex of the model, and back
+  std::vector<int> part_begin;       // first vertex of each connected part, and the end
+  aligned_vector<Real> mass;         // [kg]
+  Rows rows;                         // springs
+  std::size_t spring_count = 0;
+  std::vector<Int3> triangles;      // of the model's vertices, by their smallest vertex
+  ChunkTriangles chunk_triangles;   // which of them touch each chunk of vertices
+  NeighbourLists near;              // adjacent, or closer than the thickness at rest: never in contact
+  CoarseMesh coarse;                // edges and triangles between whose vertices a vertex could slip
+  Vectors x_rest;                   // [m]
+  double area = 0, total_mass = 0;  // [m²] [kg]
+  double mean_edge = 0, shortest_edge = 0;  // [m]
+  std::vector<std::string> notes;           // sentences about what is unusual in the mesh
+};
+
+/// A vertex that goes where it is told.
+struct Hold {
+  int vertex = 0;  // of the model
+  Vec3 goal;       // where it is at the end of the next step [m]
+};
+
+/// The linear system of one step and what its solvers need.
+struct System {
+  aligned_vector<Real> along, across;  // 16 a slot of the rows: s k (1 − l)/L² and s k l, s = h² + h·damping
+  Vectors force;                       // right-hand side h f̃ [N·s]
+  Vectors inverse[2];                  // of the diagonal blocks: xx yy zz, xy xz yz [1/kg]
+  Vectors change, before;              // Δv now and a sweep ago [m/s]
+  Vectors search, image, left;         // of conjugate gradients: direction, W times it, residual; else empty
+  Vectors air[2];  // how fast the air's impulse falls with velocity, for the residual and conjugate gradients
+                   // [kg]
+  Real keep = 1;   // by how much damping of motion makes masses larger [1]
+  std::vector<double> drag;  // of the air on each part that nothing holds [kg]
+};
+
+/// What changes.
+struct State {
+  double time = 0;                 // [s]
+  Vectors x, v;                    // [m] [m/s]
+  aligned_vector<Real> free_mass;  // [kg]; 0 = held
+  std::vector<Hold> holds;         // ascending by vertex
+  System system;
+  Contacts contacts;
+  NearPoints near_points;
+  Real largest_speed = 0;  // after the latest step [m/s]
+};
+
+/// Something that the cloth must stay out of, asked for each vertex from several threads at once.
+struct Obstacle {
+  /// Nearest surface to x, or false when it is farther than `reach`.
+  std::function<bool(Vec3 x, Real reach, SurfacePoint& found)> nearest;
+  double friction = 0.3;  // Coulomb's coefficient [1]
+  double gap = 0.002;     // the cloth stays this far away [m]
+};
+
+struct Inputs {
+  Vec3d gravity;  // [m/s²]
+  Air air;
+  std::vector<Obstacle> obstacles;
+  bool measure_residual = false;  // costs about one sweep
+};
+
+/// How far the step is from the solution of its linear system, relative to its right-hand side: |b − W
+/// Δv|/|b|.
+struct StepReport {
+  bool finite = true;      // false: the step was undone, and the cloth is at rest
+  Real largest_speed = 0;  // [m/s]
+  double residual = 0;     // when asked for [1]
+  int contacts = 0;        // pairs that were looked at closely
+  int contact_iterations = 0;
+};
+
+/// Error, with the ids of what is wrong: no triangle, a vertex that is no finite place, in no triangle (it
+/// would have no mass), a triangle without area, numbers of the fabric that are not positive, a thickness
+/// that is larger than half of the mesh's edges.
+Result<Model> build(const Exec& exec, const TriMesh& mesh, const Params& params);
+State make_state(const Model& model);
+StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+
+/// Holds a vertex of the mesh where it is; from then on it goes to its goal in each step. Error: no such
+/// vertex.
+Status hold(const Model& model, State& state, int mesh_vertex);
+/// Where a held vertex shall be at the end of the next step [m]. Error: the vertex is not held.
+Status move_hold(const Model& model, State& state, int mesh_vertex, Vec3 goal);
+/// Lets it go, with the velocity it has.
+Status release(const Model& model, State& state, int mesh_vertex);
+
+/// The sheet as it lies now, in the numbering and with the triangles of the model.
+TriMesh surface(const Model& model, const State& state);
+
+/// Memory of a model and its state while it runs.
+std::size_t memory_bytes(const Model& model, const State& state);
+/// Equal for equal places and velocities, whatever the number of threads.
+std::uint64_t state_hash(const Model& model, const State& state);
+
+}  // namespace turgor::cloth

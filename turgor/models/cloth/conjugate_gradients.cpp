@@ -1,0 +1,108 @@
+// Conjugate gradients on the same system, preconditioned with the same diagonal blocks: the reference that
+// sweeps are compared with. Sums are made in pieces that do not depend on the number of threads.
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/models/cloth/batch_system.hpp"
+#include "turgor/models/cloth/system.hpp"
+
+namespace turgor::cloth {
+
+namespace {
+
+constexpr std::size_t kPiece = 64;  // batches that are summed at once
+
+double lane_sum(Lanes a) {
+  double sum = 0;
+  for (int l = 0; l < kLanes; l++) sum += double(a[l]);
+  return sum;
+}
+
+/// Σ over batches of visit(first vertex) in a fixed order.
+template <class Visit>
+double sum_batches(const Exec& exec, const Model& model, const Visit& visit) {
+  const std::size_t batches = batch_count(model.rows);
+  std::vector<double> pieces((batches + kPiece - 1) / kPiece);
+  parallel_for(exec, pieces.size(), [&](std::size_t p) {
+    for (std::size_t b = p * kPiece; b < std::min((p + 1) * kPiece, batches); b++)
+      pieces[p] += lane_sum(visit(b * std::size_t(kLanes)));
+  });
+  double sum = 0;
+  for (const double piece : pieces) sum += piece;
+  return sum;
+}
+
+/// force − W a, of the vertices from i on; 0 for held ones. Differences of neighbours keep what a stiff
+/// matrix with a light mass on its diagonal would round away.
+Lanes3 left_over(const Model& model, const State& state, const Vectors& a, Lanes3 force, std::size_t i) {
+  const System& system = state.system;
+  const Rows& rows = model.rows;
+  const Lanes3 x = load(state.x, i), mine = load(a, i);
+  const Lanes mass = load_lanes(&state.free_mass[i]);
+  const LanesMatrix air{load(system.air[0], i), load(system.air[1], i)};
+  Lanes3 sum = force - mine * (mass * system.keep) - air * mine;
+  const std::size_t batch = i / std::size_t(kLanes);
+  for (int s = rows.slot_begin[batch]; s < rows.slot_begin[batch + 1]; s++) {
+    const Lanes3 d = load_neighbours(rows, state.x, s) - x, u = load_neighbours(rows, a, s) - mine;
+    const auto entry = std::size_t(s) * std::size_t(kLanes);
+    sum = sum + d * (load_lanes(&system.along[entry]) * dot(d, u)) + u * load_lanes(&system.across[entry]);
+  }
+  return sum * (mass > 0 ? all_lanes(1) : all_lanes(0));
+}
+
+}  // namespace
+
+double residual(const Exec& exec, const Model& model, const State& state) {
+  const System& system = state.system;
+  TURGOR_ASSERT(system.air[0].size() > 0, "assemble was not told to measure the residual");
+  const double force2 = sum_batches(exec, model, [&](std::size_t i) {
+    const Lanes is_free = load_lanes(&state.free_mass[i]) > 0 ? all_lanes(1) : all_lanes(0);
+    const Lanes3 f = load(system.force, i) * is_free;
+    return dot(f, f);
+  });
+  const double left2 = sum_batches(exec, model, [&](std::size_t i) {
+    const Lanes3 r = left_over(model, state, system.change, load(system.force, i), i);
+    return dot(r, r);
+  });
+  return force2 > 0 ? std::sqrt(left2 / force2) : 0;
+}
+
+void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& state, int iterations) {
+  System& system = state.system;
+  Vectors &r = system.left, &p = system.search, &q = system.image;
+  for (Vectors* field : {&r, &p, &q}) field->resize(system.change.size());
+  double rz = sum_batches(exec, model, [&](std::size_t i) {
+    const Lanes3 left = left_over(model, state, system.change, load(system.force, i), i);
+    const Lanes3 z = inverse_diagonal(system, i) * left;
+    store(r, i, left), store(p, i, z);
+    return dot(left, z);
+  });
+  for (int n = 0; n < iterations && rz > 0; n++) {
+    const double pq = sum_batches(exec, model, [&](std::size_t i) {
+      const Lanes3 zero{};
+      const Lanes3 image = zero - left_over(model, state, p, zero, i);
+      store(q, i, image);
+      return dot(load(p, i), image);
+    });
+    if (!(pq > 0)) return;
+    const Lanes alpha = all_lanes(float(rz / pq));
+    const double next = sum_batches(exec, model, [&](std::size_t i) {
+      const Lanes3 left = load(r, i) - load(q, i) * alpha;
+      store(system.change, i, load(system.change, i) + load(p, i) * alpha);
+      store(r, i, left);
+      return dot(left, inverse_diagonal(system, i) * left);
+    });
+    const Lanes beta = all_lanes(float(next / rz));
+    rz = next;
+    parallel_for(
+        exec, batch_count(model.rows),
+        [&](std::size_t batch) {
+          const std::size_t i = batch * std::size_t(kLanes);
+          store(p, i, inverse_diagonal(system, i) * load(r, i) + load(p, i) * beta);
+        },
+        kPiece);
+  }
+}
+
+}  // namespace turgor::cloth

@@ -1,0 +1,115 @@
+// Contacts of a cloth with itself and with obstacles: who touches whom, and the impulses that keep them
+// apart. A contact holds up to four vertices whose weighted sum must stay on the positive side of a plane:
+// two vertices, a vertex and a triangle, two edges, or a vertex alone against an obstacle.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/core/vec.hpp"
+#include "turgor/models/cloth/near_points.hpp"
+#include "turgor/models/cloth/vectors.hpp"
+
+namespace turgor::cloth {
+
+struct Model;
+struct State;
+struct Inputs;
+
+/// What an obstacle says about the place of its surface that is nearest to a vertex.
+struct SurfacePoint {
+  Real distance = 0;  // negative inside [m]
+  Vec3 normal;        // unit, outward
+  Vec3 velocity;      // of the surface there [m/s]
+};
+
+/// Numbers in lists: of vertex i those from begin[i] to begin[i + 1].
+struct NeighbourLists {
+  std::vector<int> begin, item;
+};
+
+/// What is large compared to the thickness: vertices alone would not keep it apart.
+struct CoarseMesh {
+  std::vector<Int3> triangles;
+  std::vector<std::array<int, 2>> edges;
+  Real longest = 0;  // edge, at rest [m]
+};
+
+struct Contact {
+  std::array<int, 4> vertex{-1, -1, -1, -1};
+  std::array<Real, 4> weight{};  // their sum is 0, or 1 against an obstacle
+  int obstacle = -1;             // which one of the inputs; -1 = the cloth itself
+  Vec3 normal;                   // towards the side of the first vertex
+  Real room = 0;      // how far the weighted sum may still go against the normal; negative = too near [m]
+  Real plane = 0;     // normal · weighted sum where the room ends [m]
+  Vec3 drift;         // velocity of the obstacle [m/s]
+  Real friction = 0;  // [1]
+  Real mass = 0;      // that an impulse moves, with every vertex split among its contacts [kg]
+  Real impulse = 0;   // along the normal [N·s]
+  Vec3 rub;           // across it: friction [N·s]
+  Real carry = 0;     // part of both that the next step begins with [1]
+  Vec3 allowed;       // impulse of the latest iteration before it is extrapolated [N·s]
+  Real push = 0, push_allowed = 0;  // the same for places, from 0 in each step [kg·m]
+  Vec3 kick;                        // change of the impulse in the present iteration [N·s]
+};
+
+struct Contacts {
+  std::vector<Contact> list;
+  std::vector<int> begin, item;  // contacts of each vertex: item[begin[i]] … item[begin[i + 1] - 1]
+  std::vector<int> touched;      // vertices that have any
+  std::vector<std::vector<Contact>> found;  // by chunk, while looking
+  Vectors middles;                          // of coarse edges [m]
+  NearPoints midpoints;                     // the same, sorted
+  Real longest_half = 0;                    // half of the longest coarse edge [m]
+
+  bool touches(int vertex) const {
+    const auto v = std::size_t(vertex);
+    return !begin.empty() && begin[v] < begin[v + 1];
+  }
+};
+
+/// All contacts of a step from x with the velocities v, with the impulses that contacts of the step before
+/// had.
+void find_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+
+/// Those of a vertex and a large triangle and of two large edges, in as many pieces as coarse_pieces says.
+void find_coarse_contacts(const Exec& exec, const Model& model, State& state, Real reach, double dt,
+                          std::span<std::vector<Contact>> found);
+std::size_t coarse_pieces(const Model& model);
+
+/// How far two groups of vertices may approach each other in a step, along the normal towards the first [m].
+/// `v` and `change` are their mean velocities and how much of it is new; what touched something may be
+/// stopped again, and what is new may be.
+struct Group {
+  Vec3 v, change;
+  bool touches = false;
+};
+inline Real approach(const Group& a, const Group& b, Vec3 normal, Real dt) {
+  const Real va = -dot(a.v, normal), vb = dot(b.v, normal);
+  const Real alone_a = a.touches || b.touches ? va : -dot(a.change, normal);
+  const Real alone_b = a.touches || b.touches ? vb : dot(b.change, normal);
+  return dt * std::max(va + vb, std::max(alone_a, alone_b));
+}
+
+/// The contact of the same vertices in the step before; null = there was none.
+const Contact* find_old(const Contacts& contacts, const Contact& wanted);
+
+/// Makes the lists of each vertex, and the masses, of Contacts::list.
+void link_contacts(const Model& model, State& state);
+
+/// Changes velocities until nothing approaches further than it has room. Returns the iterations it took.
+int solve_velocities(const Exec& exec, const Model& model, State& state, double dt);
+/// Moves what is still too near apart, without giving it velocity.
+void solve_places(const Exec& exec, const Model& model, State& state, double dt);
+
+/// Total impulse that an obstacle got in the latest step [N·s], and its moment about `centre` [N·m·s].
+struct ObstacleLoad {
+  Vec3d impulse, moment;
+};
+ObstacleLoad obstacle_load(const State& state, int obstacle, Vec3d centre);
+
+}  // namespace turgor::cloth

@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/models/cloth/cloth.hpp"
+
+namespace turgor::cloth {
+
+namespace {
+
+constexpr std::size_t kGrain = 8;  // chunks of vertices
+
+bool is_near_at_rest(const NeighbourLists& near, int a, int b) {
+  const auto from = near.item.begin() + near.begin[std::size_t(a)],
+             to = near.item.begin() + near.begin[std::size_t(a) + 1];
+  return std::find(from, to, b) != to;
+}
+
+struct FindPairs {
+  const Model& model;
+  const State& state;
+  Real reach, dt;
+
+  Group group(int i) const {
+    const auto v = std::size_t(i);
+    return {state.v[v], state.system.change[v], state.contacts.touches(i)};
+  }
+
+  void operator()(int i, std::vector<Contact>& found) const {
+    const Collision& params = model.params.collision;
+    const Real thickness = Real(params.thickness);
+    const Vec3 xi = state.x[std::size_t(i)];
+    const Group mine = group(i);
+    visit_near(state.near_points, xi, reach, [&](int j, Vec3 xj) {
+      if (j <= i) return;
+      const Vec3 d = xi - xj;
+      const Real distance = norm(d);
+      const Vec3 normal = distance > 0 ? d / distance : Vec3{0, 0, 1};
+      Contact contact{.vertex = {i, j, -1, -1}, .weight = {1, -1, 0, 0}};
+      const Contact* old = find_old(state.contacts, contact);
+      if (distance - approach(mine, group(j), normal, dt) >= thickness && !(old && old->impulse > 0)) return;
+      if (is_near_at_rest(model.near, i, j)) return;
+      contact.normal = normal, contact.plane = thickness, contact.room = distance - thickness;
+      contact.friction = Real(params.friction);
+      if (old) contact.impulse = old->impulse * old->carry, contact.rub = old->rub * old->carry;
+      found.push_back(contact);
+    });
+  }
+};
+
+struct FindObstacles {
+  const State& state;
+  const std::vector<Obstacle>& obstacles;
+  Real dt;
+
+  void operator()(int i, std::vector<Contact>& found) const {
+    const auto vertex = std::size_t(i);
+    if (state.free_mass[vertex] == 0) return;
+    const Vec3 x = state.x[vertex], v = state.v[vertex];
+    for (std::size_t o = 0; o < obstacles.size(); o++) {
+      const Real gap = Real(obstacles[o].gap);
+      SurfacePoint at;
+      if (!obstacles[o].nearest(x, 2 * (gap + dt * norm(v)), at)) continue;
+      Contact contact{.vertex = {i, -1, -1, -1}, .weight = {1, 0, 0, 0}, .obstacle = int(o)};
+      const Contact* old = find_old(state.contacts, contact);
+      const Real closing = -dt * dot(v - at.velocity, at.normal), room = at.distance - gap;
+      if (room >= closing && !(old && old->impulse > 0)) continue;
+      contact.normal = at.normal, contact.room = room, contact.plane = dot(at.normal, x) - room;
+      contact.drift = at.velocity, contact.friction = Real(obstacles[o].friction);
+      if (old) contact.impulse = old->impulse * old->carry, contact.rub = old->rub * old->carry;
+      found.push_back(contact);
+    }
+  }
+};
+
+}  // namespace
+
+const Contact* find_old(const Contacts& contacts, const Contact& wanted) {
+  const auto v = std::size_t(wanted.vertex[0]);
+  if (contacts.begin.empty()) return nullptr;
+  for (int n = contacts.begin[v]; n < contacts.begin[v + 1]; n++) {
+    const Contact& old = contacts.list[std::size_t(contacts.item[std::size_t(n)]) / 4];
+    if (old.vertex == wanted.vertex && old.obstacle == wanted.obstacle) return &old;
+  }
+  return nullptr;
+}
+
+void find_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  const Collision& params = model.params.collision;
+  Contacts& contacts = state.contacts;
+  const std::size_t chunks = (std::size_t(model.count) + kChunk - 1) / kChunk;
+  const std::size_t pieces = params.self ? coarse_pieces(model) : 0;
+  contacts.found.resize(chunks + pieces);
+  // Two vertices can come as much nearer in a step as both of them move: as far is looked, within bounds.
+  const Real thickness = Real(params.thickness);
+  const Real reach =
+      thickness * std::clamp(1 + 2 * Real(dt) * state.largest_speed / thickness, Real(1.1), Real(2));
+  const FindPairs pairs{model, state, reach, Real(dt)};
+  const FindObstacles obstacles{state, inputs.obstacles, Real(dt)};
+  if (params.self) {
+    const Real coarse = model.coarse.triangles.empty() ? 0 : model.coarse.longest / 2;
+    sort_points(exec, state.x, model.count, std::max(Real(2.02) * reach, coarse), state.near_points);
+  }
+  parallel_for(
+      exec, chunks,
+      [&](std::size_t chunk) {
+        std::vector<Contact>& found = contacts.found[chunk];
+        found.clear();
+        const int end = std::min(int((chunk + 1) * kChunk), model.count);
+        for (int i = int(chunk * kChunk); i < end; i++) {
+          if (params.self) pairs(i, found);
+          if (!inputs.obstacles.empty()) obstacles(i, found);
+        }
+      },
+      kGrain);
+  if (pieces > 0)
+    find_coarse_contacts(exec, model, state, reach, dt, std::span(contacts.found).subspan(chunks));
+  contacts.list.clear();
+  for (const auto& found : contacts.found)
+    contacts.list.insert(contacts.list.end(), found.begin(), found.end());
+  link_contacts(model, state);
+}
+
+}  // namespace turgor::cloth

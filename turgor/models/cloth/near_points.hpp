@@ -1,0 +1,86 @@
+// Points sorted into cells by hashing, so that all points near a place are found, and no pair is missed. The
+// paper's two grids, shifted by half a cell, miss pairs; here a cell is at least twice as large as the reach,
+// and the eight cells around a point hold everything within its reach. Cells that follow one another along x
+// have buckets that do so too: eight cells are four runs of memory, looked at sixteen points at a time.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/models/cloth/vectors.hpp"
+
+namespace turgor::cloth {
+
+struct NearPoints {
+  Real cell = 0;  // its side [m]
+  std::uint32_t mask = 0;
+  std::vector<int> begin;        // of each bucket, and the end
+  std::vector<int> bucket;       // of each point
+  std::vector<int> index;        // points by bucket
+  aligned_vector<Real> x, y, z;  // places by bucket, and a batch to spare [m]
+};
+
+/// Sorts the first `count` points. `cell` is more than twice the largest reach that is asked for.
+void sort_points(const Exec& exec, const Vectors& points, int count, Real cell, NearPoints& near);
+
+inline int cell_of(Real x, Real inverse_cell) {
+  constexpr Real kFar = 1e9f;  // an int holds it; points beyond share the last cell
+  return int(std::floor(std::clamp(x * inverse_cell, -kFar, kFar)));
+}
+/// Of the cell (0, cy, cz); cell cx is cx further on.
+inline std::uint32_t row_bucket(int cy, int cz) {
+  const std::uint32_t h = std::uint32_t(cy) * 0x9e3779b1u ^ std::uint32_t(cz) * 0x85ebca77u;
+  return (h ^ h >> 15) * 0x2c1b3c6du;
+}
+
+/// Calls visit(point, place) for the sorted points [from, to) that pass, sixteen at a time.
+template <class Passes, class Visit>
+void visit_run(const NearPoints& near, int from, int to, const Passes& passes, const Visit& visit) {
+  for (int n = from; n < to; n += kLanes) {
+    const auto s = std::size_t(n);
+    unsigned hits = passes(Lanes3{load_lanes(&near.x[s]), load_lanes(&near.y[s]), load_lanes(&near.z[s])});
+    if (to - n < kLanes) hits &= (1u << (to - n)) - 1;
+    for (; hits != 0; hits &= hits - 1) {
+      const std::size_t hit = s + std::size_t(std::countr_zero(hits));
+      visit(near.index[hit], Vec3{near.x[hit], near.y[hit], near.z[hit]});
+    }
+  }
+}
+
+/// Calls visit(point, place) once for every point that passes. `passes` takes sixteen places and returns a
+/// bit for each; no point outside of the box may pass.
+template <class Passes, class Visit>
+void visit_box(const NearPoints& near, Vec3 low, Vec3 high, const Passes& passes, const Visit& visit) {
+  const Real inverse = 1 / near.cell;
+  const int x0 = cell_of(low.x, inverse), y0 = cell_of(low.y, inverse), z0 = cell_of(low.z, inverse);
+  const int x1 = cell_of(high.x, inverse), y1 = cell_of(high.y, inverse), z1 = cell_of(high.z, inverse);
+  const double cells = (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1);
+  if (cells > double(near.mask)) return visit_run(near, 0, int(near.index.size()), passes, visit);
+  for (int cz = z0; cz <= z1; cz++)
+    for (int cy = y0; cy <= y1; cy++) {
+      const auto visit_own = [&](int point, Vec3 p) {  // other rows have some of the same buckets
+        if (cell_of(p.y, inverse) == cy && cell_of(p.z, inverse) == cz) visit(point, p);
+      };
+      const std::uint32_t first = (row_bucket(cy, cz) + std::uint32_t(x0)) & near.mask,
+                          last = first + std::uint32_t(x1 - x0);
+      visit_run(near, near.begin[first], near.begin[std::min(last, near.mask) + 1], passes, visit_own);
+      if (last > near.mask) visit_run(near, 0, near.begin[last - near.mask], passes, visit_own);
+    }
+}
+
+/// Calls visit(point, place) once for every point within `reach` of p, which is less than half a cell.
+template <class Visit>
+void visit_near(const NearPoints& near, Vec3 p, Real reach, const Visit& visit) {
+  const Real half = near.cell / 2, reach2 = reach * reach;
+  const auto passes = [&](Lanes3 q) {
+    const Lanes3 d{q.x - p.x, q.y - p.y, q.z - p.z};
+    return lanes_below(dot(d, d), reach2);
+  };
+  visit_box(near, p - Vec3{half, half, half}, p + Vec3{half, half, half}, passes, visit);
+}
+
+}  // namespace turgor::cloth

@@ -1,0 +1,18 @@
+// The springs of a triangle mesh: one along each edge, one across each edge between the corners that face it.
+// Their stiffness follows from that of the fabric, so that a sheet answers a pull the same way however its
+// triangles lie.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "turgor/models/cloth/cloth.hpp"
+
+namespace turgor::cloth {
+
+/// In the mesh's numbering, by their first vertex. Notes name edges of more than two triangles and count
+/// parts of the boundary.
+std::vector<Spring> make_springs(const TriMesh& mesh, const Fabric& fabric, std::vector<std::string>& notes);
+
+}  // namespace turgor::cloth

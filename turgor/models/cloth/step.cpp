@@ -1,0 +1,105 @@
+#include <atomic>
+#include <bit>
+#include <cmath>
+
+#include "turgor/core/hash.hpp"
+#include "turgor/models/cloth/strain_limit.hpp"
+#include "turgor/models/cloth/system.hpp"
+
+namespace turgor::cloth {
+
+namespace {
+
+constexpr std::size_t kGrain = 64;  // batches
+
+void change_velocities(const Exec& exec, State& state) {
+  parallel_for(
+      exec, state.v.size() / std::size_t(kLanes),
+      [&](std::size_t batch) {
+        const std::size_t i = batch * std::size_t(kLanes);
+        store(state.v, i, load(state.v, i) + load(state.system.change, i));
+      },
+      kGrain);
+}
+
+/// Not finite when any velocity is not: bit patterns of positive numbers are in order, and those of no
+/// numbers come last.
+Real largest_speed(const Exec& exec, const State& state) {
+  std::atomic<std::uint32_t> largest{0};
+  exec.run_ranges(state.v.size(), kGrain * std::size_t(kLanes), [&](std::size_t begin, std::size_t end) {
+    std::uint32_t found = 0;
+    for (std::size_t i = begin; i < end; i++) {
+      const Vec3 v = state.v[i];
+      const std::uint32_t bits = std::bit_cast<std::uint32_t>(dot(v, v)) & 0x7fffffffu;
+      found = bits > found ? bits : found;
+    }
+    std::uint32_t seen = largest.load();
+    while (seen < found && !largest.compare_exchange_weak(seen, found)) {
+    }
+  });
+  return std::sqrt(std::bit_cast<Real>(largest.load()));
+}
+
+void move(const Exec& exec, State& state, Real dt) {
+  parallel_for(
+      exec, state.v.size() / std::size_t(kLanes),
+      [&](std::size_t batch) {
+        const std::size_t i = batch * std::size_t(kLanes);
+        store(state.x, i, load(state.x, i) + load(state.v, i) * all_lanes(dt));
+      },
+      kGrain);
+  for (const Hold& hold : state.holds) state.x.set(std::size_t(hold.vertex), hold.goal);
+}
+
+void lay_to_rest(State& state) {
+  for (auto* values : {&state.v.x, &state.v.y, &state.v.z})
+    std::fill(values->begin(), values->end(), Real(0));
+  state.contacts.list.clear();
+  state.contacts.begin.clear();
+  state.largest_speed = 0;
+}
+
+}  // namespace
+
+StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  StepReport report;
+  assemble(exec, model, state, inputs, dt);
+  solve_change(exec, model, state, dt);
+  if (inputs.measure_residual) report.residual = residual(exec, model, state);
+  change_velocities(exec, state);
+  if (model.params.solver.strain_limit > 0) limit_strain(exec, model, state, dt);
+  state.largest_speed = largest_speed(exec, state);
+  if (std::isfinite(state.largest_speed)) {
+    find_contacts(exec, model, state, inputs, dt);
+    report.contact_iterations = solve_velocities(exec, model, state, dt);
+    state.largest_speed = largest_speed(exec, state);
+  }
+  report.finite = std::isfinite(state.largest_speed);
+  report.largest_speed = state.largest_speed;
+  report.contacts = int(state.contacts.list.size());
+  if (!report.finite) {
+    lay_to_rest(state);
+    return report;
+  }
+  move(exec, state, Real(dt));
+  solve_places(exec, model, state, dt);
+  state.time += dt;
+  return report;
+}
+
+TriMesh surface(const Model& model, const State& state) {
+  TriMesh mesh{.triangles = model.triangles};
+  for (int v = 0; v < model.count; v++) mesh.vertices.push_back(state.x[std::size_t(v)]);
+  mesh.normals = vertex_normals(mesh);
+  return mesh;
+}
+
+std::uint64_t state_hash(const Model& model, const State& state) {
+  std::uint64_t hash = kHashSeed;
+  for (const Vectors* field : {&state.x, &state.v})
+    for (const auto* values : {&field->x, &field->y, &field->z})
+      hash = hash_values(std::span<const Real>(values->data(), std::size_t(model.count)), hash);
+  return hash;
+}
+
+}  // namespace turgor::cloth

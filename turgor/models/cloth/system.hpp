@@ -1,0 +1,26 @@
+// The linear system of a step, W Δv = h f̃ with W = M − s J, and its solvers. W is never stored: a spring's
+// block is along · d dᵀ + across · I with d between its vertices, so that two numbers and the places make it.
+#pragma once
+
+#include "turgor/models/cloth/cloth.hpp"
+
+namespace turgor::cloth {
+
+/// Forces and the matrix at the places and velocities of the state. Impulses of the step before are among the
+/// forces, and held vertices have the change that leads to their goals.
+void assemble(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+
+/// Solves for System::change, as Solver says.
+void solve_change(const Exec& exec, const Model& model, State& state, double dt);
+
+/// Parts of the solvers, for tests and benches. One sweep leads `change` to
+/// before + omega (W_ii⁻¹ (force + s Σ J_ij change_j) − before).
+void start_change(const Exec& exec, const Model& model, State& state, double dt);
+void sweep(const Exec& exec, const Model& model, State& state, Real omega);
+void solve_by_sweeps(const Exec& exec, const Model& model, State& state, Method method, int sweeps);
+void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& state, int iterations);
+
+/// |force − W change| / |force| over the free vertices. The system was assembled to measure it.
+double residual(const Exec& exec, const Model& model, const State& state);
+
+}  // namespace turgor::cloth

@@ -1,0 +1,55 @@
+// Three numbers a vertex, each in an array of its own, padded to whole batches.
+#pragma once
+
+#include "turgor/core/aligned.hpp"
+#include "turgor/core/lanes.hpp"
+#include "turgor/core/vec.hpp"
+
+namespace turgor::cloth {
+
+/// What fills whole batches of sixteen.
+constexpr std::size_t padded(std::size_t count) {
+  return (count + std::size_t(kLanes) - 1) / std::size_t(kLanes) * std::size_t(kLanes);
+}
+
+struct Vectors {
+  aligned_vector<Real> x, y, z;
+
+  Vec3 operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
+  void set(std::size_t i, Vec3 a) { x[i] = a.x, y[i] = a.y, z[i] = a.z; }
+  void add(std::size_t i, Vec3 a) { x[i] += a.x, y[i] += a.y, z[i] += a.z; }
+  void resize(std::size_t count) { x.resize(count), y.resize(count), z.resize(count); }
+  std::size_t size() const { return x.size(); }
+};
+
+inline Lanes3 load(const Vectors& a, std::size_t i) {
+  return {load_lanes(&a.x[i]), load_lanes(&a.y[i]), load_lanes(&a.z[i])};
+}
+inline void store(Vectors& a, std::size_t i, Lanes3 b) {
+  store_lanes(&a.x[i], b.x), store_lanes(&a.y[i], b.y), store_lanes(&a.z[i], b.z);
+}
+inline Lanes3 gather(const Vectors& a, const int* index) {
+  return {gather_lanes(a.x.data(), index), gather_lanes(a.y.data(), index), gather_lanes(a.z.data(), index)};
+}
+
+/// A symmetric 3×3 matrix by its diagonal and xy, xz, yz.
+struct LanesMatrix {
+  Lanes3 diagonal, off;
+};
+inline Lanes3 operator*(const LanesMatrix& m, Lanes3 a) {
+  return {m.diagonal.x * a.x + m.off.x * a.y + m.off.y * a.z,
+          m.off.x * a.x + m.diagonal.y * a.y + m.off.z * a.z,
+          m.off.y * a.x + m.off.z * a.y + m.diagonal.z * a.z};
+}
+/// Of a positive definite one. Scaled first, so that small masses do not vanish in products of three.
+inline LanesMatrix inverse(LanesMatrix m) {
+  const Lanes scale = 1 / (m.diagonal.x + m.diagonal.y + m.diagonal.z);
+  m.diagonal = m.diagonal * scale, m.off = m.off * scale;
+  const auto [a, d, f] = m.diagonal;
+  const auto [b, c, e] = m.off;
+  const Lanes m00 = d * f - e * e, m01 = c * e - b * f, m02 = b * e - d * c;
+  const Lanes s = scale / (a * m00 + b * m01 + c * m02);
+  return {Lanes3{m00, a * f - c * c, a * d - b * b} * s, Lanes3{m01, m02, b * c - a * e} * s};
+}
+
+}  // namespace turgor::cloth
