@@ -44,27 +44,45 @@ std::size_t pressing_tool(const OrganSurface& surface) {
   return most;
 }
 
-/// From aside, so that both the dent and the tool are seen.
-Camera camera_at_tool(const OrganSurface& surface, const TriMesh& mesh, double aspect) {
+/// At what the pressing tool touches. From aside one sees the dent with the tool in it, from above, where it
+/// is left out, what lies below it.
+Camera camera_at_tool(const OrganSurface& surface, const TriMesh& mesh, bool from_above, double aspect) {
   const ShownTool& tool = surface.tools[pressing_tool(surface)];
   const Box size = bounding_box(mesh);
-  const double reach = norm(size.high - size.low);
+  const double reach = (from_above ? 0.7 : 0.8) * norm(size.high - size.low);
   const Vec3d half{reach, reach, reach}, out = normalized(tool.force);
   const Vec3d head = std::abs(out.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{0, -1, 0};
   const Vec3d side = normalized(cross(out, head));
-  return frame_box({tool.pose.position - half, tool.pose.position + half}, out + side * 0.9 + head * 0.55,
-                   out, aspect);
+  const Vec3d direction = from_above ? out + side * 0.45 + head * 0.25 : out * 0.7 + side * 0.9 + head * 0.55;
+  return frame_box({tool.pose.position - half, tool.pose.position + half}, direction, out, aspect);
 }
 
-/// One picture of one organ's surface.
+/// One picture of one organ's surface, with tools and forces as they are.
 std::optional<Image> draw_organ(const World& world, std::size_t index, const OrganSurface& surface,
-                                const Camera& camera, double arrow, SkinColor color, Outputs& outputs) {
-  const ColorScale scale = color_scale(*outputs.scene, color);
+                                const Camera& camera, double arrow, Outputs& outputs) {
   PictureParts parts;
   add_organ(surface, tool_meshes(world, world.organs[index]),
-            {usual_force(outputs.scene->organs[index]), arrow}, color,
-            color == SkinColor::kNone ? nullptr : &scale, parts);
+            {usual_force(outputs.scene->organs[index]), arrow}, SkinColor::kNone, nullptr, parts);
   return draw_parts(parts, camera, outputs);
+}
+
+/// In colours that reach to the largest value, unless the scene says otherwise; without the tools.
+Status add_colored(const Organ& organ, SkinColor color, const char* name, const char* caption,
+                   const Camera& camera, Outputs& outputs) {
+  OrganSurface surface = organ.deepest;
+  surface.tools.clear();
+  const OutputScene& output = outputs.scene->output;
+  ColorScale scale = color_scale(*outputs.scene, color);
+  const std::vector<float> values = deformed_mesh(surface, color).scalars;
+  if (output.color != color || !output.color_range)
+    scale.high = *std::max_element(values.begin(), values.end());
+  PictureParts parts;
+  add_organ(surface, {}, {}, color, &scale, parts);
+  const std::optional<Image> image = draw_parts(parts, camera, outputs);
+  if (!image) return Done{};
+  return add_picture(outputs, fmt::format("{}-{}.png", organ.name, name),
+                     fmt::format("{} under the largest force, the tool left out: {}", organ.name, caption),
+                     *image, false);
 }
 
 /// How the organ lay when it was pressed most: the whole and from near, before and then, and in colours.
@@ -76,7 +94,7 @@ Status add_pressed_pictures(const World& world, std::size_t index, Outputs& outp
   const std::size_t tool = pressing_tool(pressed);
   const double aspect = double(outputs.scene->output.width) / outputs.scene->output.height;
   const Camera whole = outputs.views.front().camera,
-               near = camera_at_tool(pressed, *tool_meshes(world, organ)[tool], aspect);
+               near = camera_at_tool(pressed, *tool_meshes(world, organ)[tool], false, aspect);
   const std::string force =
       fmt::format("{:.2f} N at {:.2f} s", norm(pressed.tools[tool].force), pressed.time);
   struct View {
@@ -89,8 +107,8 @@ Status add_pressed_pictures(const World& world, std::size_t index, Outputs& outp
   const double near_arrow = 0.5 * norm(tool_box.high - tool_box.low);
   for (const View& view : {View{"near", "from near", near, near_arrow},
                            View{"whole", "as a whole", whole, 0.2 * extent(rest)}}) {
-    const auto before = draw_organ(world, index, rest, view.camera, view.arrow, SkinColor::kNone, outputs),
-               then = draw_organ(world, index, pressed, view.camera, view.arrow, SkinColor::kNone, outputs);
+    const auto before = draw_organ(world, index, rest, view.camera, view.arrow, outputs),
+               then = draw_organ(world, index, pressed, view.camera, view.arrow, outputs);
     if (!before || !then) return Done{};
     const Status status =
         add_picture(outputs, fmt::format("{}-{}.png", organ.name, view.name),
@@ -98,15 +116,12 @@ Status add_pressed_pictures(const World& world, std::size_t index, Outputs& outp
                     side_by_side({*before, *then}, {"before", force}), true);
     if (!status) return status;
   }
-  const auto moved = draw_organ(world, index, pressed, near, near_arrow, SkinColor::kDisplacement, outputs),
-             pressure = draw_organ(world, index, pressed, near, near_arrow, SkinColor::kPressure, outputs);
-  if (!moved || !pressure) return Done{};
-  if (const Status s = add_picture(outputs, organ.name + "-displacement.png",
-                                   organ.name + " from near: displacement", *moved, false);
+  const Camera above = camera_at_tool(pressed, *tool_meshes(world, organ)[tool], true, aspect);
+  if (const Status s =
+          add_colored(organ, SkinColor::kDisplacement, "displacement", "displacement", above, outputs);
       !s)
     return s;
-  return add_picture(outputs, organ.name + "-pressure.png", organ.name + " from near: contact pressure",
-                     *pressure, false);
+  return add_colored(organ, SkinColor::kPressure, "pressure", "contact pressure", above, outputs);
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     if (scene.error().message.empty()) std::abort();
     return 0;
   }
-  if (scene->lattices.empty() || !(scene->duration > 0) || frame_count(*scene) < 1) std::abort();
+  if (scene->lattices.empty() && scene->organs.empty()) std::abort();
+  if (!(scene->duration > 0) || frame_count(*scene) < 1) std::abort();
   for (const LatticeScene& body : scene->lattices) {
     const lattice::SkinParams& skin = body.params.skin;
     if (skin.tension_along >= skin.stiffness || skin.tension_across >= skin.stiffness) std::abort();
@@ -24,5 +25,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   }
   for (const IncisionScene& incision : scene->incisions)
     if (incision.body < 0 || std::size_t(incision.body) >= scene->lattices.size()) std::abort();
+  for (const SfemScene& organ : scene->organs)
+    if (!(organ.material.young > 0) || !(organ.material.poisson < 0.5) || organ.patch.refinement < 1)
+      std::abort();
+  for (const ToolScene& tool : scene->tools)
+    if (tool.body < 0 || std::size_t(tool.body) >= scene->organs.size()) std::abort();
   return 0;
 }

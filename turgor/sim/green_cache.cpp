@@ -88,7 +88,8 @@ fs::path user_cache() {
 }  // namespace
 
 fs::path green_cache_file(const fs::path& folder, std::uint64_t content_hash) {
-  const fs::path where = folder.empty() ? user_cache() : folder;
+  std::error_code ignored;
+  const fs::path where = folder.empty() ? user_cache() : fs::absolute(folder, ignored);
   return where.empty() ? fs::path() : where / fmt::format("green-{}.h5", hash_text(content_hash));
 }
 
