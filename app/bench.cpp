@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/bench_rhombus.hpp"
+#include "app/bench_cloth.hpp"
 #include "app/bench_sfem.hpp"
 #include "app/bench_skin_tension.hpp"
 #include "app/commands.hpp"
@@ -116,6 +118,22 @@ void add_sfem_bench(CLI::App& bench, Global& global) {
   });
 }
 
+void add_rhombus_bench(CLI::App& bench) {
+  CLI::App* rhombus = bench.add_subcommand("rhombus", "Forces and pictures of an organ of rhombus chains");
+  auto json = std::make_shared<std::string>();
+  rhombus->add_option("--json", *json, "Write the figures to a file too");
+  rhombus->footer("Example:\n  turgor bench rhombus");
+  rhombus->callback([json] {
+    std::vector<RhombusRow> rows;
+    {
+      ProgressBar bar("measuring");
+      rows = bench_rhombus(bar.callback());
+    }
+    if (!json->empty()) write_text(*json, to_json_text(rows));
+    print(rows);
+  });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& program, Global& global) {
@@ -144,6 +162,7 @@ void add_bench_command(CLI::App& program, Global& global) {
     print(result);
   });
   add_sfem_bench(*bench, global);
+  add_rhombus_bench(*bench);
 }
 
 }  // namespace turgor

@@ -27,5 +27,6 @@ void add_mesh_command(CLI::App& program, Global& global);
 void add_run_command(CLI::App& program, Global& global);
 void add_bench_command(CLI::App& program, Global& global);
 void add_validate_command(CLI::App& program, Global& global);
+void add_calibrate_command(CLI::App& program, Global& global);
 
 }  // namespace turgor

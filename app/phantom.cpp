@@ -1,4 +1,4 @@
-// `turgor phantom`: a synthetic CT as a DICOM folder or one file.
+// `turgor phantom`: a synthetic CT as a DICOM folder or one file; surfaces of a liver and of forceps.
 #include "turgor/geometry/phantom.hpp"
 
 #include <map>
@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
+#include "turgor/geometry/phantom_liver.hpp"
 #include "turgor/io/ct.hpp"
+#include "turgor/io/mesh_files.hpp"
 
 namespace turgor {
 
@@ -18,6 +20,7 @@ struct PhantomOptions {
   std::vector<int> size;
   std::vector<double> spacing_mm;
   std::uint64_t seed = 1;
+  double detail = 1;
 };
 
 const std::map<std::string, PhantomKind> kKinds = {
@@ -54,7 +57,20 @@ CtVolume make_with_bar(const PhantomParams& params, const Exec& exec, LabelVolum
   return make_phantom(exec, params, labels, bar.callback());
 }
 
+/// A liver or forceps as triangles.
+void run_surface(const PhantomOptions& options) {
+  if (!options.output.ends_with(".obj"))
+    throw Failure{2, fmt::format("--output: expected a file that ends in .obj, found {}", options.output)};
+  if (!options.size.empty() || !options.spacing_mm.empty() || !options.labels.empty())
+    throw Failure{2, fmt::format("phantom {}: a surface has no --size, --spacing or --labels", options.kind)};
+  const TriMesh mesh = options.kind == "liver" ? phantom_liver(options.detail) : phantom_forceps();
+  if (Status written = write_obj(options.output, mesh); !written) throw Failure{2, written.error().message};
+  fmt::print("{}: {} of {} vertices and {} triangles\n", options.output, options.kind, mesh.vertices.size(),
+             mesh.triangles.size());
+}
+
 void run_phantom(const PhantomOptions& options, const Global& global) {
+  if (options.kind == "liver" || options.kind == "forceps") return run_surface(options);
   const Exec exec(global.threads);
   const PhantomParams params = make_params(options);
   if (const double samples = double(params.size.x) * params.size.y * params.size.z;
@@ -74,11 +90,12 @@ void run_phantom(const PhantomOptions& options, const Global& global) {
 }  // namespace
 
 void add_phantom_command(CLI::App& program, Global& global) {
-  CLI::App* command = program.add_subcommand("phantom", "A synthetic CT with known anatomy");
+  CLI::App* command =
+      program.add_subcommand("phantom", "A synthetic CT with known anatomy, or a surface to touch");
   auto options = std::make_shared<PhantomOptions>();
-  command->add_option("kind", options->kind, "torso, head or leg")
+  command->add_option("kind", options->kind, "torso, head or leg: a CT; liver or forceps: a surface")
       ->required()
-      ->check(CLI::IsMember({"torso", "head", "leg"}));
+      ->check(CLI::IsMember({"torso", "head", "leg", "liver", "forceps"}));
   command
       ->add_option("--size", options->size, "Samples along x, y, z (default 512 512 300; head 544, leg 1152)")
       ->expected(3)
@@ -93,9 +110,12 @@ void add_phantom_command(CLI::App& program, Global& global) {
                       "Also write the anatomy as labels (numbers of TotalSegmentator; 200 = nodule)");
   command
       ->add_option("-o,--output", options->output,
-                   "A new DICOM folder, or a file: .nii, .nii.gz, .nrrd, .mha")
+                   "A new DICOM folder, or a file: .nii, .nii.gz, .nrrd, .mha; of a surface: .obj")
       ->required();
-  command->footer("Example:\n  turgor phantom torso --size 512 512 300 -o ct/");
+  command->add_option("--detail", options->detail, "liver: edges shorter by this; 1 = 3116 vertices")
+      ->check(CLI::Range(0.2, 20.0));
+  command->footer(
+      "Examples:\n  turgor phantom torso --size 512 512 300 -o ct/\n  turgor phantom liver -o liver.obj");
   command->callback([options, &global] { run_phantom(*options, global); });
 }
 
