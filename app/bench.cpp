@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "app/bench_rhombus.hpp"
 #include "app/bench_cloth.hpp"
+#include "app/bench_rhombus.hpp"
 #include "app/bench_sfem.hpp"
 #include "app/bench_skin_tension.hpp"
 #include "app/commands.hpp"
@@ -95,6 +95,29 @@ void write_text(const std::string& path, const std::string& text) {
   if (!file.flush()) throw Failure{2, fmt::format("{}: cannot write the figures", path)};
 }
 
+void add_cloth_bench(CLI::App& bench, Global& global) {
+  CLI::App* cloth =
+      bench.add_subcommand("cloth", "Frames of cloth in the wind, with and without self-collision");
+  struct Options {
+    int largest = 100000;
+    std::string json;
+  };
+  auto options = std::make_shared<Options>();
+  cloth->add_option("--largest", options->largest, "Vertices of the largest sheet")
+      ->check(CLI::Range(2500, 1000000));
+  cloth->add_option("--json", options->json, "Write the figures to a file too");
+  cloth->footer("Example:\n  turgor bench cloth --largest 1000000 --json cloth.json");
+  cloth->callback([options, &global] {
+    ClothBench result;
+    {
+      ProgressBar bar("measuring");
+      result = bench_cloth(Exec(global.threads), options->largest, bar.callback());
+    }
+    if (!options->json.empty()) write_text(options->json, to_json_text(result));
+    print(result);
+  });
+}
+
 void add_sfem_bench(CLI::App& bench, Global& global) {
   CLI::App* sfem =
       bench.add_subcommand("sfem", "Green's functions, haptic ticks, patches and surfaces of organs");
@@ -162,6 +185,7 @@ void add_bench_command(CLI::App& program, Global& global) {
     print(result);
   });
   add_sfem_bench(*bench, global);
+  add_cloth_bench(*bench, global);
   add_rhombus_bench(*bench);
 }
 

@@ -11,6 +11,10 @@
 
 #include "turgor/core/config.hpp"
 
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"  // all of these are inlined: no ABI is crossed
+#endif
+
 namespace turgor {
 
 constexpr int kLanes = 16;
