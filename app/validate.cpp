@@ -211,7 +211,7 @@ void validate_all(const Exec& exec, const ValidateOptions& options) {
   {
     ProgressBar bar("palpating");
     report["nodule"] =
-        report_nodule(required(validate_nodule(exec, options.quick ? 9 : 25, bar.callback())), folder.path());
+        report_nodule(required(validate_nodule(exec, options.quick ? 9 : 17, bar.callback())), folder.path());
   }
   required(write_file(folder.path() / kReportFile, report.dump(1) + "\n"));
   required(folder.commit());
