@@ -2,49 +2,27 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <utility>
+
+#include "turgor/models/sfem/separator.hpp"
 
 namespace turgor::sfem {
 
 namespace {
 
 constexpr std::size_t kLeaf = 8;  // parts of up to so many nodes are not cut
-constexpr std::array<double, 3> kCuts{0.42, 0.5, 0.58};
-
-struct Cut {
-  int axis = 0;
-  double place = 0;  // of all nodes of the part, how many are on the low side
-  double cost = 0;
-};
+constexpr std::array<Vec3d, 9> kDirections{
+    {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, -1, 0}, {1, 0, 1}, {1, 0, -1}, {0, 1, 1}, {0, 1, -1}}};
 
 struct Dissection {
   const BlockMatrix& k;
   std::span<const Vec3d> x;
-  std::vector<int> side;  // of each node: which cut it was last in, and where: 3·cut + {0 low, 1 high}
-  int cut_count = 0;
+  std::vector<int> side;                 // of each node, by the numbers of the last cut it was in
+  std::vector<std::uint8_t> is_settled;  // room for refine_separator
+  Sides next{0, 1, 2};                   // each cut takes new numbers, so that nothing must be cleared
 };
-
-std::span<const int> neighbours(const BlockMatrix& k, int row) {
-  const std::size_t begin = k.row_begin[std::size_t(row)], end = k.row_begin[std::size_t(row) + 1];
-  return {&k.column[begin], end - begin};
-}
-
-/// Sorts a part along an axis so far that its low side comes first.
-std::size_t halve(std::span<int> part, std::span<const Vec3d> x, int axis, double place) {
-  const auto low = std::size_t(place * double(part.size()));
-  std::nth_element(part.begin(), part.begin() + std::ptrdiff_t(low), part.end(), [&](int a, int b) {
-    return std::pair(x[std::size_t(a)][axis], a) < std::pair(x[std::size_t(b)][axis], b);
-  });
-  return low;
-}
-
-/// Numbers the sides of a part; each call takes new numbers, so that nothing must be cleared.
-void number_sides(Dissection& d, std::span<const int> part, std::size_t low) {
-  d.cut_count++;
-  for (std::size_t i = 0; i < part.size(); i++)
-    d.side[std::size_t(part[i])] = 2 * d.cut_count + (i < low ? 0 : 1);
-}
 
 bool touches(const Dissection& d, int node, int side) {
   for (const int other : neighbours(d.k, node))
@@ -52,27 +30,41 @@ bool touches(const Dissection& d, int node, int side) {
   return false;
 }
 
-/// Nodes of the low side that touch the high side, and the other way round.
-std::pair<std::size_t, std::size_t> border_sizes(const Dissection& d, std::span<const int> part,
-                                                 std::size_t low) {
-  std::size_t low_border = 0, high_border = 0;
-  for (std::size_t i = 0; i < low; i++) low_border += touches(d, part[i], 2 * d.cut_count + 1);
-  for (std::size_t i = low; i < part.size(); i++) high_border += touches(d, part[i], 2 * d.cut_count);
-  return {low_border, high_border};
+/// Cuts a part in two equal halves across a direction; the fewer of the nodes that touch the other half come
+/// between them. Returns how many these are.
+std::size_t cut_across(Dissection& d, std::span<int> part, Vec3d direction, const Sides& sides) {
+  const auto along = [&](int node) { return std::pair(dot(d.x[std::size_t(node)], direction), node); };
+  const auto middle = part.begin() + std::ptrdiff_t(part.size() / 2);
+  std::nth_element(part.begin(), middle, part.end(), [&](int a, int b) { return along(a) < along(b); });
+  for (auto node = part.begin(); node != part.end(); node++)
+    d.side[std::size_t(*node)] = node < middle ? sides.low : sides.high;
+  std::vector<int> low, high;  // borders
+  for (auto node = part.begin(); node != part.end(); node++) {
+    const bool is_low = node < middle;
+    if (touches(d, *node, is_low ? sides.high : sides.low)) (is_low ? low : high).push_back(*node);
+  }
+  const std::vector<int>& fewer = low.size() <= high.size() ? low : high;
+  for (const int node : fewer) d.side[std::size_t(node)] = sides.between;
+  return fewer.size();
 }
 
-/// The cut with the fewest separating nodes for the balance of its sides.
-Cut best_cut(Dissection& d, std::span<int> part) {
-  Cut best{0, 0.5, INFINITY};
-  for (int axis = 0; axis < 3; axis++)
-    for (const double place : kCuts) {
-      const std::size_t low = halve(part, d.x, axis, place);
-      number_sides(d, part, low);
-      const auto [a, b] = border_sizes(d, part, low);
-      const double cost = double(std::min(a, b)) / (double(low) * double(part.size() - low));
-      if (cost < best.cost) best = {axis, place, cost};
-    }
-  return best;
+/// Cuts a part where few nodes are between: of the directions that look best, the one that gets best.
+void cut(Dissection& d, std::span<int> part, const Sides& sides) {
+  constexpr std::size_t kTried = 3;
+  std::array<std::pair<std::size_t, std::size_t>, kDirections.size()> rank;  // nodes between, direction
+  for (std::size_t i = 0; i < rank.size(); i++) rank[i] = {cut_across(d, part, kDirections[i], sides), i};
+  std::sort(rank.begin(), rank.end());
+  std::size_t fewest = part.size() + 1;
+  std::vector<std::pair<int, int>> best;  // nodes and their sides
+  for (std::size_t i = 0; i < kTried; i++) {
+    cut_across(d, part, kDirections[rank[i].second], sides);
+    const std::size_t between = refine_separator(d.k, part, sides, d.side, d.is_settled);
+    if (between >= fewest) continue;
+    fewest = between;
+    best.clear();
+    for (const int node : part) best.emplace_back(node, d.side[std::size_t(node)]);
+  }
+  for (const auto& [node, side] : best) d.side[std::size_t(node)] = side;
 }
 
 /// Orders a part in place: low side, high side, and the nodes between them last.
@@ -81,19 +73,18 @@ void dissect(Dissection& d, std::span<int> part) {
     std::sort(part.begin(), part.end());
     return;
   }
-  const Cut cut = best_cut(d, part);
-  const std::size_t low = halve(part, d.x, cut.axis, cut.place);
-  number_sides(d, part, low);
-  const auto [a, b] = border_sizes(d, part, low);
-  const int from = 2 * d.cut_count + (a <= b ? 0 : 1), to = from ^ 1;
-  const auto separates = [&](int node) { return d.side[std::size_t(node)] == from && touches(d, node, to); };
-  const auto separator =
-      std::stable_partition(part.begin(), part.end(), [&](int node) { return !separates(node); });
-  const auto high = std::stable_partition(
-      part.begin(), separator, [&](int node) { return d.side[std::size_t(node)] == 2 * d.cut_count; });
-  std::sort(separator, part.end());
+  const Sides sides = d.next;
+  d.next = {sides.low + 3, sides.high + 3, sides.between + 3};
+  cut(d, part, sides);
+  std::sort(part.begin(), part.end());
+  const auto is_on = [&](int side) {
+    return [&d, side](int node) { return d.side[std::size_t(node)] == side; };
+  };
+  const auto high = std::stable_partition(part.begin(), part.end(), is_on(sides.low));
+  const auto between = std::stable_partition(high, part.end(), is_on(sides.high));
+  if (high == part.begin() || between == high) return;  // held together everywhere: nothing to halve
   dissect(d, {part.begin(), high});
-  dissect(d, {high, separator});
+  dissect(d, {high, between});
 }
 
 }  // namespace
@@ -101,7 +92,7 @@ void dissect(Dissection& d, std::span<int> part) {
 std::vector<int> nested_dissection(const BlockMatrix& k, std::span<const Vec3d> x) {
   std::vector<int> order(x.size());
   std::iota(order.begin(), order.end(), 0);
-  Dissection d{k, x, std::vector<int>(x.size(), -1)};
+  Dissection d{k, x, std::vector<int>(x.size(), -1), std::vector<std::uint8_t>(x.size(), 0)};
   dissect(d, order);
   return order;
 }

@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <numeric>
 
-#include "turgor/models/sfem/sfem.hpp"
+#include "turgor/models/sfem/separator.hpp"
 
 namespace turgor::sfem {
 
 namespace {
-
-std::span<const int> neighbours(const BlockMatrix& k, int row) {
-  const std::size_t begin = k.row_begin[std::size_t(row)], end = k.row_begin[std::size_t(row) + 1];
-  return {&k.column[begin], end - begin};
-}
 
 std::vector<int> inverted(const std::vector<int>& order) {
   std::vector<int> place(order.size());
