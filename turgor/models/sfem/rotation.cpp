@@ -53,8 +53,7 @@ Imbalance find_imbalance(const Equilibrium& e, const RotationState& state) {
 /// The displacement that balances the forces while no element turns, by at most `solves` preconditioned
 /// conjugate gradients, or until little of the energy is left. Returns the solves that were used.
 int balance(const Equilibrium& e, Imbalance missing, int solves, RotationState& state) {
-  // Rounds need not be exact while they make way; that they do not may be because they are not exact.
-  const double enough = (state.idle < 5 ? 1e-2 : 1e-4) * missing.energy;
+  const double enough = 1e-4 * missing.energy;  // the acceleration learns little from rounds less exact
   Vector direction = missing.answer, resistance(direction.size());
   for (int used = 0;; used++) {
     turned_stiffness_times(e.exec, e.model, e.corotation, state.rotation, direction, resistance);
