@@ -46,16 +46,18 @@ Box world_box(const World& world) {
     const BodyBox more = body_box(body.model);
     box = {min(box.low, more.low), max(box.high, more.high)};
   }
-  for (const Organ& organ : world.organs)
-    for (const Vec3 x : organ.shown.rest) box = {min(box.low, Vec3d(x)), max(box.high, Vec3d(x))};
+  for (std::size_t o = 0; o < touched_count(world); o++)
+    for (const Vec3 x : touched_organ(world, o).shown.rest)
+      box = {min(box.low, Vec3d(x)), max(box.high, Vec3d(x))};
   return box;
 }
 
 /// The side from which the first tool comes; none without tools.
 std::optional<Vec3d> side_of_tools(const World& world) {
   const Box box = world_box(world);
-  for (const Organ& organ : world.organs)
-    if (!organ.shown.tools.empty()) return organ.shown.tools[0].pose.position - (box.low + box.high) * 0.5;
+  for (std::size_t o = 0; o < touched_count(world); o++)
+    if (const OrganSurface& shown = touched_organ(world, o).shown; !shown.tools.empty())
+      return shown.tools[0].pose.position - (box.low + box.high) * 0.5;
   return std::nullopt;
 }
 

@@ -11,14 +11,30 @@ namespace turgor {
 
 namespace {
 
-std::vector<const TriMesh*> tool_meshes(const World& world, const Organ& organ) {
-  std::vector<const TriMesh*> meshes;
-  for (const int t : organ.tool_indices) meshes.push_back(&world.tools[std::size_t(t)].shown);
+/// The tools of an organ, their jaws as in `surface`.
+std::vector<TriMesh> tool_meshes(const World& world, const TouchedOrgan& organ, const OrganSurface& surface) {
+  std::vector<TriMesh> meshes;
+  for (std::size_t t = 0; t < organ.tool_indices.size(); t++) {
+    const TouchingTool& tool = world.tools[std::size_t(organ.tool_indices[t])];
+    const double opening = t < surface.tools.size() ? surface.tools[t].opening : 0;
+    meshes.push_back(tool.forceps ? contact::forceps_mesh(*tool.forceps, opening) : tool.shown);
+  }
   return meshes;
 }
 
+/// Of the part of a tool that touches [m].
+double tool_size(const TouchingTool& tool) {
+  if (tool.forceps) return 3 * tool.forceps->opening;
+  const Box box = bounding_box(tool.shown);
+  return norm(box.high - box.low);
+}
+
 /// What presses a centimetre of the organ by a centimetre.
-double usual_force(const SfemScene& scene) { return scene.material.young * 1e-4; }
+double usual_force(const Scene& scene, std::size_t organ) {
+  if (organ < scene.organs.size()) return scene.organs[organ].material.young * 1e-4;
+  const auto chain = rhombus::build_chain(scene.rhombi[organ - scene.organs.size()].params.chain);
+  return chain ? rhombus::force_of_depth(*chain, 0.01) : 1;
+}
 
 double extent(const OrganSurface& surface) {
   TriMesh mesh;
@@ -46,11 +62,13 @@ std::size_t pressing_tool(const OrganSurface& surface) {
 
 /// At what the pressing tool touches. From aside one sees the dent with the tool in it, from above, where it
 /// is left out, what lies below it.
-Camera camera_at_tool(const OrganSurface& surface, const TriMesh& mesh, bool from_above, double aspect) {
+Camera camera_at_tool(const OrganSurface& surface, const TouchingTool& which, bool from_above,
+                      double aspect) {
   const ShownTool& tool = surface.tools[pressing_tool(surface)];
-  const Box size = bounding_box(mesh);
-  const double reach = (from_above ? 0.7 : 0.8) * norm(size.high - size.low);
-  const Vec3d half{reach, reach, reach}, out = normalized(tool.force);
+  const double reach = (from_above ? 0.7 : 0.8) * tool_size(which);
+  // Forceps may pull: they come from where their handles are.
+  const Vec3d half{reach, reach, reach},
+      out = which.forceps ? tool.pose.axes.column[2] : normalized(tool.force);
   const Vec3d head = std::abs(out.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{0, -1, 0};
   const Vec3d side = normalized(cross(out, head));
   const Vec3d direction = from_above ? out + side * 0.45 + head * 0.25 : out * 0.7 + side * 0.9 + head * 0.55;
@@ -61,13 +79,13 @@ Camera camera_at_tool(const OrganSurface& surface, const TriMesh& mesh, bool fro
 std::optional<Image> draw_organ(const World& world, std::size_t index, const OrganSurface& surface,
                                 const Camera& camera, double arrow, Outputs& outputs) {
   PictureParts parts;
-  add_organ(surface, tool_meshes(world, world.organs[index]),
-            {usual_force(outputs.scene->organs[index]), arrow}, SkinColor::kNone, nullptr, parts);
+  add_organ(surface, tool_meshes(world, touched_organ(world, index), surface),
+            {usual_force(*outputs.scene, index), arrow}, SkinColor::kNone, nullptr, parts);
   return draw_parts(parts, camera, outputs);
 }
 
 /// In colours that reach to the largest value, unless the scene says otherwise; without the tools.
-Status add_colored(const Organ& organ, SkinColor color, const char* name, const char* caption,
+Status add_colored(const TouchedOrgan& organ, SkinColor color, const char* name, const char* caption,
                    const Camera& camera, Outputs& outputs) {
   OrganSurface surface = organ.deepest;
   surface.tools.clear();
@@ -87,24 +105,23 @@ Status add_colored(const Organ& organ, SkinColor color, const char* name, const 
 
 /// How the organ lay when it was pressed most: the whole and from near, before and then, and in colours.
 Status add_pressed_pictures(const World& world, std::size_t index, Outputs& outputs) {
-  const Organ& organ = world.organs[index];
+  const TouchedOrgan& organ = touched_organ(world, index);
   if (!(organ.largest_force > 0)) return Done{};
   const OrganSurface& pressed = organ.deepest;
   const OrganSurface rest = undeformed(pressed);
   const std::size_t tool = pressing_tool(pressed);
+  const TouchingTool& pressing = world.tools[std::size_t(organ.tool_indices[tool])];
   const double aspect = double(outputs.scene->output.width) / outputs.scene->output.height;
-  const Camera whole = outputs.views.front().camera,
-               near = camera_at_tool(pressed, *tool_meshes(world, organ)[tool], false, aspect);
+  const Camera whole = outputs.views.front().camera, near = camera_at_tool(pressed, pressing, false, aspect);
   const std::string force =
-      fmt::format("{:.2f} N at {:.2f} s", norm(pressed.tools[tool].force), pressed.time);
+      fmt::format("{:.3g} N at {:.2f} s", norm(pressed.tools[tool].force), pressed.time);
   struct View {
     const char* name;
     const char* caption;
     Camera camera;
     double arrow;  // length of a usual force's [m]
   };
-  const Box tool_box = bounding_box(*tool_meshes(world, organ)[tool]);
-  const double near_arrow = 0.5 * norm(tool_box.high - tool_box.low);
+  const double near_arrow = 0.5 * tool_size(pressing);
   for (const View& view : {View{"near", "from near", near, near_arrow},
                            View{"whole", "as a whole", whole, 0.2 * extent(rest)}}) {
     const auto before = draw_organ(world, index, rest, view.camera, view.arrow, outputs),
@@ -116,11 +133,12 @@ Status add_pressed_pictures(const World& world, std::size_t index, Outputs& outp
                     side_by_side({*before, *then}, {"before", force}), true);
     if (!status) return status;
   }
-  const Camera above = camera_at_tool(pressed, *tool_meshes(world, organ)[tool], true, aspect);
+  const Camera above = camera_at_tool(pressed, pressing, true, aspect);
   if (const Status s =
           add_colored(organ, SkinColor::kDisplacement, "displacement", "displacement", above, outputs);
       !s)
     return s;
+  if (index >= world.organs.size()) return Done{};  // chains know no pressure
   return add_colored(organ, SkinColor::kPressure, "pressure", "contact pressure", above, outputs);
 }
 
@@ -132,19 +150,27 @@ void show_organs(const Exec& exec, World& world) {
     organ.shown = shown_surface(exec, organ, time_of(world));
     organ.surface_seconds.push_back(timer.seconds());
   }
+  for (RhombusOrgan& organ : world.rhombi) {
+    const Timer timer;
+    organ.shown = shown_surface(exec, organ, world.tools, time_of(world));
+    organ.surface_seconds.push_back(timer.seconds());
+  }
 }
 
 void add_organs(const World& world, const Scene& scene, SkinColor color, const ColorScale* scale,
                 PictureParts& parts) {
   const bool known = color == SkinColor::kDisplacement || color == SkinColor::kPressure;
-  for (std::size_t o = 0; o < world.organs.size(); o++)
-    add_organ(world.organs[o].shown, tool_meshes(world, world.organs[o]),
-              {usual_force(scene.organs[o]), 0.2 * extent(world.organs[o].shown)},
-              known ? color : SkinColor::kNone, known ? scale : nullptr, parts);
+  for (std::size_t o = 0; o < touched_count(world); o++) {
+    const TouchedOrgan& organ = touched_organ(world, o);
+    add_organ(organ.shown, tool_meshes(world, organ, organ.shown),
+              {usual_force(scene, o), 0.2 * extent(organ.shown)}, known ? color : SkinColor::kNone,
+              known ? scale : nullptr, parts);
+  }
 }
 
 Status write_organ_meshes(const World& world, Outputs& outputs) {
-  for (const Organ& organ : world.organs) {
+  for (std::size_t o = 0; o < touched_count(world); o++) {
+    const TouchedOrgan& organ = touched_organ(world, o);
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", organ.name, world.frame);
     const Status status = write_vtu(outputs.folder / file, deformed_mesh(organ.shown, SkinColor::kNone),
                                     {vertex_field("displacement [m]", organ.shown.displacement),
@@ -156,9 +182,9 @@ Status write_organ_meshes(const World& world, Outputs& outputs) {
 }
 
 Status finish_organ_outputs(const World& world, Outputs& outputs) {
-  for (std::size_t o = 0; o < world.organs.size(); o++) {
+  for (std::size_t o = 0; o < touched_count(world); o++) {
     if (const Status status = add_pressed_pictures(world, o, outputs); !status) return status;
-    const Organ& organ = world.organs[o];
+    const TouchedOrgan& organ = touched_organ(world, o);
     if (!outputs.scene->output.obj || !(organ.largest_force > 0)) continue;
     const std::string file = organ.name + ".obj";
     if (const Status s = write_obj(outputs.folder / file, deformed_mesh(organ.deepest, SkinColor::kNone)); !s)

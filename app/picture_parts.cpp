@@ -31,11 +31,15 @@ void add_arrow(const ShownTool& tool, const TriMesh& mesh, ArrowScale arrows, Pi
   const Vec3d direction = tool.force / force;
   double beyond = 0;
   for (const Vec3 x : mesh.vertices) beyond = std::max(beyond, dot(Vec3d(x) - tool.pose.position, direction));
-  const Vec3d tail = tool.pose.position + direction * beyond;
   const double length = arrows.length * std::clamp(force / arrows.force, 0.25, 3.0);
   const double thickness = 0.06 * arrows.length;
+  Vec3d tail = tool.pose.position + direction * beyond;
+  const bool pulls = dot(direction, tool.pose.axes.column[2]) < -0.5;
+  if (pulls)  // beside the tool: the organ would hide it
+    tail = tool.pose.position - direction * (1.3 * length) - tool.pose.axes.column[0] * (0.4 * length);
   parts.add(arrow_mesh(tail, tail + direction * length, thickness), kArrow);
-  parts.labels.push_back({tail + direction * (length + 2 * thickness), newtons(force)});
+  const Vec3d end = pulls ? tail - direction * (2 * thickness) : tail + direction * (length + 2 * thickness);
+  parts.labels.push_back({end, newtons(force)});
 }
 
 }  // namespace
@@ -52,11 +56,11 @@ TriMesh deformed_mesh(const OrganSurface& surface, SkinColor color) {
   return mesh;
 }
 
-void add_organ(const OrganSurface& surface, const std::vector<const TriMesh*>& tools, ArrowScale arrows,
+void add_organ(const OrganSurface& surface, const std::vector<TriMesh>& tools, ArrowScale arrows,
                SkinColor color, const ColorScale* scale, PictureParts& parts) {
   parts.add(deformed_mesh(surface, color), kOrgan, scale);
   for (std::size_t t = 0; t < std::min(tools.size(), surface.tools.size()); t++) {
-    const TriMesh& mesh = parts.add(placed(*tools[t], surface.tools[t].pose), kTool);
+    const TriMesh& mesh = parts.add(placed(tools[t], surface.tools[t].pose), kTool);
     add_arrow(surface.tools[t], mesh, arrows, parts);
   }
 }

@@ -36,7 +36,7 @@ struct ArrowScale {
 };
 
 /// An organ's surface with the tools on it as they are, and an arrow for the force on each, with its newtons.
-void add_organ(const OrganSurface& surface, const std::vector<const TriMesh*>& tools, ArrowScale arrows,
+void add_organ(const OrganSurface& surface, const std::vector<TriMesh>& tools, ArrowScale arrows,
                SkinColor color, const ColorScale* scale, PictureParts& parts);
 
 /// The deformed surface with the quantity that colours it: displacement [m] or pressure [Pa].

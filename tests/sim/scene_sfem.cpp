@@ -129,7 +129,7 @@ TEST(SceneSfem, MistakesAreNamedWithTheirPlace) {
       {tool("body = \"c\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0]]"), "the scene has no body c"},
       {tool("body = \"b\"\npath = [[0, 0, 0, 0]]"), "shape is missing: as in { sphere = 0.006 } [m]"},
       {tool("body = \"b\"\nshape = { cube = 1 }\npath = [[0, 0, 0, 0]]"), "tool.t.shape.cube is not a key"},
-      {tool("body = \"b\"\nshape = { sphere = 1 }"), "path or press is missing: how the tool moves"},
+      {tool("body = \"b\"\nshape = { sphere = 1 }"), "path or press or grasp is missing: how the tool moves"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0], [1, nan, 0, 0]]"),
        "s.toml:9:27: tool.t.path: expected numbers [s and m], found nan"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0], [0, 1, 0, 0]]"),
@@ -152,8 +152,9 @@ TEST(SceneSfem, ALatticeIsNotTouchedByTools) {
   const std::string text =
       "[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"torso\" }\n[tool.t]\nbody = \"torso\"\n"
       "shape = { sphere = 0.01 }\npath = [[0, 0, 0, 0]]\n";
-  EXPECT_NE(error_of(text).find("torso is a lattice; tools touch bodies with model = \"sfem\""),
-            std::string::npos)
+  EXPECT_NE(
+      error_of(text).find("torso is a lattice; tools touch bodies with model = \"sfem\" or \"rhombus\""),
+      std::string::npos)
       << error_of(text);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "turgor/core/number_text.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
@@ -32,6 +33,26 @@ double highest(const TriMesh& mesh) {
   double high = -std::numeric_limits<double>::infinity();
   for (const Vec3 x : mesh.vertices) high = std::max(high, double(x.z));
   return high;
+}
+
+/// The part, from 0, of every vertex: those that triangles join are one.
+std::vector<int> loose_parts(const TriMesh& mesh) {
+  std::vector<int> root(mesh.vertices.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int v) {
+    while (root[std::size_t(v)] != v) v = root[std::size_t(v)] = root[std::size_t(root[std::size_t(v)])];
+    return v;
+  };
+  for (const Int3 t : mesh.triangles)
+    for (const int v : {t.y, t.z}) root[std::size_t(find(v))] = find(t.x);
+  std::vector<int> number(root.size(), -1), part(root.size());
+  int count = 0;
+  for (std::size_t v = 0; v < root.size(); v++) {
+    int& n = number[std::size_t(find(int(v)))];
+    if (n < 0) n = count++;
+    part[v] = n;
+  }
+  return part;
 }
 
 Status check_jaw(const TriMesh& jaw, const char* which) {
@@ -80,6 +101,25 @@ Result<Forceps> build_forceps(TriMesh first, TriMesh second, double opening) {
   Forceps forceps{.jaws = {std::move(first), std::move(second)}, .hinge = tip + length, .opening = opening};
   forceps.tip_radius = tip_radius_of(forceps.jaws, tip, length);
   return forceps;
+}
+
+Result<Forceps> build_forceps(const TriMesh& both, double opening) {
+  const std::vector<int> part = loose_parts(both);
+  const int parts = part.empty() ? 0 : 1 + *std::max_element(part.begin(), part.end());
+  std::vector<double> side(std::size_t(parts), 0);
+  for (std::size_t v = 0; v < part.size(); v++) side[std::size_t(part[v])] += both.vertices[v].x;
+  std::array<TriMesh, 2> jaws;
+  std::vector<int> number(both.vertices.size());
+  for (std::size_t v = 0; v < part.size(); v++) {
+    TriMesh& jaw = jaws[side[std::size_t(part[v])] > 0 ? 0 : 1];
+    number[v] = int(jaw.vertices.size());
+    jaw.vertices.push_back(both.vertices[v]);
+  }
+  for (const Int3 t : both.triangles) {
+    TriMesh& jaw = jaws[side[std::size_t(part[std::size_t(t.x)])] > 0 ? 0 : 1];
+    jaw.triangles.push_back({number[std::size_t(t.x)], number[std::size_t(t.y)], number[std::size_t(t.z)]});
+  }
+  return build_forceps(std::move(jaws[0]), std::move(jaws[1]), opening);
 }
 
 TriMesh forceps_mesh(const Forceps& forceps, double opening) {

@@ -23,6 +23,9 @@ struct Forceps {
 /// are farther apart than a tenth of the opening), an opening that is not between 0 and their length.
 Result<Forceps> build_forceps(TriMesh first, TriMesh second, double opening);
 
+/// The same from one surface whose loose parts are the jaws.
+Result<Forceps> build_forceps(const TriMesh& both, double opening);
+
 /// Both jaws, their tips `opening` apart [m].
 TriMesh forceps_mesh(const Forceps& forceps, double opening);
 

@@ -9,6 +9,7 @@
 #include "turgor/core/progress.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/sim/organ.hpp"
+#include "turgor/sim/press_path.hpp"
 
 namespace turgor {
 
@@ -21,8 +22,8 @@ Result<Organ> load_organ(const Exec& exec, const SfemScene& scene, const BeginWo
 
 /// A tool by its shape alone, to be drawn. Error: a mesh that is none.
 Result<TouchingTool> load_tool_shape(const ToolScene& scene);
-/// A tool, with its path laid on the organ. Error: a path or a mesh that is none, a tool wider than the
-/// organ.
-Result<TouchingTool> load_tool(const ToolScene& scene, const Organ& organ);
+/// A tool, with its path laid on the surface of the organ of that name. Error: a path or a mesh that is none,
+/// a tool wider than the organ.
+Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& organ, const RestSurface& surface);
 
 }  // namespace turgor

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "turgor/contact/follow.hpp"
+#include "turgor/contact/forceps.hpp"
 #include "turgor/contact/touch.hpp"
 #include "turgor/geometry/embedding.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
@@ -36,9 +37,11 @@ struct ForceSample {
 /// A tool of the scene on its way.
 struct TouchingTool {
   std::string name;
-  int organ = 0;  // index into World::organs
+  int organ = 0;  // touched_organ(world, organ)
   contact::Tool tool;
-  TriMesh shown;  // about the tool's origin, to be drawn
+  std::optional<contact::Forceps> forceps;
+  double closing_time = 0;  // of its jaws [s]
+  TriMesh shown;            // about the tool's origin, to be drawn; jaws closed
   ToolPath path;
   std::vector<ForceSample> samples;
 };
@@ -55,7 +58,8 @@ struct PatchRebuild {
 /// A tool as pictures show it.
 struct ShownTool {
   contact::Pose pose;
-  Vec3d force;  // on the tool [N]
+  Vec3d force;         // on the tool [N]
+  double opening = 0;  // of its jaws [m]
 };
 
 /// The surface at one moment: the coarse one with the patch in it, or the finer one that the scene names.
@@ -97,8 +101,17 @@ struct Turning {
   double largest_residual = 0;  // see sfem::RotationReport
 };
 
-struct Organ {
+/// What organs of all models have in common.
+struct TouchedOrgan {
   std::string name;
+  std::vector<int> tool_indices;        // into World::tools
+  std::vector<double> surface_seconds;  // wall times of shown_surface
+  OrganSurface shown;                   // at the latest snapshot
+  OrganSurface deepest;                 // when the force was largest
+  double largest_force = 0;             // then, all tools together [N]
+};
+
+struct Organ : TouchedOrgan {
   OrganFacts facts;
   sfem::Model model;
   std::optional<SeenSurface> seen;
@@ -111,16 +124,11 @@ struct Organ {
   contact::TouchState touch;
   std::vector<Vec3d> centres;  // where the present patch was built for [m]
 
-  std::vector<int> tool_indices;  // into World::tools; the three below are one a tool
-  std::vector<contact::Tool> tools;
+  std::vector<contact::Tool> tools;  // one for each of tool_indices, as the two below
   std::vector<contact::ToolPose> poses;
   std::vector<contact::ToolForce> forces;
 
   std::vector<PatchRebuild> rebuilds;
-  std::vector<double> surface_seconds;  // wall times of shown_surface
-  OrganSurface shown;                   // at the latest snapshot
-  OrganSurface deepest;                 // when the force was largest
-  double largest_force = 0;             // then, all tools together [N]
 };
 
 /// The surface as it lies now.

@@ -150,4 +150,23 @@ ToolPath press_path(const RestSurface& surface, const Press& press, double tip, 
   return path;
 }
 
+ToolPath grasp_path(const RestSurface& surface, const Grasp& grasp, double tip, double radius) {
+  const SurfacePlace place = place_on_surface(surface, grasp.at, grasp.by_fraction, 3 * radius);
+  const Vec3d aside = grasp.aside - place.normal * dot(grasp.aside, place.normal);
+  double time = grasp.start;
+  ToolPath path{.rows = {row_above(place, time, tip + kClearance)}, .smooth = true};
+  const auto add = [&](double duration, double height, double part, bool hold) {
+    PathRow row = row_above(place, time += duration, tip + height);
+    row.position += aside * part, row.hold = hold;
+    path.rows.push_back(row);
+  };
+  add(grasp.duration, -grasp.depth, 0, true);
+  add(grasp.hold, -grasp.depth, 0, true);
+  add(grasp.duration, grasp.pull, 1, true);
+  add(grasp.hold, grasp.pull, 1, false);
+  add(grasp.hold, grasp.pull, 1, false);
+  add(grasp.duration, std::max(grasp.pull, kClearance), 1, false);
+  return path;
+}
+
 }  // namespace turgor

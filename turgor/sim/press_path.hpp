@@ -27,5 +27,6 @@ SurfacePlace place_on_surface(const RestSurface& surface, Vec3d place, bool by_f
 
 /// `tip`: how far the tool reaches below its origin, along its own -z; `radius`: half of its width [m].
 ToolPath press_path(const RestSurface& surface, const Press& press, double tip, double radius);
+ToolPath grasp_path(const RestSurface& surface, const Grasp& grasp, double tip, double radius);
 
 }  // namespace turgor

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "turgor recording 1";
+constexpr const char* kFormat = "turgor recording 2";
 constexpr std::size_t kMostSnapshots = 1000000, kMostCutEdges = std::size_t(1) << 31,
                       kMostPathPoints = 1 << 24;
 
@@ -148,11 +148,11 @@ Status RecordingWriter::add_snapshot(const World& world) {
     if (const Status status = write_state(file_, group, body); !status) return status;
   for (const Cut& cut : world.cuts)
     if (const Status status = write_cut(file_, group, cut); !status) return status;
-  for (const Organ& organ : world.organs)
-    if (const Status status =
-            write_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.shown);
-        !status)
-      return status;
+  for (std::size_t o = 0; o < touched_count(world); o++) {
+    const TouchedOrgan& organ = touched_organ(world, o);
+    const Status status = write_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.shown);
+    if (!status) return status;
+  }
   return file_.flush();
 }
 
@@ -303,7 +303,8 @@ Status Recording::restore(int snapshot, World& world) const {
   }
   for (Cut& cut : world.cuts)
     if (const Status status = restore_cut(group, cut); !status) return status;
-  for (Organ& organ : world.organs) {
+  for (std::size_t o = 0; o < touched_count(world); o++) {
+    TouchedOrgan& organ = touched_organ(world, o);
     Result<OrganSurface> surface =
         read_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.tool_indices.size());
     if (!surface) return surface.error();

@@ -12,7 +12,7 @@ namespace turgor {
 namespace {
 
 constexpr std::size_t kMostVertices = std::size_t(1) << 24, kMostTicks = std::size_t(1) << 22;
-constexpr std::size_t kPose = 15;    // numbers of a shown tool: position, axes, force
+constexpr std::size_t kPose = 16;    // numbers of a shown tool: position, axes, force, opening
 constexpr std::size_t kSample = 16;  // numbers of a tick, in the order of sample_row
 
 std::vector<float> flat(const std::vector<Vec3>& points) {
@@ -39,6 +39,7 @@ std::vector<double> tool_rows(const std::vector<ShownTool>& tools) {
     append(values, tool.pose.position);
     for (const Vec3d& axis : tool.pose.axes.column) append(values, axis);
     append(values, tool.force);
+    values.push_back(tool.opening);
   }
   return values;
 }
@@ -47,7 +48,8 @@ ShownTool tool_of(const std::vector<double>& values, std::size_t row) {
   const std::size_t i = kPose * row;
   return {{vector_at(values, i),
            {{vector_at(values, i + 3), vector_at(values, i + 6), vector_at(values, i + 9)}}},
-          vector_at(values, i + 12)};
+          vector_at(values, i + 12),
+          values[i + 15]};
 }
 
 void append(std::vector<double>& values, const ForceSample& s) {
@@ -123,7 +125,8 @@ Status write_touch(Hdf5File& file, const World& world) {
         Writing(file, fmt::format("/tools/{}/", tool.name)).array("ticks", rows, kSample).status();
     if (!status) return status;
   }
-  for (const Organ& organ : world.organs) {
+  for (std::size_t o = 0; o < touched_count(world); o++) {
+    const TouchedOrgan& organ = touched_organ(world, o);
     const OrganSurface& deepest = organ.largest_force > 0 ? organ.deepest : organ.shown;
     const std::string group = fmt::format("/deepest/{}/", organ.name);
     if (const Status status = write_shown(file, group, deepest); !status) return status;
@@ -141,7 +144,8 @@ Status read_touch(const Hdf5File& file, World& world) {
     if (!reading.status()) return reading.status();
     for (std::size_t r = 0; r < count / kSample; r++) tool.samples.push_back(sample_of(rows, r));
   }
-  for (Organ& organ : world.organs) {
+  for (std::size_t o = 0; o < touched_count(world); o++) {
+    TouchedOrgan& organ = touched_organ(world, o);
     const std::string group = fmt::format("/deepest/{}/", organ.name);
     Result<OrganSurface> deepest = read_shown(file, group, organ.tool_indices.size());
     if (!deepest) return deepest.error();

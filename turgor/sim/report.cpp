@@ -10,6 +10,7 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/json_numbers.hpp"
+#include "turgor/sim/report_rhombus.hpp"
 #include "turgor/sim/report_touch.hpp"
 
 namespace turgor {
@@ -115,15 +116,16 @@ Json timing_report(const Measures& measures, const RunFacts& facts) {
 }
 
 std::uint64_t hash_of(const World& world) {
-  if (world.lattices.size() == 1 && world.organs.empty())
+  if (world.lattices.size() == 1 && touched_count(world) == 0)
     return lattice::state_hash(world.lattices[0].model, world.lattices[0].state);
   std::uint64_t hash = kHashSeed;
   for (const LatticeBody& body : world.lattices) {
     const std::uint64_t one = lattice::state_hash(body.model, body.state);
     hash = hash_bytes(&one, sizeof one, hash);
   }
+  if (!world.rhombi.empty()) hash = hash_bytes(&hash, sizeof hash, rhombus_hash(world));
   const std::uint64_t touched = touch_hash(world);
-  return world.organs.empty() ? hash : hash_bytes(&touched, sizeof touched, hash);
+  return world.tools.empty() && world.organs.empty() ? hash : hash_bytes(&touched, sizeof touched, hash);
 }
 
 Json scene_report(const Scene& scene) {
@@ -144,12 +146,15 @@ std::string program_version() { return TURGOR_VERSION; }
 
 Json simulation_report(const Exec& exec, const Scene& scene, const World& world, const Measures& measures,
                        const RunFacts& facts) {
-  Json bodies = Json::array(), wounds = Json::array(), organs = Json::array(), tools = Json::array();
+  Json bodies = Json::array(), wounds = Json::array(), organs = Json::array(), rhombi = Json::array(),
+       tools = Json::array();
   for (std::size_t b = 0; b < world.lattices.size(); b++)
     bodies.push_back(body_report(scene, world.lattices[b], b));
   for (const CutMeasures& cut : measures.cuts) wounds.push_back(wound_report(cut));
   for (std::size_t o = 0; o < world.organs.size(); o++)
     organs.push_back(organ_report(scene.organs[o], world.organs[o]));
+  for (std::size_t o = 0; o < world.rhombi.size(); o++)
+    rhombi.push_back(rhombus_report(scene.rhombi[o], world.rhombi[o]));
   for (std::size_t t = 0; t < world.tools.size(); t++)
     tools.push_back(tool_report(scene.tools[t], world.tools[t], world));
   return {{"program", "turgor"},
@@ -159,7 +164,9 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"bodies", bodies},
           {"wounds", wounds},
           {"organs", organs},
+          {"rhombi", rhombi},
           {"tools", tools},
+          {"profiles", profile_report(world)},
           {"solver", solver_report(measures)},
           {"timing", timing_report(measures, facts)},
           {"simulated_s", rounded(time_of(world))},

@@ -33,6 +33,14 @@ Plot rebuild_plot(const Json& organs) {
   return plot;
 }
 
+Plot profile_plot(const Json& profiles) {
+  Plot plot{
+      "The dent under the largest force", "distance from the deepest place [mm]", "displacement [mm]", {}};
+  for (const Json& organ : profiles)
+    plot.curves.push_back(curve_of(organ.at("name").get<std::string>(), organ.at("rows"), 0, 1));
+  return plot;
+}
+
 }  // namespace
 
 std::string touch_figures(const Json& report) {
@@ -58,6 +66,7 @@ std::string touch_curves(const Json& report, const fs::path& folder) {
          drawn(tool_plot(tools, "Force along the path", "path of the tool [mm]", "force [N]", 3, 1), folder) +
          drawn(depth, folder) +
          drawn(tool_plot(tools, "Contacts", "time [s]", "places that bear force", 0, 4), folder) +
+         drawn(profile_plot(report.value("profiles", Json::array())), folder) +
          drawn(rebuild_plot(report.value("organs", Json::array())), folder) + "</div>\n";
 }
 
@@ -99,6 +108,25 @@ std::string touch_tables(const Json& report) {
                             {"patch.rebuild_p50_ms", "… median [ms]"},
                             {"patch.rebuild_max_ms", "… longest [ms]"},
                             {"patch.force_jump_max_N", "largest jump of the force at a hand-over [N]"},
+                            {"surface_p50_ms", "surface for a picture [ms]"}});
+  if (!report.value("rhombi", Json::array()).empty())
+    html += "<h2>Organs of rhombus chains</h2>\n" +
+            quantity_table(report.value("rhombi", Json::array()), "organ",
+                           {{"source", "made from"},
+                            {"tissue", "tissue"},
+                            {"vertices", "vertices"},
+                            {"triangles", "triangles"},
+                            {"volume_ml", "volume [ml]"},
+                            {"normal_N_per_m", "k_N [N/m]"},
+                            {"tangential_N_per_m", "k_T of the first unit [N/m]"},
+                            {"decay", "β"},
+                            {"angle_deg", "θ [°]"},
+                            {"side_mm", "side of the rhombi [mm]"},
+                            {"bulge", "volume that bulges"},
+                            {"pressed_volume_ml", "volume pressed in, most [ml]"},
+                            {"jump_per_10_um_N", "largest jump of a force per 10 µm [N]"},
+                            {"jump_at_s", "… at [s]"},
+                            {"build_s", "building [s]"},
                             {"surface_p50_ms", "surface for a picture [ms]"}});
   return html;
 }

@@ -34,6 +34,9 @@ struct ShapeText {
     return fmt::format("capsule of {:.4g} mm, half length {:.4g} mm", s.radius * kMm, s.half_length * kMm);
   }
   std::string operator()(const MeshTool& s) const { return s.file.string(); }
+  std::string operator()(const ForcepsTool& s) const {
+    return fmt::format("forceps, opening {:.4g} mm", s.opening * kMm);
+  }
 };
 
 Json mesh_report(const Organ& organ) {
@@ -147,7 +150,7 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
   }
   const std::vector<double> ticks = plain_tick_seconds(tool);
   return {{"name", tool.name},
-          {"body", world.organs[std::size_t(tool.organ)].name},
+          {"body", touched_organ(world, std::size_t(tool.organ)).name},
           {"shape", std::visit(ShapeText{}, scene.shape)},
           {"friction", rounded(scene.friction)},
           {"force_max_N", rounded(norm(most.force))},
@@ -162,6 +165,24 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
           {"series_columns",
            {"time_s", "force_N", "depth_mm", "path_mm", "contacts", "force_x_N", "force_y_N", "force_z_N"}},
           {"series", series_report(tool)}};
+}
+
+std::vector<std::string> touch_warnings(const World& world) {
+  std::vector<std::string> warnings;
+  for (const Organ& organ : world.organs)
+    if (organ.turning && organ.turning->unconverged > 0)
+      warnings.push_back(
+          fmt::format("{}: large rotations were not solved to the end in {} of {} frames: a slower tool or a "
+                      "higher frame "
+                      "rate gives them time",
+                      organ.name, organ.turning->unconverged, organ.turning->frames));
+  for (const TouchingTool& tool : world.tools)
+    if (std::any_of(tool.samples.begin(), tool.samples.end(), [](const auto& s) { return s.beyond_patch; }))
+      warnings.push_back(
+          fmt::format("{}: the tool reached beyond the patch, where the body does not feel it; "
+                      "patch.radius should be larger than what it presses in",
+                      tool.name));
+  return warnings;
 }
 
 std::uint64_t touch_hash(const World& world) {

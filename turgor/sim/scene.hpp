@@ -14,6 +14,7 @@
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
+#include "turgor/sim/rhombus_scene.hpp"
 #include "turgor/sim/sfem_scene.hpp"
 
 namespace turgor {
@@ -75,6 +76,7 @@ struct Scene {
   std::vector<LatticeScene> lattices;
   std::vector<IncisionScene> incisions;
   std::vector<SfemScene> organs;
+  std::vector<RhombusScene> rhombi;
   std::vector<ToolScene> tools;
   OutputScene output;
 };

@@ -15,14 +15,30 @@ int read_body_name(SceneTable& tool, const Scene& scene) {
     names.push_back(scene.organs[b].name);
     if (names.back() == name) return int(b);
   }
+  for (std::size_t b = 0; b < scene.rhombi.size(); b++) {
+    names.push_back(scene.rhombi[b].name);
+    if (names.back() == name) return int(scene.organs.size() + b);
+  }
   for (const LatticeScene& body : scene.lattices)
     if (body.name == name)
       return tool.fail("body",
-                       fmt::format("{} is a lattice; tools touch bodies with model = \"sfem\"", name)),
+                       fmt::format("{} is a lattice; tools touch bodies with model = \"sfem\" or \"rhombus\"",
+                                   name)),
              0;
   if (!name.empty())
     tool.fail("body", fmt::format("the scene has no body {}{}", name, suggestion(name, names)));
   return 0;
+}
+
+/// Of a phantom, or of a file with both jaws.
+ForcepsTool read_forceps(SceneTable& shape) {
+  ForcepsTool forceps;
+  const toml::node* node = shape.find("forceps");
+  if (!node || node->value_or(std::string()) != "phantom") shape.read_path("forceps", forceps.file);
+  shape.read("scale", forceps.scale, inside(0, 1e6, "m"));
+  shape.read("opening", forceps.opening, inside(0, 1, "m"));
+  shape.read("closing", forceps.closing, inside(0, 60, "s"));
+  return forceps;
 }
 
 ToolShape read_shape(SceneTable& tool) {
@@ -39,6 +55,8 @@ ToolShape read_shape(SceneTable& tool) {
     else
       shape.fail_value("capsule", *node, "[radius, half length] [m]");
     made = rod;
+  } else if (shape.has("forceps")) {
+    made = read_forceps(shape);
   } else if (shape.has("mesh")) {
     MeshTool mesh;
     shape.read_path("mesh", mesh.file);
@@ -46,7 +64,7 @@ ToolShape read_shape(SceneTable& tool) {
     made = mesh;
   } else {
     BallTool ball;
-    if (tool.has("shape")) shape.require({"sphere", "capsule", "mesh"}, "a shape for the tool");
+    if (tool.has("shape")) shape.require({"sphere", "capsule", "mesh", "forceps"}, "a shape for the tool");
     shape.read("sphere", ball.radius, length);
     made = ball;
   }
@@ -103,11 +121,34 @@ Press read_press(SceneTable table) {
   return press;
 }
 
+Grasp read_grasp(SceneTable table) {
+  Grasp grasp;
+  table.require({"at", "at_fraction"}, "where on the surface");
+  grasp.by_fraction = table.has("at_fraction");
+  if (table.has("at") && grasp.by_fraction)
+    table.fail("at", "a grasp is given either in metres or in fractions, not in both");
+  grasp.at = read_place(table, "at", "at_fraction");
+  table.read("depth", grasp.depth, inside(0, 1, "m"));
+  table.read("pull", grasp.pull, within(0, 1, "m"));
+  table.read("aside", grasp.aside, within(-1, 1, "m"));
+  table.read("start", grasp.start, not_negative("s"));
+  table.read("duration", grasp.duration, inside(0, 3600, "s"));
+  table.read("hold", grasp.hold, inside(0, 3600, "s"));
+  table.finish();
+  return grasp;
+}
+
 ToolMotion read_motion(SceneTable& tool) {
-  tool.require({"path", "press"}, "how the tool moves");
-  if (tool.has("path") && tool.has("press"))
-    tool.fail("press", "a tool has either a path or a press, not both");
-  if (tool.has("press")) return read_press(tool.table("press"));
+  const std::vector<std::string> kinds = {"path", "press", "grasp"};
+  tool.require(kinds, "how the tool moves");
+  std::string given;
+  for (const std::string& kind : kinds) {
+    if (!tool.has(kind)) continue;
+    if (!given.empty()) tool.fail(kind, fmt::format("a tool has either a {} or a {}, not both", given, kind));
+    given = given.empty() ? kind : given;
+  }
+  if (given == "press") return read_press(tool.table("press"));
+  if (given == "grasp") return read_grasp(tool.table("grasp"));
   const toml::node* node = tool.find("path");
   if (node && node->is_array()) return read_rows(tool, *node->as_array());
   PathFile file;

@@ -104,7 +104,14 @@ struct MeshTool {
   std::filesystem::path file;
   double scale = 1;  // metres a unit of the file
 };
-using ToolShape = std::variant<BallTool, RodTool, MeshTool>;
+/// Two jaws that close while the tool holds.
+struct ForcepsTool {
+  std::filesystem::path file;  // of both jaws; empty = the phantom
+  double scale = 1;            // metres a unit of the file
+  double opening = 0.012;      // between the tips when open [m]
+  double closing = 0.3;        // from open to closed, and back [s]
+};
+using ToolShape = std::variant<BallTool, RodTool, MeshTool, ForcepsTool>;
 
 /// Where a tool is at a time.
 struct PathRow {
@@ -131,12 +138,23 @@ struct Press {
   double hold = 0.2;      // at `at` before sliding, and at `to` after it [s]
   double slide = 0;       // from `at` to `to`; 0 = no sliding [s]
 };
-using ToolMotion = std::variant<GivenPath, PathFile, Press>;
+/// Presses along the surface's normal, holds, pulls outwards and aside, and lets go: fits every organ.
+struct Grasp {
+  Vec3d at;  // on the surface [m or 1]
+  bool by_fraction = false;
+  double depth = 0.003;   // of the tool's tip below the surface at rest when it takes hold [m]
+  double pull = 0.01;     // of the tip above the surface at rest [m]
+  Vec3d aside;            // of the tip along the surface, besides [m]
+  double start = 0.1;     // [s]
+  double duration = 0.5;  // of the way in, of the pull, and of the way out [s]
+  double hold = 0.4;      // at the two ends, while jaws close and open [s]
+};
+using ToolMotion = std::variant<GivenPath, PathFile, Press, Grasp>;
 
 struct ToolScene {
   std::string name;
   std::string place;
-  int body = 0;  // index into Scene::organs
+  int body = 0;  // index into Scene::organs, and behind them Scene::rhombi
   ToolShape shape;
   double friction = 0.3;  // [1]
   ToolMotion motion;

@@ -119,18 +119,39 @@ Status advance_blade(World& world, std::size_t index) {
   return Done{};
 }
 
+RestSurface rest_surface(const World& world, std::size_t body) {
+  if (body < world.organs.size()) {
+    const sfem::Model& model = world.organs[body].model;
+    return {model.body.mesh.vertices, model.surface.triangles};
+  }
+  const rhombus::Surface& surface = world.rhombi[body - world.organs.size()].model.surface;
+  return {surface.vertices, surface.triangles};
+}
+
 Status load_organs(const Exec& exec, const Scene& scene, const BeginWork& begin, World& world) {
   for (const SfemScene& organ_scene : scene.organs) {
     Result<Organ> organ = load_organ(exec, organ_scene, begin);
     if (!organ) return organ.error();
     world.organs.push_back(moved(organ));
   }
+  for (const RhombusScene& organ_scene : scene.rhombi) {
+    Result<RhombusOrgan> organ = load_rhombus_organ(exec, organ_scene, world.organs, begin);
+    if (!organ) return organ.error();
+    world.rhombi.push_back(moved(organ));
+  }
   for (const ToolScene& tool_scene : scene.tools) {
-    Organ& organ = world.organs[std::size_t(tool_scene.body)];
-    Result<TouchingTool> tool = load_tool(tool_scene, organ);
+    const auto body = std::size_t(tool_scene.body);
+    TouchedOrgan& organ = touched_organ(world, body);
+    Result<TouchingTool> tool = load_tool(tool_scene, organ.name, rest_surface(world, body));
     if (!tool) return tool.error();
     organ.tool_indices.push_back(int(world.tools.size()));
     world.tools.push_back(moved(tool));
+  }
+  for (RhombusOrgan& organ : world.rhombi) {
+    if (organ.tool_indices.size() > std::size_t(rhombus::kMaxTouches))
+      return Error{fmt::format("{}: expected at most {} tools that touch it, found {}", organ.name,
+                               rhombus::kMaxTouches, organ.tool_indices.size())};
+    begin_touch(organ);
   }
   for (std::size_t o = 0; o < world.organs.size(); o++) {
     const SfemScene& s = scene.organs[o];
@@ -145,10 +166,14 @@ Status name_organs(const Scene& scene, World& world) {
     world.organs.emplace_back();
     world.organs.back().name = organ.name;
   }
+  for (const RhombusScene& organ : scene.rhombi) {
+    world.rhombi.emplace_back();
+    world.rhombi.back().name = organ.name;
+  }
   for (const ToolScene& tool_scene : scene.tools) {
     Result<TouchingTool> tool = load_tool_shape(tool_scene);
     if (!tool) return tool.error();
-    world.organs[std::size_t(tool_scene.body)].tool_indices.push_back(int(world.tools.size()));
+    touched_organ(world, std::size_t(tool_scene.body)).tool_indices.push_back(int(world.tools.size()));
     world.tools.push_back(moved(tool));
   }
   return Done{};
@@ -221,6 +246,10 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
     touch_organ(exec, organ, world.tools, time_of(world), time_of(world) + world.dt);
     turn_organ(exec, organ);
     remember_deepest(exec, organ, time_of(world) + world.dt);
+  }
+  for (RhombusOrgan& organ : world.rhombi) {
+    touch_organ(organ, world.tools, time_of(world), time_of(world) + world.dt);
+    remember_deepest(exec, organ, world.tools, time_of(world) + world.dt);
   }
   world.frame++;
   report.seconds = timer.seconds();

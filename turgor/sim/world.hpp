@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "turgor/core/exec.hpp"
@@ -13,6 +14,7 @@
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/sim/load_organ.hpp"
 #include "turgor/sim/organ.hpp"
+#include "turgor/sim/rhombus_organ.hpp"
 #include "turgor/sim/scene.hpp"
 
 namespace turgor {
@@ -44,8 +46,18 @@ struct World {
   std::vector<LatticeBody> lattices;
   std::vector<Cut> cuts;
   std::vector<Organ> organs;
+  std::vector<RhombusOrgan> rhombi;
   std::vector<TouchingTool> tools;
 };
+/// Organs of all models that tools touch: those of sfem, then those of rhombus.
+inline std::size_t touched_count(const World& world) { return world.organs.size() + world.rhombi.size(); }
+inline const TouchedOrgan& touched_organ(const World& world, std::size_t index) {
+  if (index < world.organs.size()) return world.organs[index];
+  return world.rhombi[index - world.organs.size()];
+}
+inline TouchedOrgan& touched_organ(World& world, std::size_t index) {
+  return const_cast<TouchedOrgan&>(touched_organ(std::as_const(world), index));
+}
 inline double time_of(const World& world) { return world.frame * world.dt; }
 
 struct FrameReport {
