@@ -62,7 +62,9 @@ std::optional<Vec3d> side_of_tools(const World& world) {
 }
 
 SurfaceView view_of_bodies(const World& world, Vec3d outward, double aspect) {
-  const Vec3d direction = normalized(outward) + Vec3d{0.45, 0, 0.2};
+  const Vec3d out = normalized(outward);
+  const bool from_head = std::abs(out.z) > 0.8;  // then one sees more from the front
+  const Vec3d direction = out + (from_head ? Vec3d{0.5, -1.1, 0} : Vec3d{0.45, 0, 0.2});
   const bool skin = !world.lattices.empty();
   return {skin ? "skin" : "body",
           skin ? "the skin" : "the body",

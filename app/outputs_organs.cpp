@@ -71,7 +71,8 @@ Camera camera_at_tool(const OrganSurface& surface, const TouchingTool& which, bo
       out = which.forceps ? tool.pose.axes.column[2] : normalized(tool.force);
   const Vec3d head = std::abs(out.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{0, -1, 0};
   const Vec3d side = normalized(cross(out, head));
-  const Vec3d direction = from_above ? out + side * 0.45 + head * 0.25 : out * 0.7 + side * 0.9 + head * 0.55;
+  const Vec3d direction = from_above ? out + side * 0.45 + head * 0.25
+                                     : out * (which.forceps ? 0.25 : 0.7) + side * 0.9 + head * 0.55;
   return frame_box({tool.pose.position - half, tool.pose.position + half}, direction, out, aspect);
 }
 

@@ -36,7 +36,7 @@ void add_arrow(const ShownTool& tool, const TriMesh& mesh, ArrowScale arrows, Pi
   Vec3d tail = tool.pose.position + direction * beyond;
   const bool pulls = dot(direction, tool.pose.axes.column[2]) < -0.5;
   if (pulls)  // beside the tool: the organ would hide it
-    tail = tool.pose.position - direction * (1.3 * length) - tool.pose.axes.column[0] * (0.4 * length);
+    tail = tool.pose.position - direction * length - tool.pose.axes.column[0] * (0.5 * arrows.length);
   parts.add(arrow_mesh(tail, tail + direction * length, thickness), kArrow);
   const Vec3d end = pulls ? tail - direction * (2 * thickness) : tail + direction * (length + 2 * thickness);
   parts.labels.push_back({end, newtons(force)});

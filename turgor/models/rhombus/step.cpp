@@ -12,8 +12,10 @@ namespace turgor::rhombus {
 namespace {
 
 constexpr double kTurnedUnits = 4;   // a twist of what is held fades over so many units
-constexpr double kFoldReach = 2.5;   // the surface around a fold is drawn in out to so many half openings
+constexpr double kFoldReach = 4;     // the surface around a fold is drawn in out to so many half openings
 constexpr std::size_t kGrain = 512;  // vertices
+
+constexpr double kFoldSqueezed = 0.8;  // tissue keeps some thickness between closed jaws
 
 /// From 1 to 0 as x goes from 0 to 1, level at both ends.
 double fading(double x) {
@@ -78,8 +80,8 @@ Vec3d fold_move(const MovingTouch& m, Vec3d from_foot, double distance) {
   const double h = m.half_fold;
   if (!(h > 0 && t.closing > 0)) return {};
   const double x = dot(from_foot, t.fold_axis), near = fading((distance / h - 1) / (kFoldReach - 1));
-  const double inwards = std::clamp(x, -h, h), rise = std::max(0.0, h - std::abs(x));
-  return (t.foot.normal * rise - t.fold_axis * inwards) * (near * t.closing);
+  const double inwards = std::clamp(x, -h, h), rise = h * fading(std::abs(x) / h);
+  return (t.foot.normal * rise - t.fold_axis * inwards) * (near * kFoldSqueezed * t.closing);
 }
 
 /// Move of a vertex by one touch.
