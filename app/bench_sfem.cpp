@@ -136,8 +136,8 @@ std::vector<PatchRow> measure_patches(const Exec& exec) {
 /// A plate of 5100 free vertices, all of them on the surface, under forces on the 40 of a patch.
 SurfaceRow measure_surface(const Exec& exec) {
   constexpr int kForces = 40;
-  Model model = built(exec, hex_block({0.2, 0.2, 0.008}, {50, 50, 1}), {3e3, 0.45},
-                      [](Vec3d x) { return x.x < 1e-9; });
+  Model model =
+      built(exec, hex_block({0.2, 0.2, 0.008}, {50, 50, 1}), {3e3, 0.45}, [](Vec3d x) { return x.x < 1e-9; });
   if (const Status status = sfem::prepare_columns(exec, model); !status)
     throw Failure{2, status.error().message};
   std::vector<int> vertices(model.green.nodes.begin(), model.green.nodes.begin() + kForces);

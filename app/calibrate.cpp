@@ -9,7 +9,7 @@
 #include "app/commands.hpp"
 #include "turgor/core/progress.hpp"
 #include "turgor/io/file.hpp"
-#include "turgor/io/force_curve.hpp"
+#include "turgor/sim/force_curve.hpp"
 #include "turgor/sim/output_folder.hpp"
 #include "turgor/sim/plot.hpp"
 #include "turgor/sim/report.hpp"

@@ -1,4 +1,4 @@
-#include "turgor/io/force_curve.hpp"
+#include "turgor/sim/force_curve.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,14 +10,14 @@ namespace {
 class ForceCurve : public ::testing::Test {
  protected:
   std::filesystem::path file(const std::string& text) {
-    test::spill(folder_ / "curve.csv", text);
+    testing::spill(folder_ / "curve.csv", text);
     return folder_ / "curve.csv";
   }
   std::string message(const std::string& text) {
     const auto curve = read_force_curve(file(text));
     return curve ? "read" : curve.error().message.substr((folder_ / "").string().size());
   }
-  test::TempFolder folder_;
+  testing::TempFolder folder_;
 };
 
 TEST_F(ForceCurve, names_comments_and_any_separator_are_read) {

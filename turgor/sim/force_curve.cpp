@@ -1,4 +1,4 @@
-#include "turgor/io/force_curve.hpp"
+#include "turgor/sim/force_curve.hpp"
 
 #include <algorithm>
 #include <cmath>
