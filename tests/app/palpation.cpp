@@ -90,6 +90,30 @@ TEST(Palpation, APhantomsLiverIsMeshedFromItsLabel) {
   EXPECT_GT(organ["mesh"]["min_dihedral_deg"].get<double>(), 10.7);
 }
 
+TEST(Palpation, AnOrganOfARealSegmentationIsPressedByTheSameScene) {
+  const fs::path labels = fs::path(TURGOR_SOURCE_DIR) / "../shared/data/ct/abdomen-slab-labels.nii.gz";
+  if (!fs::exists(labels)) GTEST_SKIP() << "no " << labels;
+  const fs::path folder = fresh_folder();
+  const std::string scene = std::string(TURGOR_SOURCE_DIR) + "/scenes/palpation.toml";
+  const Ended ended = run_program(
+      "run '" + scene + "' --out out --set 'body.liver.labels=" + labels.string() +
+          "' --set body.liver.inside={} --set body.liver.resolution=0.015 --set world.duration=0.7 "
+          "--set output.video=false --set body.liver.cache=false",
+      folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  const json report = report_in(folder / "out");
+  EXPECT_NEAR(report["organs"][0]["mesh"]["volume_ml"].get<double>(), 1043, 21);
+  EXPECT_GT(report["tools"][0]["force_max_N"].get<double>(), 0.05);
+  EXPECT_LT(report["tools"][0]["force_max_N"].get<double>(), 2);
+  const Ended wrong = run_program("run '" + scene + "' --out o2 --set 'body.liver.labels=" + labels.string() +
+                                      "' --set body.liver.inside={} --set body.liver.label=60000",
+                                  folder);
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.printed.find("label 60000 is not in the segmentation; it has 1 (255 mL)"),
+            std::string::npos)
+      << wrong.printed;
+}
+
 /// A tetrahedron file in Gmsh's format 2.2.
 std::string gmsh(const std::string& nodes, int node_count, const std::string& elements, int element_count) {
   return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(node_count) + "\n" + nodes +

@@ -77,6 +77,51 @@ TEST(TouchOrgan, ColumnsOnDemandFeelLikeAllOfThem) {
     EXPECT_NEAR(norm(a[i].force - b[i].force), 0, 1e-4 * dense.organs[0].largest_force) << a[i].time;
 }
 
+/// Force at the end of the press, when the tool has just stopped [N].
+double pressed_force(const World& world) { return norm(world.tools[0].samples[99].force); }
+
+TEST(TouchOrgan, ViscousTissueResistsAFastPressAndThenRelaxes) {
+  const auto folder = test::fresh_folder();
+  const World elastic = run_world(Exec(1), organ_scene(folder, "", {"world.duration=0.15"}));
+  const World viscous = run_world(
+      Exec(1), organ_scene(folder, "viscosity = { ratio = 1, time = 0.05 }\n", {"world.duration=0.15"}));
+  EXPECT_GT(pressed_force(viscous), 1.2 * pressed_force(elastic));
+  EXPECT_LT(pressed_force(viscous), 2 * pressed_force(elastic));
+  EXPECT_LT(norm(viscous.tools[0].samples.back().force), 0.9 * pressed_force(viscous));
+  // The surface that is shown lies where the patch does: the coarse part has the memory, too.
+  const OrganSurface surface = shown_surface(Exec(1), viscous.organs[0], 0.15);
+  double lowest = 0;
+  for (const Vec3 u : surface.displacement) lowest = std::min(lowest, double(u.z));
+  EXPECT_NEAR(lowest, -0.003, 3e-4);
+}
+
+TEST(TouchOrgan, CorrectedRotationsChangeASmallPressLittle) {
+  const auto folder = test::fresh_folder();
+  const World plain = run_world(Exec(1), organ_scene(folder, "", {"world.duration=0.15"}));
+  const World turned = run_world(Exec(1), organ_scene(folder, "rotations = true\n", {"world.duration=0.15"}));
+  ASSERT_TRUE(turned.organs[0].turning);
+  EXPECT_EQ(turned.organs[0].turning->frames, 9);
+  EXPECT_NE(pressed_force(turned), pressed_force(plain));
+  EXPECT_NEAR(pressed_force(turned), pressed_force(plain), 0.25 * pressed_force(plain));
+}
+
+TEST(TouchOrgan, WhatIsHeldIsPulledWithTheTool) {
+  const auto folder = test::fresh_folder();
+  std::string text = test::organ_scene_text("cache = false\n");
+  const std::size_t press = text.find("press = {"), end = text.find('\n', press);
+  text.replace(
+      press, end - press,
+      "path = [[0, 0.03, 0.03, 0.037], [0.1, 0.03, 0.03, 0.034, 1], [0.3, 0.03, 0.03, 0.039, 1], [0.4, "
+      "0.03, 0.03, 0.05, 0], [0.5, 0.03, 0.03, 0.05, 0]]");
+  const Result<Scene> scene = parse_scene(text, folder / "s.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  const World world = run_world(Exec(1), *scene);
+  const auto& samples = world.tools[0].samples;
+  EXPECT_GT(samples[99].force.z, 0.01) << "pressed";
+  EXPECT_LT(samples[299].force.z, -0.01) << "pulled";
+  EXPECT_LT(norm(samples.back().force), 1e-3) << "let go";
+}
+
 TEST(TouchOrgan, TheShownSurfaceIsClosedAndLiesOnTheTool) {
   const Exec exec(1);
   const Scene scene = organ_scene(test::fresh_folder(), "", {"world.duration=0.12"});
