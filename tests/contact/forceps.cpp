@@ -36,6 +36,13 @@ TEST(Forceps, either_jaw_may_come_first) {
   EXPECT_EQ(swapped.jaws[0].vertices, phantom().jaws[0].vertices);
 }
 
+TEST(Forceps, one_surface_of_two_parts_is_both_jaws) {
+  const Forceps parts = *build_forceps(phantom_forceps(), 0.012);
+  EXPECT_EQ(parts.jaws[0].vertices, phantom().jaws[0].vertices);
+  EXPECT_EQ(parts.jaws[1].triangles, phantom().jaws[1].triangles);
+  EXPECT_FALSE(build_forceps(phantom_forceps_half(false), 0.012)) << "one jaw alone";
+}
+
 TEST(Forceps, jaws_that_never_meet_are_refused_with_a_sentence) {
   const auto message = [](TriMesh a, TriMesh b, double opening) {
     const Result<Forceps> forceps = build_forceps(std::move(a), std::move(b), opening);
@@ -46,7 +53,7 @@ TEST(Forceps, jaws_that_never_meet_are_refused_with_a_sentence) {
   for (Vec3& x : away.vertices) x.x += 0.01f;
   EXPECT_EQ(
       message(away, left, 0.012),
-      "the jaws never meet: closed, they are still 0.01 m apart, expected at most a tenth of the opening "
+      "the jaws never meet: closed, they are still 0.0101 m apart, expected at most a tenth of the opening "
       "of 0.012 m");
   EXPECT_EQ(message(right, right, 0.012),
             "expected one jaw on each side of the plane x = 0, found both on one side");

@@ -10,10 +10,11 @@ namespace {
 
 constexpr int kRingSegments = 13, kShankSegments = 12;  // 3 · 13 + 4 · 12 = 87 vertices
 constexpr double kLength = 0.13;                        // from the tip to the ring's centre [m]
+constexpr double kHalfGap = 5e-5;                       // between closed jaws [m]
 constexpr double kRingRadius = 0.014, kWire = 0.0035;   // [m]
 
 /// Where the middle of the shank is, from the ring (0) to the tip (1), and half its thickness across and
-/// along the closing direction. The jaw's inner side lies in x = 0.
+/// along the closing direction.
 struct ShankPlace {
   Vec3d middle;
   double across = 0, along = 0;
@@ -22,7 +23,7 @@ ShankPlace shank_place(double t) {
   const double z = (kLength - kRingRadius - kWire) * (1 - t);
   const double along = 0.0022 - 0.0010 * t;  // half thickness in x
   const double bow = t < 0.8 ? 0.5 * (1 + std::cos(std::numbers::pi * t / 0.8)) : 0;
-  return {{along + 0.016 * bow, 0, z}, 0.0028 - 0.0010 * t, along};
+  return {{along + kHalfGap + 0.016 * bow, 0, z}, 0.0028 - 0.0010 * t, along};
 }
 
 void add_ring(TriMesh& mesh) {

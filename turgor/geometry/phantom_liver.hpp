@@ -14,7 +14,8 @@ namespace turgor {
 TriMesh phantom_liver(double detail = 1);
 
 /// One of the two mirror-symmetric halves of forceps: a finger ring, a shank and a jaw, 87 vertices and 174
-/// triangles. Closed, the jaws touch each other in the plane x = 0, their tip at the origin; the rings are
+/// triangles. Closed, the jaws are a tenth of a millimetre apart (at
+/// one place, programs would take their corners for one), their tip at the origin; the rings are
 /// 0.13 m above it (z). `mirrored` gives the half of negative x.
 TriMesh phantom_forceps_half(bool mirrored);
 /// Both halves: 174 vertices, 348 triangles.

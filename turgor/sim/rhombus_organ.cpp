@@ -91,9 +91,12 @@ void record_tick(RhombusOrgan& organ, std::vector<TouchingTool>& tools, double t
       const ForceSample& before = tool.samples.back();
       const double way = norm(sample.position - before.position);
       sample.path = before.path + way;
-      const double jump = norm(sample.force - before.force) * std::min(1.0, kJumpWay / std::max(way, 1e-12));
-      if (way > 0 && jump > organ.jump) organ.jump = jump, organ.jump_at = time;
+      const double moved = way + std::abs(organ.inputs[t].opening - organ.openings[t]);
+      const double jump =
+          norm(sample.force - before.force) * std::min(1.0, kJumpWay / std::max(moved, 1e-12));
+      if (jump > organ.jump) organ.jump = jump, organ.jump_at = time;
     }
+    organ.openings[t] = organ.inputs[t].opening;
     tool.samples.push_back(sample);
   }
 }
@@ -150,6 +153,7 @@ void begin_touch(RhombusOrgan& organ) {
   organ.state = rhombus::make_state(organ.model, organ.tool_indices.size());
   organ.inputs.resize(organ.tool_indices.size());
   organ.forces.resize(organ.tool_indices.size());
+  organ.openings.resize(organ.tool_indices.size());
 }
 
 void touch_organ(RhombusOrgan& organ, std::vector<TouchingTool>& tools, double from, double to) {

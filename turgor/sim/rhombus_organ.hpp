@@ -19,7 +19,9 @@ struct RhombusOrgan : TouchedOrgan {
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
   double pressed_volume = 0;       // the most that was pressed in at a picture [m³]
-  double jump = 0, jump_at = 0;    // largest of a force per 10 µm of a tool's way [N], and when [s]
+  std::vector<double> openings;    // of the tools' jaws in the last tick [m]
+  double jump = 0;                 // largest of a force per 10 µm that a tool and its jaws move [N]
+  double jump_at = 0;              // [s]
   std::vector<std::string> notes;  // what was left out while reading
 };
 

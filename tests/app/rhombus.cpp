@@ -1,0 +1,104 @@
+// Rhombus chains as people use them: phantoms, a run with forceps and its replay, a calibration.
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "app/program.hpp"
+#include "folders.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::Ended;
+using test::fresh_folder;
+using test::run_program;
+using test::write;
+
+json report_in(const fs::path& folder) {
+  std::ifstream stream(folder / "report.json");
+  return json::parse(stream);
+}
+
+std::string bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+constexpr const char* kForceps = R"([world]
+duration = 1.6
+[body.liver]
+model = "rhombus"
+surface = "liver.obj"
+[tool.jaws]
+body = "liver"
+shape = { forceps = "forceps.obj", opening = 0.012, closing = 0.1 }
+grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.005, pull = 0.012, duration = 0.3, hold = 0.15 }
+[output]
+snapshots = { every = 0.4, size = [240, 180] }
+video = false
+)";
+
+TEST(Rhombus, PhantomsMakeWhatARunWithForcepsNeeds) {
+  const fs::path folder = fresh_folder();
+  EXPECT_NE(
+      run_program("phantom liver -o liver.obj", folder).printed.find("3116 vertices and 6228 triangles"),
+      std::string::npos);
+  EXPECT_NE(
+      run_program("phantom forceps -o forceps.obj", folder).printed.find("174 vertices and 348 triangles"),
+      std::string::npos);
+  write(folder / "s.toml", kForceps);
+  const Ended ended = run_program("run s.toml --out first", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  const json report = report_in(folder / "first");
+  EXPECT_EQ(report["rhombi"][0]["vertices"], 3116);
+  EXPECT_GT(report["tools"][0]["force_max_N"].get<double>(), 0.02);
+  EXPECT_LT(report["rhombi"][0]["jump_per_10_um_N"].get<double>(),
+            0.02 * report["tools"][0]["force_max_N"].get<double>());
+  EXPECT_GT(report["profiles"][0]["rows"].size(), 10u);
+
+  ASSERT_EQ(run_program("run --replay first/recording.h5 --out again", folder).code, 0);
+  for (const char* name : {"forces.csv", "liver-near.png", "frames/body-0048.png"})
+    EXPECT_EQ(bytes_of(folder / "first" / name), bytes_of(folder / "again" / name)) << name;
+}
+
+TEST(Rhombus, AMeasuredCurveIsFittedAndShown) {
+  const fs::path folder = fresh_folder();
+  std::string curve = "depth_m,force_N\n";
+  for (int i = 0; i <= 20; i++)
+    curve += std::to_string(i * 5e-4) + "," + std::to_string(120 * std::pow(i * 5e-4, 1.2)) + "\n";
+  write(folder / "curve.csv", curve);
+  const Ended ended = run_program("calibrate curve.csv --out fit", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_NE(ended.printed.find("within 5 %"), std::string::npos) << ended.printed;
+  const json report = report_in(folder / "fit");
+  EXPECT_LT(report["residual_largest"].get<double>(), 0.05);
+  EXPECT_TRUE(report["accepted"].get<bool>());
+  EXPECT_GT(bytes_of(folder / "fit" / "curve.csv").size(), 200u);
+}
+
+TEST(Rhombus, WrongInputsAreToldWhatWasExpected) {
+  const fs::path folder = fresh_folder();
+  const auto printed = [&](const std::string& arguments) {
+    const Ended ended = run_program(arguments, folder);
+    EXPECT_EQ(ended.code, 2) << ended.printed;
+    return ended.printed;
+  };
+  EXPECT_NE(printed("phantom liver -o liver.stl").find("ends in .obj"), std::string::npos);
+  EXPECT_NE(printed("phantom liver --size 8 8 8 -o liver.obj").find("a surface has no --size"),
+            std::string::npos);
+  EXPECT_NE(printed("calibrate missing.csv").find("missing.csv"), std::string::npos);
+  write(folder / "few.csv", "0,0\n0.001,0.1\n");
+  EXPECT_NE(printed("calibrate few.csv").find("at least 4 points"), std::string::npos);
+  write(folder / "open.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
+  write(folder / "open.toml", "[body.b]\nmodel = \"rhombus\"\nsurface = \"open.obj\"\n");
+  EXPECT_NE(printed("run open.toml").find("the surface is open: 3 edges"), std::string::npos);
+  write(folder / "jaws.toml",
+        "[body.b]\nmodel = \"rhombus\"\nsurface = { phantom = \"liver\" }\n[tool.t]\nbody = \"b\"\n"
+        "shape = { forceps = \"open.obj\" }\ngrasp = { at_fraction = [0.5, 0.5, 1] }\n");
+  EXPECT_NE(printed("run jaws.toml").find("jaw"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace turgor
