@@ -1,5 +1,7 @@
 #include "turgor/sim/scene_rhombus.hpp"
 
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 #include "turgor/sim/world.hpp"
@@ -114,6 +116,21 @@ surface_of = "block"
 )");
   EXPECT_EQ(world.rhombi[0].model.surface.triangles.size(), world.organs[0].model.surface.triangles.size());
   EXPECT_NEAR(world.rhombi[0].volume, 0.1 * 0.1 * 0.05, 1e-12);
+}
+
+TEST(SceneRhombus, a_real_liver_is_pressed_and_pulled) {
+  const std::filesystem::path file =
+      std::filesystem::path(TURGOR_SOURCE_DIR) / "../shared/data/mesh/liver-smooth.obj";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no ../shared/data/mesh/liver-smooth.obj";
+  World world = loaded("[body.liver]\nmodel = \"rhombus\"\nsurface = \"" + file.string() +
+                       "\"\nscale = 0.02\nbulge = 0.5\n[tool.forceps]\nbody = \"liver\"\nshape = { forceps "
+                       "= \"phantom\" }\ngrasp = { at_fraction = [0.5, 0.5, 1], depth = 0.005 }\n");
+  const Exec exec(1);
+  for (int frame = 0; frame < 180; frame++) ASSERT_TRUE(step(exec, world));
+  EXPECT_EQ(world.rhombi[0].model.surface.vertices.size(), 2194u);
+  EXPECT_GT(world.rhombi[0].largest_force, 0.01);
+  EXPECT_LT(world.rhombi[0].jump, 0.05 * world.rhombi[0].largest_force);
+  EXPECT_EQ(world.tools[0].samples.back().force, Vec3d{});
 }
 
 }  // namespace
