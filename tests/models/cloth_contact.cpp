@@ -32,7 +32,9 @@ TEST(ClothContact, hashed_cells_find_exactly_the_pairs_that_all_against_all_find
     }
     EXPECT_EQ(found, expected) << size;
     EXPECT_EQ(std::size_t(visits), found.size()) << "a pair came twice";
-    if (size < 1) EXPECT_GT(found.size(), std::size_t(count));
+    if (size < 1) {
+      EXPECT_GT(found.size(), std::size_t(count));
+    }
   }
 }
 
