@@ -49,6 +49,9 @@ Box world_box(const World& world) {
   for (std::size_t o = 0; o < touched_count(world); o++)
     for (const Vec3 x : touched_organ(world, o).shown.rest)
       box = {min(box.low, Vec3d(x)), max(box.high, Vec3d(x))};
+  for (const ClothBody& body : world.clothes)
+    for (std::size_t v = 0; v < std::size_t(body.model.count); v++)
+      box = {min(box.low, Vec3d(body.state.x[v])), max(box.high, Vec3d(body.state.x[v]))};
   return box;
 }
 
@@ -159,6 +162,7 @@ std::optional<Image> draw_bodies(const World& world, Outputs& outputs, const Cam
   PictureParts parts;
   add_skin(world, outputs, color, used, parts);
   add_organs(world, *outputs.scene, color, used, parts);
+  add_clothes(world, color, used, parts);
   return draw_parts(parts, camera, outputs);
 }
 
@@ -180,7 +184,8 @@ Status add_snapshot(const World& world, Outputs& outputs) {
   }
   if (!outputs.scene->output.meshes) return Done{};
   if (const Status status = write_skin_meshes(world, outputs); !status) return status;
-  return write_organ_meshes(world, outputs);
+  if (const Status status = write_organ_meshes(world, outputs); !status) return status;
+  return write_cloth_meshes(world, outputs);
 }
 
 int video_interval(const Outputs& outputs) {
@@ -199,7 +204,8 @@ Status add_video_frame(const World& world, Outputs& outputs) {
 
 Status finish_outputs(const World& world, Outputs& outputs) {
   if (const Status status = finish_organ_outputs(world, outputs); !status) return status;
-  for (std::size_t v = outputs.views.size(); v-- > 0 && !world.lattices.empty();) {  // wounds first
+  for (std::size_t v = outputs.views.size();
+       v-- > 0 && !(world.lattices.empty() && world.clothes.empty());) {  // wounds first
     const SurfaceView& view = outputs.views[v];
     if (view.first.width == 0) continue;
     const Image pair =
@@ -216,7 +222,8 @@ Status finish_outputs(const World& world, Outputs& outputs) {
     outputs.facts.files.push_back("meshes.pvd");
   }
   if (outputs.scene->output.obj)
-    if (const Status status = write_skin_objs(world, outputs); !status) return status;
+    for (const auto write : {write_skin_objs, write_cloth_objs})
+      if (const Status status = write(world, outputs); !status) return status;
   return finish_video(outputs);
 }
 

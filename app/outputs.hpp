@@ -82,6 +82,11 @@ Status write_organ_meshes(const World& world, Outputs& outputs);
 /// Pictures under the largest force, their surface as OBJ, forces.csv.
 Status finish_organ_outputs(const World& world, Outputs& outputs);
 
+/// outputs_cloth.cpp: cloth, and what it lies on.
+void add_clothes(const World& world, SkinColor color, const ColorScale* scale, PictureParts& parts);
+Status write_cloth_meshes(const World& world, Outputs& outputs);
+Status write_cloth_objs(const World& world, Outputs& outputs);
+
 /// outputs_ct.cpp: the CT as it would be scanned now, in sections, volume rendering and files.
 Status finish_ct_outputs(const World& world, Outputs& outputs);
 

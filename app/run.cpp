@@ -134,6 +134,20 @@ void print_touch(const Json& report) {
   }
 }
 
+void print_clothes(const Json& report) {
+  for (const Json& cloth : report.value("clothes", Json::array())) {
+    const auto value = [&cloth](const char* key) { return cloth.at(key).get<double>(); };
+    fmt::print("{}: {} vertices, {} springs, {:.0f} bytes a vertex\n", cloth.at("name").get<std::string>(),
+               cloth.at("vertices").get<long>(), cloth.at("springs").get<long>(),
+               value("memory_bytes_per_vertex"));
+    print_row("a step (median, 99 of 100)",
+              fmt::format("{:.2f} ms, {:.2f} ms", value("step_p50_ms"), value("step_p99_ms")));
+    print_row("pairs too near, triangles crossing",
+              fmt::format("{}, {}", cloth.at("pairs_too_near").get<long>(),
+                          cloth.at("triangles_crossing").get<long>()));
+  }
+}
+
 void print_summary(const Json& report, const fs::path& goal) {
   const auto number = [](const Json& value) {
     return value.is_number() ? value.get<double>() : std::nan("");
@@ -154,6 +168,7 @@ void print_summary(const Json& report, const fs::path& goal) {
                           number(wound.at("tension_across_cut_N_per_m"))));
   }
   print_touch(report);
+  print_clothes(report);
   const Json& timing = report.at("timing");
   fmt::print("time\n");
   print_row("a frame (median, 99 of 100)",
@@ -195,6 +210,9 @@ void run(const Exec& exec, const RunOptions& options) {
   for (const Organ& organ : world.organs)
     for (const std::string& note : organ.facts.notes)
       outputs.facts.warnings.push_back(organ.name + ": " + note);
+
+  for (const ClothBody& body : world.clothes)
+    for (const std::string& note : body.notes) outputs.facts.warnings.push_back(body.name + ": " + note);
 
   std::optional<RecordingWriter> recording;
   if (scene.output.recording)

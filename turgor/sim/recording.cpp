@@ -7,6 +7,7 @@
 
 #include "turgor/core/hash.hpp"
 #include "turgor/sim/recording_arrays.hpp"
+#include "turgor/sim/recording_clothes.hpp"
 #include "turgor/sim/recording_organs.hpp"
 
 namespace turgor {
@@ -153,6 +154,10 @@ Status RecordingWriter::add_snapshot(const World& world) {
     const Status status = write_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.shown);
     if (!status) return status;
   }
+  for (const ClothBody& body : world.clothes)
+    if (const Status status = write_cloth(file_, fmt::format("{}/clothes/{}/", group, body.name), body);
+        !status)
+      return status;
   return file_.flush();
 }
 
@@ -310,6 +315,10 @@ Status Recording::restore(int snapshot, World& world) const {
     if (!surface) return surface.error();
     organ.shown = std::move(*surface);
   }
+  for (ClothBody& body : world.clothes)
+    if (const Status status = read_cloth(file_, fmt::format("{}/clothes/{}/", group, body.name), body);
+        !status)
+      return status;
   return Done{};
 }
 

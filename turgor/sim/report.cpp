@@ -10,6 +10,7 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/json_numbers.hpp"
+#include "turgor/sim/report_cloth.hpp"
 #include "turgor/sim/report_rhombus.hpp"
 #include "turgor/sim/report_touch.hpp"
 
@@ -155,6 +156,8 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
     organs.push_back(organ_report(scene.organs[o], world.organs[o]));
   for (std::size_t o = 0; o < world.rhombi.size(); o++)
     rhombi.push_back(rhombus_report(scene.rhombi[o], world.rhombi[o]));
+  Json clothes = Json::array();
+  for (const ClothBody& body : world.clothes) clothes.push_back(cloth_report(exec, body));
   for (std::size_t t = 0; t < world.tools.size(); t++)
     tools.push_back(tool_report(scene.tools[t], world.tools[t], world));
   return {{"program", "turgor"},
@@ -167,10 +170,11 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"rhombi", rhombi},
           {"tools", tools},
           {"profiles", profile_report(world)},
+          {"clothes", clothes},
           {"solver", solver_report(measures)},
           {"timing", timing_report(measures, facts)},
           {"simulated_s", rounded(time_of(world))},
-          {"state_hash", hash_text(hash_of(world))},
+          {"state_hash", hash_text(cloth_hash(world, hash_of(world)))},
           {"scene_text", scene.text}};
 }
 

@@ -8,6 +8,7 @@
 #include "turgor/io/file.hpp"
 #include "turgor/sim/page.hpp"
 #include "turgor/sim/report.hpp"
+#include "turgor/sim/report_cloth.hpp"
 
 namespace turgor {
 
@@ -122,7 +123,7 @@ std::string curves(const Json& report, const fs::path& folder) {
   if (!report.at("wounds").empty())
     html += "<h2>The wound</h2>\n<div class=\"grid\">" + drawn(gape, folder) + drawn(profile, folder) +
             "</div>\n";
-  html += touch_curves(report, folder);
+  html += touch_curves(report, folder) + page::cloth_curves(report, folder);
   if (report.at("bodies").empty()) return html;
   return html + "<h2>The solver</h2>\n<div class=\"grid\">" + drawn(residual, folder) +
          drawn(frames, folder) + "</div>\n";
@@ -133,7 +134,7 @@ std::string key_figures(const Json& report) {
   const auto figure = [&](const std::string& value, const std::string& label) {
     html += key_figure(value, label);
   };
-  html += touch_figures(report);
+  html += touch_figures(report) + page::cloth_figures(report);
   for (const Json& wound : report.at("wounds"))
     figure(shown(wound.at("gape_max_mm")) + " mm", "gape of " + shown(wound.at("name")));
   const Json& timing = report.at("timing");
@@ -178,7 +179,7 @@ std::string report_html(const Json& report, const fs::path& folder) {
   html += curves(report, folder);
   html += deformed_table(report);
   if (!report.at("bodies").empty()) html += "<h2>Bodies</h2>\n" + body_table(report.at("bodies"));
-  html += touch_tables(report);
+  html += touch_tables(report) + page::cloth_tables(report);
   html +=
       "<h2>Scene</h2>\n<pre><code>" + escaped(report.at("scene_text").get<std::string>()) + "</code></pre>\n";
   for (const Json& text : scene.at("overrides")) html += "<p><code>--set " + shown(text) + "</code></p>\n";

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "turgor/sim/scene_cloth.hpp"
 #include "turgor/sim/scene_lattice.hpp"
 #include "turgor/sim/scene_rhombus.hpp"
 #include "turgor/sim/scene_sfem.hpp"
@@ -92,21 +93,25 @@ void read_world(SceneTable world, Scene& scene) {
 }
 
 void read_bodies(SceneTable bodies, Scene& scene) {
-  std::vector<std::pair<std::string, SceneTable>> rhombi;  // read last: they may refer to other bodies
+  std::vector<std::pair<std::string, SceneTable>> rhombi,
+      clothes;  // read last: they may refer to other bodies
   for (const std::string& name : bodies.names()) {
     if (!is_name(name)) bodies.fail(name, "expected a name of letters, digits, _ and -");
     SceneTable body = bodies.table(name);
     std::string model = "lattice";
-    body.require({"model"}, "\"lattice\", \"sfem\" or \"rhombus\"");
-    body.read_choice("model", model, {"lattice", "sfem", "rhombus"});
+    body.require({"model"}, "\"lattice\", \"sfem\", \"rhombus\" or \"cloth\"");
+    body.read_choice("model", model, {"lattice", "sfem", "rhombus", "cloth"});
     if (model == "sfem")
       scene.organs.push_back(read_sfem_scene(body, name));
     else if (model == "rhombus")
       rhombi.emplace_back(name, body);
+    else if (model == "cloth")
+      clothes.emplace_back(name, body);
     else
       scene.lattices.push_back(read_lattice_scene(body, name));
   }
   for (const auto& [name, body] : rhombi) scene.rhombi.push_back(read_rhombus_scene(body, name, scene));
+  for (const auto& [name, body] : clothes) scene.clothes.push_back(read_cloth_scene(body, name, scene));
   bodies.finish();
 }
 

@@ -14,6 +14,7 @@
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
+#include "turgor/sim/cloth_scene.hpp"
 #include "turgor/sim/rhombus_scene.hpp"
 #include "turgor/sim/sfem_scene.hpp"
 
@@ -78,6 +79,7 @@ struct Scene {
   std::vector<SfemScene> organs;
   std::vector<RhombusScene> rhombi;
   std::vector<ToolScene> tools;
+  std::vector<ClothScene> clothes;
   OutputScene output;
 };
 

@@ -224,6 +224,11 @@ Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& 
   const Status organs =
       purpose == Purpose::kSimulate ? load_organs(exec, scene, begin, world) : name_organs(scene, world);
   if (!organs) return organs.error();
+  for (const ClothScene& cloth_scene : scene.clothes) {
+    Result<ClothBody> body = load_cloth(exec, cloth_scene, world);
+    if (!body) return body.error();
+    world.clothes.push_back(moved(body));
+  }
   return world;
 }
 
@@ -250,6 +255,10 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
   for (RhombusOrgan& organ : world.rhombi) {
     touch_organ(organ, world.tools, time_of(world), time_of(world) + world.dt);
     remember_deepest(exec, organ, world.tools, time_of(world) + world.dt);
+  }
+  for (ClothBody& body : world.clothes) {
+    report.finite = step_cloth(exec, body, world, measure_residual) && report.finite;
+    report.largest_speed = std::max(report.largest_speed, body.samples.back().largest_speed);
   }
   world.frame++;
   report.seconds = timer.seconds();

@@ -12,6 +12,7 @@
 #include "turgor/core/result.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
+#include "turgor/sim/cloth_body.hpp"
 #include "turgor/sim/load_organ.hpp"
 #include "turgor/sim/organ.hpp"
 #include "turgor/sim/rhombus_organ.hpp"
@@ -48,6 +49,7 @@ struct World {
   std::vector<Organ> organs;
   std::vector<RhombusOrgan> rhombi;
   std::vector<TouchingTool> tools;
+  std::vector<ClothBody> clothes;
 };
 /// Organs of all models that tools touch: those of sfem, then those of rhombus.
 inline std::size_t touched_count(const World& world) { return world.organs.size() + world.rhombi.size(); }

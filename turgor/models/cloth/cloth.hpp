@@ -46,7 +46,7 @@ enum class Method : std::uint8_t { kJacobi, kChebyshev, kConjugateGradients };
 
 struct Solver {
   Method method = Method::kChebyshev;
-  int sweeps = 8;  // or iterations of conjugate gradients; at least 1
+  int sweeps = 16;  // or iterations of conjugate gradients; at least 1
   double strain_limit =
       0;  // no spring is pulled longer than 1 + this times its rest length; 0 = no limit [1]
 };

@@ -1,0 +1,76 @@
+// [body.NAME] with model = "cloth": a sheet, what holds it, what it lies on and the wind, as the plain
+// structs that a scene becomes. Keys, units and defaults are listed in docs/scene.md; nothing is loaded here.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/sheet.hpp"
+
+namespace turgor {
+
+/// A triangle surface from a file.
+struct GarmentFile {
+  std::filesystem::path file;
+  double scale = 1;      // metres a unit of the file
+  bool is_y_up = false;  // the file's y axis points up, as programs for drawing have it
+  Vec3d shift;           // after scaling and turning [m]
+};
+
+/// Vertices that are held from a time on, and go along a path of displacements, until they are let go.
+struct HoldScene {
+  std::string name;
+  std::vector<int> vertices;                             // of the mesh
+  std::optional<std::array<Vec3d, 2>> box;               // low and high corner: all vertices in it [m]
+  double start = 0;                                      // [s]
+  double end = std::numeric_limits<double>::infinity();  // [s]
+  std::vector<std::array<double, 4>> path;               // t, x, y, z, ascending [s] [m]; empty = stays
+};
+
+struct PlaneScene {
+  Vec3d through, normal{0, 0, 1};  // [m]
+};
+struct BallScene {
+  Vec3d centre;         // [m]
+  double radius = 0.1;  // [m]
+};
+struct RodScene {
+  Vec3d from, to;        // [m]
+  double radius = 0.05;  // [m]
+};
+/// The skin of a body of the lattice model, wherever it goes.
+struct SkinScene {
+  int body = 0;  // index into Scene::lattices
+};
+
+struct ObstacleScene {
+  std::string name;
+  std::variant<PlaneScene, BallScene, RodScene, GarmentFile, SkinScene> shape;
+  double friction = 0.3;  // [1]
+  double gap = 0.002;     // the cloth stays this far away [m]
+};
+
+/// The mean wind from a time on.
+struct WindTurn {
+  double time = 0;  // [s]
+  Vec3d velocity;   // [m/s]
+};
+
+struct ClothScene {
+  std::string name;
+  std::string place;  // "scene.toml:7:1: body.flag", for errors found later
+  std::variant<cloth::Sheet, GarmentFile> source;
+  cloth::Params params;
+  cloth::Air air;
+  std::vector<WindTurn> turns;
+  std::vector<HoldScene> holds;
+  std::vector<ObstacleScene> obstacles;
+};
+
+}  // namespace turgor
