@@ -16,7 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     if (scene.error().message.empty()) std::abort();
     return 0;
   }
-  if (scene->lattices.empty() && scene->organs.empty()) std::abort();
+  const std::size_t touched = scene->organs.size() + scene->rhombi.size();
+  if (scene->lattices.empty() && touched == 0 && scene->clothes.empty()) std::abort();
   if (!(scene->duration > 0) || frame_count(*scene) < 1) std::abort();
   for (const LatticeScene& body : scene->lattices) {
     const lattice::SkinParams& skin = body.params.skin;
@@ -29,6 +30,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     if (!(organ.material.young > 0) || !(organ.material.poisson < 0.5) || organ.patch.refinement < 1)
       std::abort();
   for (const ToolScene& tool : scene->tools)
-    if (tool.body < 0 || std::size_t(tool.body) >= scene->organs.size()) std::abort();
+    if (tool.body < 0 || std::size_t(tool.body) >= touched + scene->clothes.size()) std::abort();
   return 0;
 }
