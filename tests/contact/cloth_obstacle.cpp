@@ -17,11 +17,13 @@ TEST(ClothObstacle, a_sheet_that_falls_on_shapes_stays_outside_of_them) {
     const Pose pose{.position = {0.12, 0.11, -0.06}};
     Inputs inputs{.gravity = {0, 0, -9.81}};
     inputs.obstacles.push_back(cloth_obstacle(shape, pose, pose, kFrame));
-    for (int frame = 0; frame < 60; frame++) step(Exec(1), model, state, inputs, kFrame);
-    double nearest = 1;
-    for (std::size_t v = 0; v < 625; v++)
-      nearest = std::min(nearest, distance(shape, pose, Vec3d(state.x[v])).distance);
-    EXPECT_GT(nearest, 0.001);  // outside, by at least half of the gap that is asked for
+    double nearest = 1;  // at any time
+    for (int frame = 0; frame < 60; frame++) {
+      step(Exec(1), model, state, inputs, kFrame);
+      for (std::size_t v = 0; v < 625; v++)
+        nearest = std::min(nearest, distance(shape, pose, Vec3d(state.x[v])).distance);
+    }
+    EXPECT_GT(nearest, 0.0018);
     EXPECT_LT(nearest, 0.01);
   }
 }

@@ -57,13 +57,14 @@ struct FindObstacles {
     if (state.free_mass[vertex] == 0) return;
     const Vec3 x = state.x[vertex], v = state.v[vertex];
     for (std::size_t o = 0; o < obstacles.size(); o++) {
-      const Real gap = Real(obstacles[o].gap);
+      const Real gap = Real(obstacles[o].gap), margin = gap + dt * norm(v);
       SurfacePoint at;
-      if (!obstacles[o].nearest(x, 2 * (gap + dt * norm(v)), at)) continue;
+      if (!obstacles[o].nearest(x, 2 * margin, at)) continue;
       Contact contact{.vertex = {i, -1, -1, -1}, .weight = {1, 0, 0, 0}, .obstacle = int(o)};
       const Contact* old = find_old(state.contacts, contact);
       const Real closing = -dt * dot(v - at.velocity, at.normal), room = at.distance - gap;
-      if (room >= closing && !(old && old->impulse > 0)) continue;
+      // A vertex that does not approach by itself may be pushed there by its neighbours.
+      if (room >= std::max(closing, margin) && !(old && old->impulse > 0)) continue;
       contact.normal = at.normal, contact.room = room, contact.plane = dot(at.normal, x) - room;
       contact.drift = at.velocity, contact.friction = Real(obstacles[o].friction);
       if (old) contact.impulse = old->impulse * old->carry, contact.rub = old->rub * old->carry;
