@@ -109,11 +109,13 @@ TEST(Info, ASurfaceTellsWhetherItBoundsABody) {
 }
 
 TEST(Info, EveryCommandHasAnExample) {
-  for (const char* command : {"info", "import", "phantom"}) {
-    const Ended help = run_program(std::string(command) + " --help", fresh_folder());
+  for (const std::string command : {"run", "info", "import", "phantom", "mesh", "calibrate", "validate sfem",
+                                    "bench skin-tension", "bench sfem", "bench rhombus", "bench cloth"}) {
+    const Ended help = run_program(command + " --help", fresh_folder());
     EXPECT_EQ(help.code, 0);
-    EXPECT_NE(help.printed.find(std::string("Example:\n  turgor ") + command), std::string::npos)
-        << help.printed;
+    const std::size_t examples = help.printed.find("\nExample");
+    ASSERT_NE(examples, std::string::npos) << help.printed;
+    EXPECT_NE(help.printed.find("\n  turgor " + command, examples), std::string::npos) << help.printed;
   }
 }
 
