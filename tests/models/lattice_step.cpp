@@ -89,11 +89,12 @@ TEST(lattice_step, the_residual_is_the_gradient_of_the_step_energy) {
   Params params;
   params.tissue.volume = 3;
   auto [model, state] = pushed_block(params, 0);
-  const Inputs inputs{.gravity = {1, -2, -9.81}};
+  // One skin node is loaded, and pushed; its force follows from energies alone.
+  const auto slot = std::size_t(node_slot(model.lattice, 6, 5, 8));
+  const NodeLoad loads[] = {{int(slot), {2e-3f, 1e-3f, -3e-3f}}};
+  const Inputs inputs{.gravity = {1, -2, -9.81}, .loads = loads};
   predict(kOne, model, state, inputs, kDt);
   for (int sweep = 0; sweep < 500; sweep++) sweep_descent(kOne, model, state, inputs, kDt);
-  // One skin node is pushed; its force follows from energies alone.
-  const auto slot = std::size_t(node_slot(model.lattice, 6, 5, 8));
   const Vec3 pushed = state.u[slot] + Vec3{4e-4f, -3e-4f, 5e-4f};
   Vec3d gradient;
   for (int axis = 0; axis < 3; axis++) {
@@ -123,7 +124,9 @@ TEST(lattice_step, equal_bits_on_1_2_and_8_threads_and_again) {
       const BladePath path =
           lay_blade(model, state, {.from = {0.015, 0.022, 0.032}, .to = {0.032, 0.022, 0.032}}).value();
       EXPECT_GT(cut_edges(model, state, path, 0, 1, 0), 10);
-      for (int n = 0; n < 5; n++) step(Exec(threads), model, state, {.gravity = {0, 0, -9.81}}, kDt);
+      const NodeLoad loads[] = {{node_slot(model.lattice, 5, 4, 8), {1e-3f, 0, -2e-3f}}};
+      const Inputs inputs{.gravity = {0, 0, -9.81}, .loads = loads};
+      for (int n = 0; n < 5; n++) step(Exec(threads), model, state, inputs, kDt);
       hashes.insert(state_hash(model, state));
     }
     EXPECT_EQ(hashes.size(), 1u) << "method " << int(method);
@@ -157,6 +160,80 @@ TEST(lattice_step, a_free_body_keeps_its_momentum_under_projections) {
   const Vec3d before = momentum();
   for (int n = 0; n < 10; n++) step(kOne, model, state, {}, kDt);
   for (int axis = 0; axis < 3; axis++) EXPECT_NEAR(momentum()[axis], before[axis], 1e-4 * norm(before));
+}
+
+// ------------------------------------------------------------ forces from outside
+
+/// Mass of a node, of a block of tissue at 0 HU [kg].
+double node_mass(double step) { return 1000 * step * step * step; }
+
+TEST(lattice_step, a_loaded_free_node_accelerates_by_its_force_over_its_mass) {
+  for (const Method method : {Method::kPbd, Method::kDescent}) {
+    Params params;
+    params.skin.enabled = false;
+    params.solver = {.method = method, .damping = 0};
+    const Int3 size{9, 8, 7};
+    const Model model = block_model({.size = size, .young = 1e-6, .skin_on_top = false}, params);  // a powder
+    State state = make_state(model);
+    const int slot = node_slot(model.lattice, 4, 3, 3);
+    for (std::size_t edge = 0; edge < state.cut.size(); edge++) state.cut[edge] = 0x7f;  // of single nodes
+    std::fill(state.row_cut.begin(), state.row_cut.end(), std::uint8_t(1));
+    const Vec3 force{1e-5f, -2e-5f, 4e-5f};
+    const NodeLoad loads[] = {{slot, force * 0.75f}, {slot, force * 0.25f}};  // add up
+    step(kOne, model, state, {.loads = loads}, kDt);
+    const Vec3d expected = Vec3d(force) * (kDt / node_mass(0.004));
+    const Vec3d found(state.v[std::size_t(slot)]);
+    EXPECT_LT(norm(found - expected), 1e-5 * norm(expected)) << "m/s, method " << int(method);
+    EXPECT_EQ(norm(state.v[std::size_t(node_slot(model.lattice, 5, 3, 3))]), 0) << "beside it";
+  }
+}
+
+TEST(lattice_step, loads_that_balance_leave_the_momentum_and_others_change_it_by_their_sum) {
+  Params params;
+  params.skin.enabled = false;
+  params.tissue.volume = 1;
+  params.solver = {.sweeps = 200, .damping = 0};  // descent keeps momentum where it has converged
+  const Int3 size{9, 8, 7};
+  const Model model = block_model({.size = size, .young = 20, .skin_on_top = false},
+                                  params);  // soft: sweeps soon reach all of it
+  const auto slot = [&](Int3 p) { return node_slot(model.lattice, p); };
+  const std::vector<NodeLoad> balanced = {{slot({0, 0, 0}), {1e-5f, 2e-5f, 0}},
+                                          {slot({8, 7, 6}), {1e-5f, -5e-5f, 0}},
+                                          {slot({4, 4, 3}), {-2e-5f, 3e-5f, 0}}};
+  std::vector<NodeLoad> more = balanced;
+  more.push_back({slot({2, 2, 2}), {0, 0, 3e-5f}});
+  for (const auto& [loads, sum] : {std::pair{balanced, Vec3d{}}, std::pair{more, Vec3d{0, 0, 3e-5}}}) {
+    State state = make_state(model);
+    for (int n = 0; n < 5; n++) step(kOne, model, state, {.loads = loads}, kDt);
+    Vec3d momentum;
+    for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
+      if (model.inverse_mass[s] > 0) momentum += Vec3d(state.v[s]) / double(model.inverse_mass[s]);
+    EXPECT_LT(norm(momentum - sum * (5 * kDt)), 0.01 * 3e-5 * 5 * kDt) << momentum.z << " kg m/s";
+  }
+}
+
+TEST(lattice_step, a_clamped_bar_under_an_end_load_stretches_by_hooke) {
+  const Int3 size{61, 9, 9};
+  Params params;
+  params.skin.enabled = false;
+  params.solver = {.sweeps = 40, .damping = 8};
+  const Block block{
+      .size = size, .young = 1e4, .skin_on_top = false, .is_fixed = [](Int3 p) { return p.x == 0; }};
+  const Model model = block_model(block, params);
+  const double area = size.y * size.z * 0.004 * 0.004, length = (size.x - 1) * 0.004,
+               force = 1e4 * area * 0.01;
+  std::vector<NodeLoad> loads;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      loads.push_back({node_slot(model.lattice, size.x - 1, j, k), {Real(force / (size.y * size.z)), 0, 0}});
+  State state = make_state(model);
+  for (int n = 0; n < 300; n++) step(Exec(2), model, state, {.loads = loads}, kDt);
+  double stretch = 0;
+  for (const NodeLoad& load : loads)
+    stretch += double(state.u[std::size_t(load.slot)].x) / double(loads.size());
+  EXPECT_NEAR(stretch, force * length / (1e4 * area), 0.1 * 0.01 * length) << "m, F L / (E A)";
+  const Residual residual = measure_residual(kOne, model, state, {.loads = loads}, kDt);
+  EXPECT_LT(state.v[std::size_t(loads[0].slot)].x, 1e-3) << "at rest; left over " << residual.largest << " N";
 }
 
 // ------------------------------------------------------------ stiffness in pascals

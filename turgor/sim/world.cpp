@@ -240,7 +240,8 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
   for (LatticeBody& body : world.lattices) {
     // Position-based dynamics has no forces that could be left over.
     const bool has_forces = body.model.params.solver.method == lattice::Method::kDescent;
-    const lattice::Inputs inputs{world.gravity, measure_residual && has_forces};
+    const lattice::Inputs inputs{.gravity = world.gravity,
+                                 .measure_residual = measure_residual && has_forces};
     const lattice::StepReport done = lattice::step(exec, body.model, body.state, inputs, world.dt);
     report.finite = report.finite && done.finite;
     report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));

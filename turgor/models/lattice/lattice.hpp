@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "turgor/core/aligned.hpp"
@@ -140,9 +141,16 @@ struct State {
   std::vector<CutEdge> cut_edges;
 };
 
+/// A force from outside on one node, for the length of a step. Fixed and removed nodes do not feel it.
+struct NodeLoad {
+  int slot = 0;
+  Vec3 force;  // along the lattice's axes [N]
+};
+
 struct Inputs {
-  Vec3d gravity;                  // patient frame [m/s²]
-  bool measure_residual = false;  // descent only; costs about one sweep
+  Vec3d gravity;                    // patient frame [m/s²]
+  bool measure_residual = false;    // descent only; costs about one sweep
+  std::span<const NodeLoad> loads;  // those of one node add up
 };
 
 /// How far a step is from the minimum of its energy: forces left over at the free nodes [N].

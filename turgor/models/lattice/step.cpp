@@ -2,6 +2,7 @@
 #include <bit>
 #include <cmath>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
@@ -30,6 +31,16 @@ struct PredictLayer {
     advance(state.u.z.data(), state.u_before.z.data(), state.v.z.data(), dt * dt * gravity.z);
   }
 };
+
+/// Inertia leads to u + h (v + h w f): with its loads in its velocity, no sweep need know of them.
+void add_loads(const Model& model, State& state, std::span<const NodeLoad> loads, Real dt) {
+  for (const NodeLoad& load : loads) {
+    TURGOR_ASSERT(load.slot >= 0 && std::size_t(load.slot) < model.inverse_mass.size(),
+                  "a load is on a slot of the lattice");
+    const auto slot = std::size_t(load.slot);
+    if (!state.removed[slot]) state.v.set(slot, state.v[slot] + load.force * (dt * model.inverse_mass[slot]));
+  }
+}
 
 /// v = (u − u_before)/h, damped, and the largest |v|²: the largest of bit patterns, since those of positive
 /// numbers are in order and those of not-a-number come last.
@@ -67,8 +78,13 @@ Vec3 lattice_gravity(const Model& model, const Inputs& inputs) {
 }
 
 void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  // Projections know forces by where they begin. Descent begins without the loads: a large one on a light
+  // node would carry it past its neighbours, from where springs do not lead back.
+  const bool pbd = model.params.solver.method == Method::kPbd;
+  if (pbd) add_loads(model, state, inputs.loads, Real(dt));
   parallel_for(exec, std::size_t(model.lattice.size.z + 2),
                PredictLayer{model, state, lattice_gravity(model, inputs), Real(dt)});
+  if (!pbd) add_loads(model, state, inputs.loads, Real(dt));
 }
 
 StepReport finish(const Exec& exec, const Model& model, State& state, double dt) {

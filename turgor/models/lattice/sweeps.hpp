@@ -6,7 +6,7 @@
 
 namespace turgor::lattice {
 
-/// Remembers u and moves it to where inertia and gravity lead: y = u + h v + h² g.
+/// Remembers u and moves it to where inertia and gravity lead, y = u + h v + h² g. Loads become a part of v.
 void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
 /// One sweep of projections over springs, volumes and skin. [Müller 2007; STC]
 void sweep_pbd(const Exec& exec, const Model& model, State& state);
