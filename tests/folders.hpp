@@ -1,24 +1,36 @@
-// Folders and small files for tests.
+// Folders and small files for tests. Folders are removed when the test program ends.
 #pragma once
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <string>
-
-#include <gtest/gtest.h>
+#include <vector>
 
 namespace turgor::test {
 
 /// A new empty folder.
 inline std::filesystem::path fresh_folder() {
-  std::string path = testing::TempDir() + "/turgor-XXXXXX";
-  return std::filesystem::canonical(mkdtemp(path.data()));
+  static const struct Folders {
+    mutable std::vector<std::filesystem::path> all;
+    ~Folders() {
+      std::error_code ignored;
+      for (const auto& folder : all) std::filesystem::remove_all(folder, ignored);
+    }
+  } folders;
+  std::string name = (std::filesystem::temp_directory_path() / "turgor-XXXXXX").string();
+  folders.all.push_back(std::filesystem::canonical(mkdtemp(name.data())));
+  return folders.all.back();
 }
 
-inline void write(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
+inline void write(const std::filesystem::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary) << bytes;
+}
+inline std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 /// Names in a folder, hidden ones too.

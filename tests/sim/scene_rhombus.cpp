@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "folders.hpp"
+#include "turgor/io/ct.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -38,8 +40,9 @@ grasp = { at_fraction = [0.5, 0.5, 1], pull = 0.012 }
   EXPECT_EQ(liver.params.chain.side, 0.004);
   EXPECT_EQ(liver.params.bulge, 0.4);
   EXPECT_EQ(liver.params.viscosity.stiffening, 0.5);
-  EXPECT_EQ(liver.stiffness->factors.at(5), 2);
-  EXPECT_EQ(liver.stiffness->factors.size(), 2u);
+  const auto& stiffness = std::get<LabelStiffness>(liver.stiffness->source);
+  EXPECT_EQ(stiffness.factors.at(5), 2);
+  EXPECT_EQ(stiffness.factors.size(), 2u);
   EXPECT_EQ(std::get<ForcepsTool>(scene.tools[0].shape).opening, 0.01);
   EXPECT_EQ(std::get<Grasp>(scene.tools[0].motion).pull, 0.012);
 }
@@ -57,6 +60,17 @@ TEST(SceneRhombus, mistakes_are_named_with_their_place) {
   EXPECT_NE(error_of(std::string(kLiver) + "stiffness = { labels = \"s.nii\", factors = { nodul = 2 } }\n")
                 .find("did you mean nodule?"),
             std::string::npos);
+  for (const char* factors :
+       {"1", "[]", "[[40, 1], [40, 2]]", "[[40]]", "[[40, 0]]", "[40, 1]", "{ nodule = 8 }"})
+    EXPECT_NE(error_of(std::string(kLiver) +
+                       "stiffness = { ct = { phantom = \"torso\" }, factors = " + factors + " }\n")
+                  .find("expected pairs [HU, factor above 0]"),
+              std::string::npos)
+        << factors;
+  EXPECT_NE(
+      error_of(std::string(kLiver) + "stiffness = { ct = \"a\", labels = \"b\", factors = { 5 = 2 } }\n")
+          .find("of labels or of a CT"),
+      std::string::npos);
 }
 
 World loaded(const std::string& text) { return *load_world(Exec(1), *parse_scene(text, "s.toml")); }
@@ -103,6 +117,34 @@ grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.006, pull = 0.012 }
   EXPECT_GT(pulled, 1e-2);
   EXPECT_EQ(world.tools[0].samples.back().force, Vec3d{});
   EXPECT_EQ(rhombus::step(exec, world.rhombi[0].model, world.rhombi[0].state).largest_displacement, 0);
+}
+
+/// Soft for x < 0, dense for x > 0, around the phantom liver.
+CtVolume two_halves() {
+  CtVolume ct;
+  ct.grid = Grid{.size = {40, 30, 24}, .spacing = {0.01, 0.01, 0.01}, .origin = {-0.195, -0.15, -0.12}};
+  ct.samples.resize(std::size_t(sample_count(ct.grid)));
+  for (int k = 0; k < 24; k++)
+    for (int j = 0; j < 30; j++)
+      for (int i = 0; i < 40; i++) ct.at(i, j, k) = i < 20 ? 40 : 300;
+  return ct;
+}
+
+TEST(SceneRhombus, stiffness_comes_from_a_ct_s_grey_values) {
+  const std::filesystem::path file = test::fresh_folder() / "ct.nrrd";
+  ASSERT_TRUE(write_ct(file, two_halves()));
+  const World world = loaded(std::string(kLiver) + "stiffness = { ct = \"" + file.string() +
+                             "\", factors = [[0, 0.5], [80, 1.5], [200, 8]], depth = 0.01 }\n");
+  const rhombus::Model& model = world.rhombi[0].model;
+  int soft = 0, dense = 0;
+  for (std::size_t v = 0; v < model.surface.vertices.size(); v++) {
+    const double x = model.surface.vertices[v].x;
+    if (std::abs(x) < 0.05) continue;  // smoothed between the halves
+    (x < 0 ? soft : dense)++;
+    ASSERT_NEAR(model.stiffness[v], x < 0 ? 1 : 8, 1e-9) << "halfway between 0 and 80 HU, or beyond 200 HU";
+  }
+  EXPECT_GT(soft, 100);
+  EXPECT_GT(dense, 100);
 }
 
 TEST(SceneRhombus, the_surface_of_an_sfem_body_can_be_taken) {

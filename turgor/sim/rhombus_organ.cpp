@@ -10,6 +10,7 @@
 #include "turgor/io/ct.hpp"
 #include "turgor/io/surface_files.hpp"
 #include "turgor/models/rhombus/surface_stiffness.hpp"
+#include "turgor/sim/load_ct.hpp"
 
 namespace turgor {
 
@@ -56,15 +57,21 @@ Result<rhombus::Body> load_body(const RhombusSource& source, const std::vector<O
 
 Result<std::vector<double>> load_stiffness(const Exec& exec, const StiffnessScene& scene,
                                            const rhombus::Surface& surface, const BeginWork& begin) {
+  if (const auto* by_ct = std::get_if<CtStiffness>(&scene.source)) {
+    const Result<LoadedCt> ct = load_ct(exec, by_ct->ct, begin ? begin("reading", "") : Progress());
+    if (!ct) return ct.error();
+    return rhombus::stiffness_below(surface, scene.depth, rhombus::factor_of_ct(ct->volume, by_ct->factors));
+  }
+  const auto& by_label = std::get<LabelStiffness>(scene.source);
   LabelVolume labels;
-  if (scene.phantom) {
-    make_phantom(exec, *scene.phantom, &labels, begin ? begin("painting", "") : Progress());
+  if (by_label.phantom) {
+    make_phantom(exec, *by_label.phantom, &labels, begin ? begin("painting", "") : Progress());
   } else {
-    Result<LabelVolume> read = read_labels(scene.labels);
+    Result<LabelVolume> read = read_labels(by_label.labels);
     if (!read) return read.error();
     labels = std::move(*read);
   }
-  return rhombus::stiffness_below(surface, scene.depth, rhombus::factor_of_labels(labels, scene.factors));
+  return rhombus::stiffness_below(surface, scene.depth, rhombus::factor_of_labels(labels, by_label.factors));
 }
 
 double enclosed_volume(const rhombus::Surface& s) {

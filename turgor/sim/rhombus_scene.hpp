@@ -8,8 +8,8 @@
 #include <string>
 #include <variant>
 
-#include "turgor/geometry/phantom.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
+#include "turgor/sim/ct_source.hpp"
 
 namespace turgor {
 
@@ -28,12 +28,21 @@ struct SurfaceOfBody {
 };
 using RhombusSource = std::variant<SurfaceFile, PhantomLiverSurface, SurfaceOfBody>;
 
-/// How many times as stiff what a label marks is; felt from `depth` below the surface.
-struct StiffnessScene {
+/// How many times as stiff what a label marks is.
+struct LabelStiffness {
   std::filesystem::path labels;
   std::optional<PhantomParams> phantom;  // instead of a file
   std::map<int, double> factors;         // by label [1]
-  double depth = 0.02;                   // [m]
+};
+/// How many times as stiff tissue of a grey value is: linear between the given values, constant beyond.
+struct CtStiffness {
+  CtSource ct;
+  std::map<double, double> factors;  // by Hounsfield units [1]
+};
+/// Felt from `depth` below the surface.
+struct StiffnessScene {
+  std::variant<LabelStiffness, CtStiffness> source;
+  double depth = 0.02;  // [m]
 };
 
 struct RhombusScene {

@@ -11,21 +11,14 @@
 #include <vector>
 
 #include "turgor/core/result.hpp"
-#include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/sim/cloth_scene.hpp"
+#include "turgor/sim/ct_source.hpp"
 #include "turgor/sim/rhombus_scene.hpp"
 #include "turgor/sim/sfem_scene.hpp"
 
 namespace turgor {
-
-/// Where a body's CT comes from: a file or folder, or a phantom.
-struct CtSource {
-  std::filesystem::path file;
-  std::string series;  // DICOM: which series, when a folder holds several
-  std::optional<PhantomParams> phantom;
-};
 
 /// [body.NAME] with model = "lattice".
 struct LatticeScene {

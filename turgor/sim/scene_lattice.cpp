@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "turgor/sim/label_number.hpp"
-#include "turgor/sim/scene_phantom.hpp"
+#include "turgor/sim/scene_ct.hpp"
 
 namespace turgor {
 
@@ -11,20 +11,6 @@ namespace {
 
 using lattice::Method;
 using lattice::SkinLaw;
-
-CtSource read_ct_source(SceneTable& body) {
-  CtSource source;
-  body.require({"ct"}, "a CT file or DICOM folder, or { phantom = \"torso\" }");
-  body.read("series", source.series);
-  const toml::node* node = body.find("ct");
-  if (!node) return source;
-  if (!node->is_table()) {
-    body.read_path("ct", source.file);
-    return source;
-  }
-  source.phantom = read_phantom(body.table("ct"));
-  return source;
-}
 
 void read_block(SceneTable& body, Int3& block, double& step) {
   body.read("step", step, within(1e-4, 0.1, "m"));

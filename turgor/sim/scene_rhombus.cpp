@@ -4,7 +4,7 @@
 
 #include "turgor/models/rhombus/tissues.hpp"
 #include "turgor/sim/label_number.hpp"
-#include "turgor/sim/scene_phantom.hpp"
+#include "turgor/sim/scene_ct.hpp"
 
 namespace turgor {
 
@@ -68,10 +68,8 @@ void read_chain(SceneTable table, rhombus::ChainParams& chain) {
   table.finish();
 }
 
-StiffnessScene read_stiffness(SceneTable table) {
-  StiffnessScene stiffness;
-  table.require({"labels"}, "a segmentation, or a phantom's labels");
-  table.require({"factors"}, "how many times as stiff a label is, as in { nodule = 8 }");
+LabelStiffness read_label_stiffness(SceneTable& table) {
+  LabelStiffness stiffness;
   const toml::node* labels = table.find("labels");
   if (labels && labels->is_table())
     stiffness.phantom = read_phantom(table.table("labels"));
@@ -89,6 +87,38 @@ StiffnessScene read_stiffness(SceneTable table) {
     stiffness.factors[label] = factor;
   }
   factors.finish();
+  return stiffness;
+}
+
+CtStiffness read_ct_stiffness(SceneTable& table) {
+  const std::string expected = "pairs [HU, factor above 0], ascending, as [[-100, 0.5], [40, 1]]";
+  CtStiffness stiffness{read_ct_source(table), {}};
+  const toml::node* pairs = table.find("factors");
+  if (!pairs) return stiffness;
+  if (!pairs->is_array() || pairs->as_array()->empty())
+    return table.fail_value("factors", *pairs, expected), stiffness;
+  for (const toml::node& pair : *pairs->as_array()) {
+    if (!pair.is_array()) return table.fail_value("factors", pair, expected), stiffness;
+    const std::vector<double> v = table.numbers("factors", pair, any_number("HU or 1"));
+    if (v.empty()) return stiffness;  // and a note of what was wrong
+    const bool ascends = stiffness.factors.empty() || v[0] > stiffness.factors.rbegin()->first;
+    if (v.size() != 2 || !ascends || v[1] <= 0) return table.fail_value("factors", pair, expected), stiffness;
+    stiffness.factors[v[0]] = v[1];
+  }
+  return stiffness;
+}
+
+StiffnessScene read_stiffness(SceneTable table) {
+  StiffnessScene stiffness;
+  table.require({"labels", "ct"}, "a segmentation or a CT, or a phantom");
+  table.require({"factors"},
+                "how many times as stiff: { nodule = 8 } of labels, [[40, 1], [300, 8]] of a CT's HU");
+  if (table.has("labels") && table.has("ct"))
+    table.fail("ct", "stiffness is of labels or of a CT, not of both");
+  if (table.has("ct"))
+    stiffness.source = read_ct_stiffness(table);
+  else
+    stiffness.source = read_label_stiffness(table);
   table.read("depth", stiffness.depth, inside(0, 1, "m"));
   table.finish();
   return stiffness;

@@ -1,7 +1,7 @@
 #include "turgor/sim/scene_sfem.hpp"
 
 #include "turgor/sim/label_number.hpp"
-#include "turgor/sim/scene_phantom.hpp"
+#include "turgor/sim/scene_ct.hpp"
 
 namespace turgor {
 

@@ -1,4 +1,4 @@
-#include "turgor/sim/scene_phantom.hpp"
+#include "turgor/sim/scene_ct.hpp"
 
 namespace turgor {
 
@@ -18,6 +18,20 @@ PhantomParams read_phantom(SceneTable table) {
   phantom.seed = std::uint64_t(seed);
   table.finish();
   return phantom;
+}
+
+CtSource read_ct_source(SceneTable& table) {
+  CtSource source;
+  table.require({"ct"}, "a CT file or DICOM folder, or { phantom = \"torso\" }");
+  table.read("series", source.series);
+  const toml::node* node = table.find("ct");
+  if (!node) return source;
+  if (!node->is_table()) {
+    table.read_path("ct", source.file);
+    return source;
+  }
+  source.phantom = read_phantom(table.table("ct"));
+  return source;
 }
 
 }  // namespace turgor
