@@ -117,7 +117,7 @@ void print_touch(const Json& report) {
                                                : green.at("from_cache").get<bool>() ? "from the cache"
                                                                                     : "computed",
                                                value(green, "seconds")));
-    print_row("patches built (median, longest)",
+    print_row("patches built beside the ticks (median, longest)",
               fmt::format("{} of at most {} local nodes ({:.2f} ms, {:.2f} ms)",
                           patch.at("rebuilds").get<long>(), patch.at("local_nodes_most").get<long>(),
                           value(patch, "rebuild_p50_ms"), value(patch, "rebuild_max_ms")));

@@ -5,6 +5,7 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/io/file.hpp"
 #include "turgor/sim/forces_csv.hpp"
+#include "turgor/sim/organ_patch.hpp"
 #include "turgor/sim/recording.hpp"
 #include "turgor/sim/recording_organs.hpp"
 #include "turgor/sim/report.hpp"
@@ -54,6 +55,23 @@ TEST(TouchOrgan, ForceStartsAtTheSurfaceGrowsWithDepthAndEndsAboveIt) {
   EXPECT_NEAR(before, 0.1, 0.03);
   EXPECT_GT(world.organs[0].rebuilds.size(), 1u) << "the patch follows";
   EXPECT_GT(world.organs[0].largest_force, before * 0.99);
+}
+
+TEST(TouchOrgan, APatchIsTakenThreeTicksAfterItIsWantedAndTicksGoOnMeanwhile) {
+  World world = organ_world(Exec(1), organ_scene(test::fresh_folder()));
+  Organ& organ = world.organs[0];
+  touch_organ(Exec(1), organ, world.tools, 0, 0.1);  // pressed
+  organ.centres[0].x += 0.02;                        // far from where it touches
+  const std::size_t before = organ.rebuilds.size(), ticks = world.tools[0].samples.size();
+  touch_organ(Exec(1), organ, world.tools, 0.1, 0.11);
+  ASSERT_EQ(organ.rebuilds.size(), before + 1);
+  EXPECT_NEAR(organ.rebuilds.back().time, 0.101 + 1e-3 * kPatchTicks, 1e-9);
+  const auto& samples = world.tools[0].samples;
+  ASSERT_EQ(samples.size(), ticks + 10);
+  for (std::size_t i = ticks; i < samples.size(); i++) {
+    EXPECT_EQ(samples[i].new_patch, i == ticks + std::size_t(kPatchTicks));
+    EXPECT_GT(norm(samples[i].force), 0.05) << "no tick is left out";
+  }
 }
 
 TEST(TouchOrgan, TheSameBitsOnOneTwoAndEightThreads) {

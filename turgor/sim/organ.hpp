@@ -48,8 +48,8 @@ struct TouchingTool {
 
 /// A patch that was built while the tool moved.
 struct PatchRebuild {
-  double time = 0;              // [s]
-  double seconds = 0;           // wall time of building it
+  double time = 0;              // when it was taken into use [s]
+  double seconds = 0;           // wall time of building it, beside the ticks
   double handover_seconds = 0;  // and of taking it into use
   int elements = 0, local_nodes = 0, points = 0;
   double force_jump = 0;  // before it is blended away [N]

@@ -107,6 +107,8 @@ std::string touch_tables(const Json& report) {
                             {"patch.rebuilds", "patches built"},
                             {"patch.rebuild_p50_ms", "… median [ms]"},
                             {"patch.rebuild_max_ms", "… longest [ms]"},
+                            {"patch.rebuilds_too_late", "… that would have come too late"},
+                            {"patch.handover_max_ms", "longest hand-over, within a tick [ms]"},
                             {"patch.force_jump_max_N", "largest jump of the force at a hand-over [N]"},
                             {"surface_p50_ms", "surface for a picture [ms]"}});
   if (!report.value("rhombi", Json::array()).empty())

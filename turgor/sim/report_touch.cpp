@@ -7,6 +7,7 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/json_numbers.hpp"
+#include "turgor/sim/organ_patch.hpp"
 
 namespace turgor {
 
@@ -63,12 +64,14 @@ Json mesh_report(const Organ& organ) {
 Json patch_report(const SfemScene& scene, const Organ& organ) {
   std::vector<double> seconds, handovers;
   double jump = 0;
+  int late = 0;  // not ready at the tick that takes it, were a tick to last its millisecond
   int local = organ.patch.local_nodes, points = int(organ.patch.points.size());
   Json series = Json::array();
   for (const PatchRebuild& r : organ.rebuilds) {
     seconds.push_back(r.seconds);
     handovers.push_back(r.handover_seconds);
     jump = std::max(jump, r.force_jump);
+    late += r.seconds > double(kPatchTicks) * kTick;
     local = std::max(local, r.local_nodes), points = std::max(points, r.points);
     series.push_back(numbers({r.time, r.seconds * kMs, double(r.local_nodes), r.force_jump}));
   }
@@ -80,6 +83,7 @@ Json patch_report(const SfemScene& scene, const Organ& organ) {
           {"rebuild_p50_ms", rounded(percentile(seconds, 0.5) * kMs)},
           {"rebuild_p99_ms", rounded(percentile(seconds, 0.99) * kMs)},
           {"rebuild_max_ms", rounded(percentile(seconds, 1) * kMs)},
+          {"rebuilds_too_late", late},
           {"handover_max_ms", rounded(percentile(handovers, 1) * kMs)},
           {"force_jump_max_N", rounded(jump)},
           {"series_columns", {"time_s", "rebuild_ms", "local_nodes", "force_jump_N"}},

@@ -4,6 +4,7 @@
 
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/organ.hpp"
+#include "turgor/sim/organ_patch.hpp"
 #include "turgor/sim/press_path.hpp"
 
 namespace turgor {
@@ -20,46 +21,6 @@ void set_poses(Organ& organ, const std::vector<TouchingTool>& tools, double time
     organ.poses[t] = pose_at(tools[std::size_t(organ.tool_indices[t])].path, time);
 }
 
-/// Columns that the next patches need, for a store on demand.
-void fetch_near(const Exec& exec, Organ& organ, std::span<const Vec3d> places) {
-  if (!organ.facts.on_demand) return;
-  const double reach = organ.follow.radius * (1 + organ.follow.hysteresis);
-  std::vector<int> vertices;
-  for (const int e : sfem::patch_elements(organ.model, places, reach))
-    for (const int v : element(organ.model.body.mesh, std::size_t(e))) vertices.push_back(v);
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  sfem::fetch_columns(exec, organ.model, vertices);
-}
-
-sfem::Patch patch_for(const Exec& exec, Organ& organ, const std::vector<Vec3d>& places) {
-  fetch_near(exec, organ, places);
-  const std::vector<int> elements = sfem::patch_elements(organ.model, places, organ.follow.radius);
-  return sfem::build_patch(organ.model, elements, organ.refinement, places);
-}
-
-void rebuild_patch(const Exec& exec, Organ& organ, std::vector<Vec3d> places, double time) {
-  const Timer building;
-  sfem::Patch next = patch_for(exec, organ, places);
-  PatchRebuild rebuild{.time = time,
-                       .seconds = building.seconds(),
-                       .elements = int(next.elements.size()),
-                       .local_nodes = next.local_nodes,
-                       .points = int(next.points.size())};
-  const Timer taking;
-  std::vector<Vec3d> history;
-  if (organ.touch.params.viscosity.stiffening > 0)
-    history =
-        contact::displacements(organ.model, contact::coarse_history(organ.touch.history, organ.patch), next);
-  const contact::Handover handover =
-      contact::take_patch(organ.touch, organ.patch, next, organ.tools, history);
-  rebuild.handover_seconds = taking.seconds();
-  rebuild.force_jump = handover.force_jump;
-  organ.patch = std::move(next);
-  organ.centres = std::move(places);
-  organ.rebuilds.push_back(rebuild);
-}
-
 /// Where turned elements have brought the points, a part of the way from the last frame's to this one's.
 void set_offsets(Organ& organ, double part) {
   if (!organ.turning) return;
@@ -74,15 +35,6 @@ void set_offsets(Organ& organ, double part) {
     }
     organ.touch.offset[p] = offset;
   }
-}
-
-/// Returns whether the patch was built anew.
-bool follow_tools(const Exec& exec, Organ& organ, double time) {
-  std::vector<Vec3d> places =
-      contact::touched_places(organ.model, organ.patch, organ.touch, organ.poses, organ.centres);
-  if (!contact::must_follow(organ.follow, organ.centres, places)) return false;
-  rebuild_patch(exec, organ, std::move(places), time);
-  return true;
 }
 
 void record_tick(const Organ& organ, std::vector<TouchingTool>& tools, ForceSample common) {
@@ -140,7 +92,7 @@ void begin_touch(const Exec& exec, Organ& organ, const std::vector<TouchingTool>
   const RestSurface surface{organ.model.body.mesh.vertices, organ.model.surface.triangles};
   for (const contact::ToolPose& pose : organ.poses)
     organ.centres.push_back(place_on_surface(surface, pose.pose.position, false, organ.follow.radius).point);
-  organ.patch = patch_for(exec, organ, organ.centres);
+  organ.patch = first_patch(exec, organ);
   const std::size_t spare = 2 * organ.patch.points.size() + 64;  // later patches are about as large
   organ.touch = contact::make_touch_state(organ.patch, organ.tools.size(), {.viscosity = viscosity}, spare);
 }
@@ -149,11 +101,14 @@ void touch_organ(const Exec& exec, Organ& organ, std::vector<TouchingTool>& tool
   if (organ.tools.empty()) return;
   const long first = std::lround(std::floor(from / kTick + 1e-9)) + 1;
   const long last = std::lround(std::floor(to / kTick + 1e-9));
+  const long patch_ticks = std::min(kPatchTicks, last - first);  // a patch is wanted and taken within a frame
+  std::optional<NextPatch> next;
   for (long tick = first; tick <= last; tick++) {
     const double time = double(tick) * kTick;
     set_poses(organ, tools, time);
     ForceSample common{.time = time};
-    common.new_patch = follow_tools(exec, organ, time);
+    if (!next && tick + patch_ticks <= last) next = follow_tools(exec, organ, tick + patch_ticks);
+    if (next && next->due == tick) take_next_patch(organ, *next, time), next.reset(), common.new_patch = true;
     set_offsets(organ, double(tick - first + 1) / double(last - first + 1));
     const Timer timer;
     contact::touch(organ.patch, organ.touch, organ.tools, organ.poses, kTick, organ.forces);

@@ -1,0 +1,38 @@
+// The patch of an organ follows its tools: wanted when a touch has wandered, built on a thread of its own
+// while ticks go on with the present one, and taken at a tick that is fixed in advance, so that the same path
+// gives the same bits however long the building takes.
+#pragma once
+
+#include <future>
+#include <optional>
+#include <vector>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/sim/organ.hpp"
+
+namespace turgor {
+
+/// Ticks from when a patch is wanted until it is taken; fewer when a frame has no more.
+constexpr long kPatchTicks = 3;
+
+struct BuiltPatch {
+  sfem::Patch patch;
+  double seconds = 0;  // wall time of building it
+};
+
+/// A patch that is being built. Refers to the organ.
+struct NextPatch {
+  std::future<BuiltPatch> built;
+  std::vector<Vec3d> centres;  // where it is built for [m]
+  long due = 0;                // the tick that takes it
+};
+
+/// A patch where the tools are at the start; it is there before the first tick.
+sfem::Patch first_patch(const Exec& exec, Organ& organ);
+
+/// Begins to build a patch, to be taken at tick `due`, when a touch has wandered.
+std::optional<NextPatch> follow_tools(const Exec& exec, Organ& organ, long due);
+/// Puts it in place of the present one, and notes what it cost and by how much the force jumps.
+void take_next_patch(Organ& organ, NextPatch& next, double time);
+
+}  // namespace turgor
