@@ -1,7 +1,6 @@
 #include "app/bench_cloth.hpp"
 
-#include <cstring>
-
+#include "app/machine.hpp"
 #include "turgor/contact/cloth_obstacle.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/models/cloth/measure.hpp"
@@ -23,28 +22,6 @@ struct Piece {
   State state;
   Inputs inputs{.gravity = {0, 0, -9.81}};
 };
-
-template <class Work>
-double median_ms(int runs, const Work& work) {
-  std::vector<double> times;
-  for (int n = 0; n < runs; n++) {
-    const Timer timer;
-    work();
-    times.push_back(timer.seconds() * 1e3);
-  }
-  return median(times);
-}
-
-/// Bytes read and written a second by copying 256 MiB.
-double copy_bandwidth(const Exec& exec) {
-  constexpr std::size_t kPieces = 64, kPiece = std::size_t(4) << 20;
-  std::vector<char> from(kPieces * kPiece, 1), to(kPieces * kPiece, 2);
-  const double ms = median_ms(7, [&] {
-    parallel_for(exec, kPieces,
-                 [&](std::size_t p) { std::memcpy(&to[p * kPiece], &from[p * kPiece], kPiece); });
-  });
-  return 2.0 * kPieces * kPiece / (ms * 1e-3);
-}
 
 Piece sheet(const Exec& exec, int side, Vec3d corner, bool self) {
   Params params;

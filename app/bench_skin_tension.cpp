@@ -1,8 +1,8 @@
 #include "app/bench_skin_tension.hpp"
 
 #include <algorithm>
-#include <cstring>
 
+#include "app/machine.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/body_nodes.hpp"
@@ -37,28 +37,6 @@ CtVolume shrunken_phantom(const Exec& exec, PhantomKind kind, int shrink) {
   params.size = {params.size.x / shrink, params.size.y / shrink, params.size.z / shrink};
   params.spacing *= double(shrink);
   return make_phantom(exec, params);
-}
-
-template <class Work>
-double median_ms(int runs, const Work& work) {
-  std::vector<double> times;
-  for (int n = 0; n < runs; n++) {
-    const Timer timer;
-    work();
-    times.push_back(timer.seconds() * 1e3);
-  }
-  return median(times);
-}
-
-/// Bytes read and written a second by copying 256 MiB.
-double copy_bandwidth(const Exec& exec) {
-  constexpr std::size_t kPieces = 64, kPiece = std::size_t(4) << 20;
-  std::vector<char> from(kPieces * kPiece, 1), to(kPieces * kPiece, 2);
-  const double ms = median_ms(7, [&] {
-    parallel_for(exec, kPieces,
-                 [&](std::size_t p) { std::memcpy(&to[p * kPiece], &from[p * kPiece], kPiece); });
-  });
-  return 2.0 * kPieces * kPiece / (ms * 1e-3);
 }
 
 Params solver_params(Method method, bool skin) {

@@ -8,13 +8,7 @@
 namespace turgor {
 namespace {
 
-namespace fs = std::filesystem;
-using test::Ended;
-using test::fresh_folder;
-using test::names_in;
-using test::run_program;
-using test::small_scene;
-using test::write;
+using namespace test;
 
 /// A NIfTI-1 file of int16 with 2 mm voxels, all of one value.
 std::string nifti(int nx, int ny, int nz, int value, std::size_t missing_bytes = 0) {

@@ -1,14 +1,8 @@
 // The commands that handle data: phantom, info, import.
-#include <nlohmann/json.hpp>
-
 #include "app/program.hpp"
 
 namespace turgor::test {
 namespace {
-
-namespace fs = std::filesystem;
-
-nlohmann::json read_json(const fs::path& file) { return nlohmann::json::parse(std::ifstream(file)); }
 
 TEST(Info, APhantomIsTheSameAsDicomAsNiftiAndImported) {
   const fs::path folder = fresh_folder();

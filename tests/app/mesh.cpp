@@ -7,8 +7,6 @@
 namespace turgor::test {
 namespace {
 
-namespace fs = std::filesystem;
-
 const fs::path kData = fs::path(TURGOR_SOURCE_DIR) / ".." / "shared" / "data";
 
 #define SKIP_WITHOUT(path) \

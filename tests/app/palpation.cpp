@@ -1,28 +1,12 @@
 // Organs and tools as people run them: what a run leaves behind, and what wrong inputs are told.
-#include <nlohmann/json.hpp>
-
 #include "app/program.hpp"
 #include "sim/organ_scene.hpp"
 
 namespace turgor {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
-using test::Ended;
-using test::fresh_folder;
-using test::organ_scene_text;
-using test::run_program;
-using test::write;
-
-json report_in(const fs::path& folder) {
-  std::ifstream stream(folder / "report.json");
-  return json::parse(stream);
-}
-
-bool same_bytes(const fs::path& a, const fs::path& b) {
-  return system(("cmp -s '" + a.string() + "' '" + b.string() + "'").c_str()) == 0;
-}
+using namespace test;
 
 const char* kCache = "cache = \"kept\"\n";
 
@@ -54,7 +38,7 @@ TEST(Palpation, AReplayDrawsTheSamePicturesAndTheSameForces) {
   for (const auto& entry : fs::recursive_directory_iterator(folder / "first")) {
     const fs::path name = fs::relative(entry.path(), folder / "first");
     if (name.extension() == ".png" || name.extension() == ".csv" || name.extension() == ".vtu") {
-      EXPECT_TRUE(same_bytes(entry.path(), folder / "again" / name)) << name;
+      EXPECT_TRUE(bytes_of(entry.path()) == bytes_of(folder / "again" / name)) << name;
     }
   }
   EXPECT_EQ(report_in(folder / "first")["tools"], report_in(folder / "again")["tools"]);

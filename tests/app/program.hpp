@@ -8,12 +8,15 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "folders.hpp"
 
 namespace turgor::test {
+
+namespace fs = std::filesystem;
 
 struct Ended {
   int code = 0;
@@ -31,6 +34,10 @@ inline Ended run_program(const std::string& arguments, const std::filesystem::pa
   ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return ended;
 }
+
+inline nlohmann::json read_json(const fs::path& file) { return nlohmann::json::parse(std::ifstream(file)); }
+/// Of a run.
+inline nlohmann::json report_in(const fs::path& folder) { return read_json(folder / "report.json"); }
 
 /// A scene that runs in about a second: a small phantom, small pictures.
 inline std::string small_scene(const std::string& body = "", const std::string& rest = "") {

@@ -1,30 +1,13 @@
 // Rhombus chains as people use them: phantoms, a run with forceps and its replay, a calibration.
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "app/program.hpp"
-#include "folders.hpp"
 
 namespace turgor {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
-using test::Ended;
-using test::fresh_folder;
-using test::run_program;
-using test::write;
-
-json report_in(const fs::path& folder) {
-  std::ifstream stream(folder / "report.json");
-  return json::parse(stream);
-}
-
-std::string bytes_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
+using namespace test;
 
 constexpr const char* kForceps = R"([world]
 duration = 1.6

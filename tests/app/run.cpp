@@ -1,25 +1,12 @@
 #include <csignal>
 
-#include <nlohmann/json.hpp>
-
 #include "app/program.hpp"
 
 namespace turgor {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
-using test::Ended;
-using test::fresh_folder;
-using test::names_in;
-using test::run_program;
-using test::small_scene;
-using test::write;
-
-json report_in(const fs::path& folder) {
-  std::ifstream stream(folder / "report.json");
-  return json::parse(stream);
-}
+using namespace test;
 
 TEST(Run, LeavesPicturesMeshesTheCtARecordingAndAReport) {
   const fs::path folder = fresh_folder();

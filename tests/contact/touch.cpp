@@ -5,11 +5,10 @@
 #include <map>
 #include <new>
 #include <numbers>
-#include <random>
 
 #include <gtest/gtest.h>
 
-#include "contact/half_space.hpp"
+#include "contact/touched_half_space.hpp"
 
 namespace {
 std::size_t allocations = 0;
@@ -34,53 +33,12 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std
 namespace turgor::contact {
 namespace {
 
-constexpr double kTick = 1e-3;
-constexpr double kRadius = 5e-3;
-
-/// One tool over a half space.
-struct Scene {
-  sfem::Patch patch;
-  std::vector<Tool> tools;
-  TouchState state;
-  std::vector<ToolForce> forces;
-
-  Scene(const HalfSpace& half_space, std::vector<Tool> with, const TouchParams& params = {})
-      : patch(half_space_patch(half_space)),
-        tools(std::move(with)),
-        state(make_touch_state(patch, tools.size(), params)),
-        forces(tools.size()) {}
-
-  ToolForce press(Vec3d at, bool hold = false) {
-    const std::vector<ToolPose> poses{{{at, {}}, hold}};
-    touch(patch, state, tools, poses, kTick, forces);
-    return forces[0];
-  }
-  ToolForce settle(Vec3d at, int ticks = 20, bool hold = false) {
-    for (int i = 1; i < ticks; i++) press(at, hold);
-    return press(at, hold);
-  }
-  /// Along a line in steps of at most 10 µm; the largest change of force from one to the next.
-  double move(Vec3d from, Vec3d to, bool hold = false) {
-    const int steps = std::max(1, int(std::ceil(norm(to - from) / 1e-5)));
-    Vec3d before = forces[0].force;
-    double jump = 0;
-    for (int i = 1; i <= steps; i++) {
-      const Vec3d now = press(from + (to - from) * (double(i) / steps), hold).force;
-      jump = std::max(jump, norm(now - before));
-      before = now;
-    }
-    return jump;
-  }
-};
-
-Vec3d above(double x, double y, double depth) { return {x, y, kRadius - depth}; }
-
 TEST(Touch, a_rigid_sphere_is_carried_as_hertz_says) {
   const HalfSpace s{.side = 33, .spacing = 0.25e-3, .young = 1e4, .poisson = 0.3};
   const double stiff = s.young / (1 - s.poisson * s.poisson), radius = 0.1;  // large against the contact
   for (const double contact : {0.7e-3, 1e-3, 1.4e-3}) {
     const double depth = contact * contact / radius;
-    Scene scene(s, {{Sphere{radius}, 0}}, {.capacity = 160});
+    Touched scene(s, {{Sphere{radius}, 0}}, {.capacity = 160});
     const double force = scene.settle({0, 0, radius - depth}).force.z;
     const double hertz = 4.0 / 3 * stiff * std::sqrt(radius) * std::pow(depth, 1.5);
     EXPECT_NEAR(force / hertz, 1, 0.02) << depth;
@@ -94,7 +52,7 @@ TEST(Touch, a_flat_capsule_bears_twice_as_much_under_twice_the_length) {
   const Mat3d lying{{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}};
   double force[2];
   for (int i = 0; i < 2; i++) {
-    Scene scene(s, {{Capsule{2e-3, 2e-3 * (i + 1)}, 0}}, {.capacity = 128});
+    Touched scene(s, {{Capsule{2e-3, 2e-3 * (i + 1)}, 0}}, {.capacity = 128});
     const std::vector<ToolPose> poses{{{{0, 0, 1.8e-3}, lying}, false}};
     for (int tick = 0; tick < 10; tick++)
       touch(scene.patch, scene.state, scene.tools, poses, kTick, scene.forces);
@@ -132,8 +90,8 @@ TriMesh ball_mesh(double radius, int halvings) {
 TEST(Touch, a_ball_made_of_triangles_presses_as_a_sphere) {
   const Result<Shape> ball = mesh_shape(ball_mesh(kRadius, 4), 64);
   ASSERT_TRUE(ball) << ball.error().message;
-  Scene sphere({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
-  Scene mesh({.side = 15}, {{*ball, 0.3}}, {.capacity = 64});
+  Touched sphere({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
+  Touched mesh({.side = 15}, {{*ball, 0.3}}, {.capacity = 64});
   for (const double depth : {0.5e-3, 1e-3}) {
     const double exact = sphere.settle(above(0.2e-3, 0, depth)).force.z;
     EXPECT_NEAR(mesh.settle(above(0.2e-3, 0, depth)).force.z / exact, 1, 0.05) << depth;
@@ -143,7 +101,7 @@ TEST(Touch, a_ball_made_of_triangles_presses_as_a_sphere) {
 }
 
 TEST(Touch, a_tool_that_is_far_or_just_leaves_feels_nothing) {
-  Scene scene({}, {{Sphere{kRadius}, 0.3}});
+  Touched scene({}, {{Sphere{kRadius}, 0.3}});
   EXPECT_EQ(scene.press({0, 0, 1}).force, Vec3d{});
   scene.settle(above(0, 0, 0));
   EXPECT_EQ(scene.forces[0].force, Vec3d{});
@@ -154,7 +112,7 @@ TEST(Touch, a_tool_that_is_far_or_just_leaves_feels_nothing) {
 }
 
 TEST(Touch, no_point_stays_in_the_tool) {
-  Scene scene({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
+  Touched scene({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   const ToolForce felt = scene.settle(above(0.3e-3, 0.1e-3, 1.5e-3), 30);
   EXPECT_LT(felt.largest_penetration, 1e-6);
   EXPECT_GT(felt.contacts, 10);
@@ -162,7 +120,7 @@ TEST(Touch, no_point_stays_in_the_tool) {
 }
 
 TEST(Touch, force_and_pressure_sum_to_the_same) {
-  Scene scene({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
+  Touched scene({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   const ToolForce felt = scene.settle(above(0, 0, 1e-3));
   std::vector<double> pressure(scene.state.x.size());
   contact_pressure(scene.state, pressure);
@@ -176,7 +134,7 @@ TEST(Touch, force_and_pressure_sum_to_the_same) {
 }
 
 TEST(Touch, a_drag_below_friction_sticks_and_comes_back_and_a_long_one_slides_at_the_cone) {
-  Scene scene({.side = 15}, {{Sphere{kRadius}, 0.4}}, {.capacity = 64});
+  Touched scene({.side = 15}, {{Sphere{kRadius}, 0.4}}, {.capacity = 64});
   const Vec3d first = scene.settle(above(0, 0, 1e-3), 200).force;
   scene.move(above(0, 0, 1e-3), above(5e-5, 0, 1e-3));
   EXPECT_LT(scene.forces[0].force.x, -0.02 * first.z);  // resists the drag
@@ -189,7 +147,7 @@ TEST(Touch, a_drag_below_friction_sticks_and_comes_back_and_a_long_one_slides_at
 }
 
 TEST(Touch, a_stuck_contact_keeps_its_force_for_ten_thousand_ticks) {
-  Scene scene({.side = 11}, {{Sphere{kRadius}, 1.5}}, {.capacity = 64});
+  Touched scene({.side = 11}, {{Sphere{kRadius}, 1.5}}, {.capacity = 64});
   scene.settle(above(0, 0, 0.5e-3), 50);
   scene.move(above(0, 0, 0.5e-3), above(1e-4, 0, 0.5e-3));
   const Vec3d first = scene.settle(above(1e-4, 0, 0.5e-3), 50).force;
@@ -199,7 +157,7 @@ TEST(Touch, a_stuck_contact_keeps_its_force_for_ten_thousand_ticks) {
 }
 
 TEST(Touch, what_is_held_is_pulled_until_it_is_let_go) {
-  Scene scene({.side = 11}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
+  Touched scene({.side = 11}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   scene.settle(above(0, 0, 0.5e-3));
   scene.move(above(0, 0, 0.5e-3), above(0, 0, -1e-3), true);
   EXPECT_LT(scene.forces[0].force.z, 0) << "the body pulls the tool down";
@@ -213,7 +171,7 @@ TEST(Touch, what_is_held_is_pulled_until_it_is_let_go) {
 }
 
 TEST(Touch, held_sites_move_exactly_with_the_tool) {
-  Scene scene({.side = 11}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
+  Touched scene({.side = 11}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   scene.settle(above(0, 0, 0.5e-3));
   const Vec3d before = scene.state.x[60];
   scene.move(above(0, 0, 0.5e-3), above(2e-4, 1e-4, -1e-3), true);
@@ -223,7 +181,7 @@ TEST(Touch, held_sites_move_exactly_with_the_tool) {
 TEST(Touch, two_tools_press_as_one_when_far_apart_and_help_each_other_when_near) {
   const HalfSpace s{.side = 31};
   const auto force = [&](double apart, bool second) {
-    Scene scene(s, {{Sphere{kRadius}, 0}, {Sphere{kRadius}, 0}}, {.capacity = 64});
+    Touched scene(s, {{Sphere{kRadius}, 0}, {Sphere{kRadius}, 0}}, {.capacity = 64});
     const std::vector<ToolPose> poses{{{above(-apart / 2, 0, 0.5e-3), {}}, false},
                                       {{second ? above(apart / 2, 0, 0.5e-3) : Vec3d{0, 0, 1}, {}}, false}};
     for (int i = 0; i < 10; i++) touch(scene.patch, scene.state, scene.tools, poses, kTick, scene.forces);
@@ -234,7 +192,7 @@ TEST(Touch, two_tools_press_as_one_when_far_apart_and_help_each_other_when_near)
 }
 
 TEST(Touch, a_tool_smaller_than_the_triangles_touches_between_the_points) {
-  Scene scene({.side = 7, .spacing = 10e-3}, {{Sphere{2e-3}, 0.3}});
+  Touched scene({.side = 7, .spacing = 10e-3}, {{Sphere{2e-3}, 0.3}});
   for (const Vec3d at : {Vec3d{6.5e-3, 3e-3, 1.5e-3}, Vec3d{5e-3, 0, 1.5e-3}, Vec3d{3e-3, 3e-3, 1.5e-3}}) {
     const ToolForce felt = scene.settle(at, 50);
     EXPECT_GT(felt.force.z, 0);
@@ -244,7 +202,7 @@ TEST(Touch, a_tool_smaller_than_the_triangles_touches_between_the_points) {
 }
 
 TEST(Touch, a_small_tool_glides_over_edges_and_points_of_large_triangles) {
-  Scene scene({.side = 7, .spacing = 10e-3}, {{Sphere{4e-3}, 0.0}});
+  Touched scene({.side = 7, .spacing = 10e-3}, {{Sphere{4e-3}, 0.0}});
   const auto at = [](double x) { return Vec3d{x, 0.31 * x + 1e-4, 3.5e-3}; };
   const double force = scene.settle(at(-0.02), 50).force.z;
   const double jump = scene.move(at(-0.02), at(0.02));
@@ -255,7 +213,7 @@ TEST(Touch, a_small_tool_glides_over_edges_and_points_of_large_triangles) {
 
 TEST(Touch, the_force_is_continuous_when_pressing_sliding_and_releasing) {
   for (const double friction : {0.0, 0.3}) {
-    Scene scene({.side = 21}, {{Sphere{kRadius}, friction}}, {.capacity = 64});
+    Touched scene({.side = 21}, {{Sphere{kRadius}, friction}}, {.capacity = 64});
     const double down = scene.move(above(0, 0, -1e-4), above(0, 0, 1e-3));
     const double force = norm(scene.forces[0].force);
     const double slide = scene.move(above(0, 0, 1e-3), above(4e-3, 1e-3, 1e-3));
@@ -271,7 +229,7 @@ TEST(Touch, the_force_is_continuous_when_pressing_sliding_and_releasing) {
 TEST(Touch, a_press_deeper_than_the_radius_goes_on_and_one_of_three_radii_does_not_fall_through) {
   for (const double friction : {0.0, 0.3}) {
     constexpr double kSmall = 2e-3;
-    Scene scene({.side = 21}, {{Sphere{kSmall}, friction}}, {.capacity = 64});
+    Touched scene({.side = 21}, {{Sphere{kSmall}, friction}}, {.capacity = 64});
     double most = 0;
     for (int i = 1; i <= 60; i++) {
       const double force = scene.press({0.2e-3, 0.1e-3, kSmall - i * 1e-4}).force.z;
@@ -282,7 +240,7 @@ TEST(Touch, a_press_deeper_than_the_radius_goes_on_and_one_of_three_radii_does_n
 }
 
 TEST(Touch, a_tool_that_appears_inside_the_body_feels_nothing_until_it_has_come_out) {
-  Scene scene({.side = 21}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
+  Touched scene({.side = 21}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   const ToolForce felt = scene.press({0, 0, -3e-3});
   EXPECT_TRUE(felt.inside);
   EXPECT_EQ(felt.force, Vec3d{});
@@ -295,14 +253,14 @@ TEST(Touch, a_tool_that_appears_inside_the_body_feels_nothing_until_it_has_come_
 }
 
 TEST(Touch, a_fast_tool_does_not_fall_through) {
-  Scene scene({.side = 21}, {{Sphere{2e-3}, 0.0}}, {.capacity = 64});
+  Touched scene({.side = 21}, {{Sphere{2e-3}, 0.0}}, {.capacity = 64});
   scene.press({0, 0, 4e-3});
   EXPECT_GT(scene.press({0, 0, -3e-3}).force.z, 0) << "7 mm in one tick";
   EXPECT_LT(scene.state.x[220].z, -4e-3);
 }
 
 TEST(Touch, a_pose_that_is_not_one_gives_no_force_and_says_so) {
-  Scene scene({}, {{Sphere{kRadius}, 0.3}});
+  Touched scene({}, {{Sphere{kRadius}, 0.3}});
   const double force = scene.settle(above(0, 0, 1e-3)).force.z;
   for (const Vec3d bad : {Vec3d{NAN, 0, 0}, Vec3d{0, INFINITY, 0}}) {
     const ToolForce felt = scene.press(bad);
@@ -316,30 +274,30 @@ TEST(Touch, a_pose_that_is_not_one_gives_no_force_and_says_so) {
 }
 
 TEST(Touch, a_tool_larger_than_the_patch_says_so) {
-  Scene scene({.side = 5}, {{Sphere{50e-3}, 0.3}});
+  Touched scene({.side = 5}, {{Sphere{50e-3}, 0.3}});
   EXPECT_TRUE(scene.settle({0, 0, 49e-3}).beyond_patch);
-  Scene small({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
+  Touched small({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   EXPECT_FALSE(small.settle(above(0, 0, 1e-3)).beyond_patch);
 }
 
 TEST(Touch, sites_beyond_the_capacity_are_counted) {
-  Scene scene({.side = 21}, {{Sphere{20e-3}, 0.3}}, {.capacity = 8});
+  Touched scene({.side = 21}, {{Sphere{20e-3}, 0.3}}, {.capacity = 8});
   const ToolForce felt = scene.press({0, 0, 19e-3});
   EXPECT_LE(felt.contacts, 8);
   EXPECT_GT(felt.dropped, 0);
 }
 
 TEST(Touch, a_displacement_from_elsewhere_moves_the_surface_under_the_tool) {
-  Scene scene({.side = 15}, {{Sphere{kRadius}, 0.0}}, {.capacity = 64});
+  Touched scene({.side = 15}, {{Sphere{kRadius}, 0.0}}, {.capacity = 64});
   const double force = scene.settle(above(0, 0, 1e-3)).force.z;
-  Scene lifted({.side = 15}, {{Sphere{kRadius}, 0.0}}, {.capacity = 64});
+  Touched lifted({.side = 15}, {{Sphere{kRadius}, 0.0}}, {.capacity = 64});
   lifted.state.offset.assign(lifted.state.offset.size(), {0, 0, 0.4e-3});
   EXPECT_NEAR(lifted.settle(above(0, 0, 0.6e-3)).force.z, force, 1e-6 * force);
 }
 
 TEST(Touch, a_tick_allocates_nothing) {
-  Scene scene({.side = 15}, {{Sphere{kRadius}, 0.3}, {Capsule{1e-3, 3e-3}, 0.3}},
-              {.capacity = 32, .viscosity = {.stiffening = 1, .time = 0.1}});
+  Touched scene({.side = 15}, {{Sphere{kRadius}, 0.3}, {Capsule{1e-3, 3e-3}, 0.3}},
+                {.capacity = 32, .viscosity = {.stiffening = 1, .time = 0.1}});
   std::vector<ToolPose> poses(2);
   std::size_t counted = 0;
   for (int i = 0; i < 400; i++) {
@@ -357,55 +315,11 @@ TEST(Touch, a_tick_allocates_nothing) {
 TEST(Touch, equal_paths_give_equal_bits) {
   std::vector<Vec3d> forces[2];
   for (auto& list : forces) {
-    Scene scene({.side = 11}, {{Sphere{kRadius}, 0.3}}, {.viscosity = {.stiffening = 1, .time = 0.1}});
+    Touched scene({.side = 11}, {{Sphere{kRadius}, 0.3}}, {.viscosity = {.stiffening = 1, .time = 0.1}});
     for (int i = 0; i < 300; i++)
       list.push_back(scene.press(above(1e-5 * i, 2e-6 * i, 1e-3 * std::sin(0.03 * i))).force);
   }
   EXPECT_EQ(forces[0], forces[1]);
-}
-
-/// Ticks of anything: smooth drags, jumps, turns, bad numbers, grasps. Returns the largest force.
-double fuzz(std::vector<Tool> tools, int ticks) {
-  const std::size_t count = tools.size();
-  Scene scene({.side = 9}, std::move(tools), {.viscosity = {.stiffening = 2, .time = 0.05}});
-  std::mt19937 random(11);
-  std::uniform_real_distribution<double> number(-1, 1);
-  const auto anywhere = [&] { return Vec3d{number(random), number(random), number(random)}; };
-  const Vec3d home{0, 0, 3e-3};
-  std::vector<Vec3d> at(count, home), velocity(count);
-  std::vector<ToolPose> poses(count);
-  double angle = 0, largest = 0, unsolved = 0;
-  for (int tick = 0; tick < ticks; tick++) {
-    for (std::size_t i = 0; i < count; i++) {
-      velocity[i] = 0.98 * velocity[i] + anywhere() * 2e-5 - (at[i] - home) * 1e-3;
-      at[i] += velocity[i];
-      if (random() % 2000 == 0) at[i] = anywhere() * 8e-3;
-      angle += 0.02 * number(random);
-      const double c = std::cos(angle), s = std::sin(angle);
-      poses[i] = {{at[i], {{{c, 0, s}, {0, 1, 0}, {-s, 0, c}}}}, (std::size_t(tick) / 97 + i) % 5 == 0};
-    }
-    if (random() % 1000 == 0) poses[0].pose.position.x = NAN;
-    touch(scene.patch, scene.state, scene.tools, poses, tick % 100 == 0 ? 0 : kTick, scene.forces);
-    unsolved += scene.state.solution.residual > 1e-3;
-    for (const ToolForce& felt : scene.forces) {
-      const double size = norm(felt.force) + norm(felt.torque);
-      if (!(size <= largest)) largest = size;
-    }
-    if (!std::isfinite(largest)) break;
-  }
-  for (const Vec3d x : scene.state.x) EXPECT_TRUE(std::isfinite(norm(x)));
-  std::printf("largest force %.3f N; %.2f %% of ticks with a residual above 1e-3\n", largest,
-              100.0 * unsolved / ticks);
-  EXPECT_LT(unsolved, 0.05 * ticks);
-  return largest;
-}
-
-TEST(Touch, random_paths_of_one_tool_stay_within_what_the_body_can_answer) {
-  EXPECT_LT(fuzz({{Sphere{3e-3}, 0.3}}, 70'000), 10);
-}
-
-TEST(Touch, random_paths_of_two_tools_that_may_overlap_stay_finite) {
-  EXPECT_LT(fuzz({{Sphere{3e-3}, 0.3}, {Capsule{1e-3, 4e-3}, 0.8}}, 30'000), 1e9);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <fstream>
 
+#include "folders.hpp"
 #include "fuzz_input.hpp"
 #include "turgor/io/ct.hpp"
 
@@ -40,10 +41,10 @@ const char* name_for(const std::string& bytes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  static const FuzzFolder folder;
+  static const fs::path folder = turgor::test::fresh_folder();
   static const turgor::Exec exec(1);
   const std::string text(reinterpret_cast<const char*>(bytes), size);
-  const fs::path file = folder.path / name_for(text);
+  const fs::path file = folder / name_for(text);
   std::ofstream(file, std::ios::binary) << text;
   check(read_ct(exec, file));
   if (file.extension() != ".dcm") {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <fstream>
 
+#include "folders.hpp"
 #include "fuzz_input.hpp"
 #include "turgor/io/solid_files.hpp"
 
@@ -21,12 +22,12 @@ void check(const turgor::SolidMesh& mesh) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  static const FuzzFolder folder;
+  static const fs::path folder = turgor::test::fresh_folder();
   const std::string text(reinterpret_cast<const char*>(bytes), size);
   const std::size_t pair = std::min(text.find("#pair\n"), size);
-  const fs::path file = folder.path / "mesh.node";
+  const fs::path file = folder / "mesh.node";
   std::ofstream(file, std::ios::binary) << text.substr(0, pair);
-  std::ofstream(folder.path / "mesh.ele", std::ios::binary) << text.substr(pair);
+  std::ofstream(folder / "mesh.ele", std::ios::binary) << text.substr(pair);
   const turgor::Result<turgor::ReadSolid> read = turgor::read_solid(file);
   read ? check(read->mesh) : require(read.error().message.find("/mesh.") != std::string::npos);
   return 0;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <fstream>
 
+#include "folders.hpp"
 #include "fuzz_input.hpp"
 #include "turgor/io/surface_files.hpp"
 
@@ -23,8 +24,8 @@ void check(const turgor::TriMesh& mesh) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  static const FuzzFolder folder;
-  const fs::path file = folder.path / "mesh.stl";
+  static const fs::path folder = turgor::test::fresh_folder();
+  const fs::path file = folder / "mesh.stl";
   std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(bytes), std::streamsize(size));
   const turgor::Result<turgor::ReadSurface> read = turgor::read_surface(file);
   read ? check(read->mesh) : require(read.error().message.find("/mesh.stl") != std::string::npos);

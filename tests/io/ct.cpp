@@ -5,14 +5,15 @@
 #include <cstring>
 #include <limits>
 
-#include "io/temp_folder.hpp"
+#include "folders.hpp"
+#include "refused.hpp"
 
 namespace turgor {
 namespace {
 
-using testing::slurp;
-using testing::spill;
-using testing::TempFolder;
+using test::bytes_of;
+using test::fresh_folder;
+using test::write;
 
 const Exec kExec(2);
 
@@ -46,7 +47,7 @@ class EveryFormat : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Ct, EveryFormat, ::testing::Values("a.nii", "a.nii.gz", "a.nrrd", "a.mha"));
 
 TEST_P(EveryFormat, GivesBackAnObliqueAnisotropicCt) {
-  const TempFolder folder;
+  const std::filesystem::path folder = fresh_folder();
   const CtVolume ct = make_ct();
   const Status written = write_ct(folder / GetParam(), ct);
   ASSERT_TRUE(written) << written.error().message;
@@ -59,7 +60,7 @@ TEST_P(EveryFormat, GivesBackAnObliqueAnisotropicCt) {
 }
 
 TEST_P(EveryFormat, GivesBackLabels) {
-  const TempFolder folder;
+  const std::filesystem::path folder = fresh_folder();
   LabelVolume labels{make_ct().grid, {}};
   for (std::size_t n = 0; n < sample_count(labels.grid); n++)
     labels.samples.push_back(std::uint16_t(n * 521));
@@ -70,7 +71,7 @@ TEST_P(EveryFormat, GivesBackLabels) {
 }
 
 TEST_P(EveryFormat, GivesBackDisplacementsInMillimetres) {
-  const TempFolder folder;
+  const std::filesystem::path folder = fresh_folder();
   VectorVolume field{make_ct().grid, {}};
   for (std::size_t n = 0; n < sample_count(field.grid); n++)
     field.samples.push_back({float(n) * 1e-3f, -2e-3f, 0.5e-3f * float(n % 3)});
@@ -85,23 +86,23 @@ TEST_P(EveryFormat, GivesBackDisplacementsInMillimetres) {
 }
 
 TEST_P(EveryFormat, RefusesAFileCutShort) {
-  const TempFolder folder;
+  const std::filesystem::path folder = fresh_folder();
   ASSERT_TRUE(write_ct(folder / GetParam(), make_ct()));
-  const std::string whole = slurp(folder / GetParam());
+  const std::string whole = bytes_of(folder / GetParam());
   for (const std::size_t kept :
        {whole.size() - 40, whole.size() / 2, std::size_t{100}, std::size_t{3}, std::size_t{0}}) {
-    spill(folder / GetParam(), whole.substr(0, kept));
+    write(folder / GetParam(), whole.substr(0, kept));
     EXPECT_REFUSED(read_ct(kExec, folder / GetParam()), GetParam());
   }
 }
 
 TEST_P(EveryFormat, LeavesNothingBehindWhenTheFolderIsMissing) {
-  const TempFolder folder;
+  const std::filesystem::path folder = fresh_folder();
   EXPECT_REFUSED(write_ct(folder / "nowhere" / GetParam(), make_ct()), "nowhere", "does not exist");
 }
 
 TEST_P(EveryFormat, RefusesVectorsAndFractionsWhereTheyMeanNothing) {
-  const TempFolder folder;
+  const std::filesystem::path folder = fresh_folder();
   const Grid grid = make_ct().grid;
   ASSERT_TRUE(write_displacement(folder / GetParam(), {grid, std::vector<Vec3>(sample_count(grid))}));
   EXPECT_REFUSED(read_ct(kExec, folder / GetParam()), "3 components", "expected 1");
@@ -111,7 +112,7 @@ TEST_P(EveryFormat, RefusesVectorsAndFractionsWhereTheyMeanNothing) {
 }
 
 TEST(Ct, LeftHandedAxesBecomeRightHandedInTheSamePlace) {
-  const TempFolder folder;
+  const std::filesystem::path folder = fresh_folder();
   CtVolume ct = make_ct();
   ct.grid.axes.column[0] = -ct.grid.axes.column[0];
   ASSERT_TRUE(write_ct(folder / "a.nii.gz", ct));
@@ -151,8 +152,8 @@ struct Nifti {
 Nifti int32_file() { return Nifti(8, {-1000, 0, 60, 3000, 5, 6, 7, 8, 9, 10, 11, 12}); }
 
 Result<CtFile> read_bytes(const std::string& bytes) {
-  const TempFolder folder;
-  spill(folder / "a.nii", bytes);
+  const std::filesystem::path folder = fresh_folder();
+  write(folder / "a.nii", bytes);
   return read_ct(kExec, folder / "a.nii");
 }
 
@@ -251,8 +252,8 @@ TEST(Ct, ShearedAxesAreRefused) {
     for (std::size_t column = 0; column < 4; column++)
       file.put(280 + 16 * row + 4 * column, rows[row][column]);
   EXPECT_FALSE(read_bytes(file.bytes));
-  const TempFolder folder;
-  spill(folder / "a.nrrd",
+  const std::filesystem::path folder = fresh_folder();
+  write(folder / "a.nrrd",
         "NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\nspace "
         "directions: (1,0,0) (0.5,1,0) "
         "(0,0,1)\nendian: little\nencoding: raw\nspace origin: (0,0,0)\n\n" +
@@ -261,17 +262,17 @@ TEST(Ct, ShearedAxesAreRefused) {
 }
 
 TEST(Ct, BadTextHeadersAreRefusedByTheirField) {
-  const TempFolder folder;
+  const std::filesystem::path folder = fresh_folder();
   const std::string nrrd =
       "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nendian: little\nencoding: raw\n\n";
   const auto refused = [&](std::string text, const std::string& from, const std::string& to,
                            const char* word) {
     text.replace(text.find(from), from.size(), to);
     const auto file = folder / (text.starts_with("NRRD") ? "a.nrrd" : "a.mha");
-    spill(file, text + std::string(16, '\0'));
+    write(file, text + std::string(16, '\0'));
     EXPECT_REFUSED(read_ct(kExec, file), word);
   };
-  spill(folder / "a.nrrd", nrrd + std::string(16, '\0'));
+  write(folder / "a.nrrd", nrrd + std::string(16, '\0'));
   EXPECT_TRUE(read_ct(kExec, folder / "a.nrrd"));
   refused(nrrd, "sizes: 2 2 2", "sizes: 2 2 60000", "truncated");
   refused(nrrd, "sizes: 2 2 2", "sizes: 60000 60000 60000", "2^33");
@@ -287,7 +288,7 @@ TEST(Ct, BadTextHeadersAreRefusedByTheirField) {
       "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nElementSpacing = 1 "
       "1 1\n"
       "DimSize = 2 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n";
-  spill(folder / "a.mha", mha + std::string(16, '\0'));
+  write(folder / "a.mha", mha + std::string(16, '\0'));
   EXPECT_TRUE(read_ct(kExec, folder / "a.mha"));
   refused(mha, "DimSize = 2 2 2", "DimSize = 2 2 3", "truncated");
   refused(mha, "NDims = 3", "NDims = 4", "expected one volume");
@@ -300,8 +301,8 @@ TEST(Ct, BadTextHeadersAreRefusedByTheirField) {
 }
 
 TEST(Ct, AMissingFileIsAnsweredWithTheNearestNames) {
-  const TempFolder folder;
-  spill(folder / "patient.nii.gz", "x");
+  const std::filesystem::path folder = fresh_folder();
+  write(folder / "patient.nii.gz", "x");
   EXPECT_REFUSED(read_ct(kExec, folder / "patent.nii.gz"), "does not exist", "did you mean patient.nii.gz");
   EXPECT_REFUSED(read_ct(kExec, folder / "patient"), "did you mean patient.nii.gz");
   EXPECT_REFUSED(read_labels(folder / "no" / "such.nii"), "neither does the folder");
@@ -310,8 +311,8 @@ TEST(Ct, AMissingFileIsAnsweredWithTheNearestNames) {
 }
 
 TEST(Ct, AFileIsReplacedAsAWhole) {
-  const TempFolder folder;
-  spill(folder / "a.nrrd", "an older file");
+  const std::filesystem::path folder = fresh_folder();
+  write(folder / "a.nrrd", "an older file");
   ASSERT_TRUE(write_ct(folder / "a.nrrd", make_ct()));
   EXPECT_TRUE(read_ct(kExec, folder / "a.nrrd"));
   std::size_t count = 0;

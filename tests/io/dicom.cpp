@@ -3,15 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/temp_folder.hpp"
+#include "folders.hpp"
+#include "refused.hpp"
 
 namespace turgor {
 namespace {
 
+using test::bytes_of;
+using test::fresh_folder;
+using test::write;
+
 namespace fs = std::filesystem;
-using testing::slurp;
-using testing::spill;
-using testing::TempFolder;
 
 const Exec kExec(2);
 
@@ -29,7 +31,7 @@ CtVolume make_ct(int slices = 6) {
 
 /// Replaces the value of an element in an explicit little-endian file, its length included.
 void set_value(const fs::path& file, std::uint16_t group, std::uint16_t element, std::string value) {
-  std::string bytes = slurp(file);
+  std::string bytes = bytes_of(file);
   const std::string tag{char(group & 255), char(group >> 8), char(element & 255), char(element >> 8)};
   const std::size_t at = bytes.find(tag, 132);
   ASSERT_NE(at, std::string::npos);
@@ -39,11 +41,11 @@ void set_value(const fs::path& file, std::uint16_t group, std::uint16_t element,
   bytes.replace(at + 8, length, value);
   bytes[at + 6] = char(value.size() & 255);
   bytes[at + 7] = char(value.size() >> 8);
-  spill(file, bytes);
+  write(file, bytes);
 }
 
 struct Series {
-  TempFolder folder;
+  const std::filesystem::path folder = fresh_folder();
   CtVolume ct;
   fs::path path = folder / "ct";
 
@@ -73,7 +75,7 @@ TEST(Dicom, GivesBackAnObliqueAnisotropicCt) {
 
 TEST(Dicom, TheSameVolumeGivesTheSameFiles) {
   const Series a, b;
-  for (int number = 1; number <= 6; number++) EXPECT_EQ(slurp(a.slice(number)), slurp(b.slice(number)));
+  for (int number = 1; number <= 6; number++) EXPECT_EQ(bytes_of(a.slice(number)), bytes_of(b.slice(number)));
 }
 
 TEST(Dicom, ReadsTheSameBitsOnAnyNumberOfThreads) {
@@ -213,9 +215,9 @@ TEST(Dicom, WhatIsNoCtIsRefused) {
 
 TEST(Dicom, TruncatedAndCorruptFilesAreNamed) {
   const Series s;
-  const std::string whole = slurp(s.slice(2));
+  const std::string whole = bytes_of(s.slice(2));
   for (const std::size_t kept : {whole.size() - 1, whole.size() - 100, std::size_t{400}, std::size_t{200}}) {
-    spill(s.slice(2), whole.substr(0, kept));
+    write(s.slice(2), whole.substr(0, kept));
     EXPECT_REFUSED(s.read(), "slice-00002.dcm", "truncated");
   }
 }
@@ -223,7 +225,7 @@ TEST(Dicom, TruncatedAndCorruptFilesAreNamed) {
 const fs::path kCorpus = fs::path(TURGOR_SOURCE_DIR) / "tests" / "fuzz" / "corpus" / "ct";
 
 TEST(Dicom, EveryTransferSyntaxGivesTheSameSamples) {
-  const TempFolder folder;
+  const std::filesystem::path folder = fresh_folder();
   std::vector<std::int16_t> first;
   for (const char* name : {"explicit.dcm", "implicit.dcm", "rle.dcm", "jpeg.dcm", "jpegls.dcm", "j2k.dcm"}) {
     fs::create_directory(folder / name);
@@ -238,15 +240,15 @@ TEST(Dicom, EveryTransferSyntaxGivesTheSameSamples) {
 
 TEST(Dicom, ADamagedCompressedImageEndsInASentence) {
   for (const char* name : {"rle.dcm", "jpeg.dcm", "jpegls.dcm", "j2k.dcm"}) {
-    const TempFolder folder;
-    std::string bytes = slurp(kCorpus / name);
+    const std::filesystem::path folder = fresh_folder();
+    std::string bytes = bytes_of(kCorpus / name);
     const std::size_t pixels = bytes.find(std::string("\xe0\x7f\x10\0", 4), 132);
     ASSERT_NE(pixels, std::string::npos);
     for (std::size_t at = pixels + 28; at < pixels + 60; at++)
       bytes[at] = char(0xa5);  // the head of the code
-    spill(folder / name, bytes);
+    write(folder / name, bytes);
     EXPECT_REFUSED(read_ct(kExec, folder / name), name, "decoded");
-    spill(folder / name, bytes.substr(0, bytes.size() - 20));
+    write(folder / name, bytes.substr(0, bytes.size() - 20));
     EXPECT_REFUSED(read_ct(kExec, folder / name), name, "truncated");
   }
 }
@@ -257,11 +259,11 @@ TEST(Dicom, PaddingBecomesAir) {
   // (0028,1050)
   const std::int16_t pad = s.ct.samples[4];
   for (int number = 1; number <= 6; number++) {
-    std::string bytes = slurp(s.slice(number));
+    std::string bytes = bytes_of(s.slice(number));
     const std::size_t at = bytes.find(std::string("\x28\0\x03\x01US", 6), 132);
     ASSERT_NE(at, std::string::npos);
     bytes.insert(at + 10, std::string("\x28\0\x20\x01SS\x02\0", 8) + char(pad & 255) + char(pad >> 8));
-    spill(s.slice(number), bytes);
+    write(s.slice(number), bytes);
   }
   const auto read = s.read();
   ASSERT_TRUE(read) << read.error().message;
@@ -270,15 +272,15 @@ TEST(Dicom, PaddingBecomesAir) {
 }
 
 TEST(Dicom, AFolderWithoutImagesIsRefused) {
-  const TempFolder folder;
-  spill(folder / "notes.txt", "nothing to see");
+  const std::filesystem::path folder = fresh_folder();
+  write(folder / "notes.txt", "nothing to see");
   EXPECT_REFUSED(read_ct(kExec, folder / ""), "no DICOM images among 1 files");
 }
 
 TEST(Dicom, OtherFilesBesideTheSlicesDoNotMatter) {
   const Series s;
-  spill(s.path / "README.txt", "a CT");
-  spill(s.path / "DICOMDIR", "");
+  write(s.path / "README.txt", "a CT");
+  write(s.path / "DICOMDIR", "");
   EXPECT_TRUE(s.read());
 }
 

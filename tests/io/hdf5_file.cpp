@@ -4,11 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "folders.hpp"
+
 namespace turgor {
 namespace {
 
 TEST(Hdf5File, ArraysAndTextsComeBackAsTheyWere) {
-  const std::string path = testing::TempDir() + "/arrays.h5";
+  const std::string path = test::fresh_folder() / "arrays.h5";
   std::vector<float> many(30000);
   std::iota(many.begin(), many.end(), 0.5f);
   const std::vector<std::int32_t> few = {-1, 2, 3};

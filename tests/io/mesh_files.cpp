@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "folders.hpp"
 #include "turgor/io/file.hpp"
 
 namespace turgor {
@@ -17,7 +18,7 @@ TriMesh two_triangles() {
 }
 
 std::string written(const std::string& name, const auto& write) {
-  const std::string path = testing::TempDir() + "/" + name;
+  const std::string path = test::fresh_folder() / name;
   const Status status = write(path);
   EXPECT_TRUE(status);
   return read_file(path).value();

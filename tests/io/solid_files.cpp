@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "folders.hpp"
+#include "io/damage.hpp"
 #include "io/solid_samples.hpp"
-#include "io/temp_folder.hpp"
+#include "refused.hpp"
 #include "turgor/geometry/hex_block.hpp"
 #include "turgor/io/mesh_files.hpp"
 
@@ -12,12 +14,10 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace turgor::test;
-using turgor::testing::spill;
-using turgor::testing::TempFolder;
 
 Result<ReadSolid> read_text(const std::string& text) {
-  const TempFolder folder;
-  spill(folder / "mesh", text);
+  static const fs::path folder = fresh_folder();
+  write(folder / "mesh", text);
   return read_solid(folder / "mesh");
 }
 
@@ -63,9 +63,9 @@ TEST(SolidFiles, every_format_gives_the_same_tetrahedra_regions_and_nodes) {
 
 TEST(SolidFiles, a_tetgen_pair_is_read_by_either_name_and_counted_from_0_or_1) {
   for (const int first : {0, 1}) {
-    const TempFolder folder;
-    spill(folder / "organ.1.node", tetgen_node(first));
-    spill(folder / "organ.1.ele", tetgen_ele(first));
+    const fs::path folder = fresh_folder();
+    write(folder / "organ.1.node", tetgen_node(first));
+    write(folder / "organ.1.ele", tetgen_ele(first));
     expect_same(read_solid(folder / "organ.1.node"), sample_mesh());
     expect_same(read_solid(folder / "organ.1.ele"), sample_mesh());
   }
@@ -81,15 +81,15 @@ TEST(SolidFiles, what_vtk_itself_writes_is_read_packed_or_not_in_either_order) {
 }
 
 TEST(SolidFiles, a_scale_turns_millimetres_into_metres) {
-  const TempFolder folder;
-  spill(folder / "mesh", gmsh_1());
+  const fs::path folder = fresh_folder();
+  write(folder / "mesh", gmsh_1());
   const Result<ReadSolid> read = read_solid(folder / "mesh", 1e-3);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->mesh.vertices[4], (Vec3d{0, 0, 0.0015}));
 }
 
 TEST(SolidFiles, what_is_written_is_read_back_to_the_last_bit) {
-  const TempFolder folder;
+  const fs::path folder = fresh_folder();
   SolidMesh tets = tetrahedralize(hex_block({0.1, 0.2, 0.3}, {2, 3, 4}));
   for (Vec3d& x : tets.vertices) x = x * (1 / 3.0);
   for (std::size_t e = 0; e < element_count(tets); e++) tets.regions.push_back(int(e % 3));
@@ -102,7 +102,7 @@ TEST(SolidFiles, what_is_written_is_read_back_to_the_last_bit) {
 }
 
 TEST(SolidFiles, fields_do_not_disturb_the_mesh_of_a_vtu) {
-  const TempFolder folder;
+  const fs::path folder = fresh_folder();
   const SolidMesh mesh = sample_mesh();
   const std::vector<Vec3> displacement(5, {1, 2, 3});
   const std::vector<float> pressure = {4, 5};
@@ -122,7 +122,7 @@ TEST(SolidFiles, tetrahedra_that_are_inside_out_are_turned) {
 }
 
 TEST(SolidFiles, hexahedra_that_are_inside_out_are_turned_and_twisted_ones_refused) {
-  const TempFolder folder;
+  const fs::path folder = fresh_folder();
   SolidMesh block = hex_block({1, 1, 1}, {2, 1, 1});
   for (Vec3d& x : block.vertices) x.x = -x.x;
   ASSERT_TRUE(write_msh(folder / "mesh", block));
@@ -171,13 +171,8 @@ TEST(SolidFiles, a_flat_tetrahedron_is_refused_by_its_number_in_the_file) {
   EXPECT_REFUSED(read_text(text), "expected tetrahedra with a volume, found 1 flat: 8");
 }
 
-/// One replacement in a good file, and what the error says.
-struct Damage {
-  std::string text, from, to, message;
-};
-
 TEST(SolidFiles, damaged_files_are_refused_with_file_place_expected_and_found) {
-  const std::vector<Damage> table = {
+  const Damage table[] = {
       {gmsh_1(), "20 1 0 0", "20 nan 0 0", "node 20: expected finite coordinates"},
       {gmsh_1(), "20 1 0 0", "20 1e300 0 0", "node 20: expected finite coordinates"},
       {gmsh_1(), "20 1 0 0", "20 one 0 0", ":4: expected a coordinate, found \"one\""},
@@ -220,12 +215,8 @@ TEST(SolidFiles, damaged_files_are_refused_with_file_place_expected_and_found) {
       {medit(), "Tetrahedra", "Edges", "expected tetrahedra or hexahedra, found none in this Medit file"},
   };
   for (const Damage& damage : table) {
-    std::string text = damage.text;
-    const std::size_t at = text.find(damage.from);
-    ASSERT_NE(at, text.npos) << damage.from;
-    text.replace(at, damage.from.size(), damage.to);
     SCOPED_TRACE(damage.from + " -> " + damage.to);
-    EXPECT_REFUSED(read_text(text), std::string("/mesh"), damage.message);
+    EXPECT_REFUSED(read_text(damaged(damage)), std::string("/mesh"), damage.message);
   }
 }
 
@@ -240,12 +231,12 @@ TEST(SolidFiles, a_file_that_ends_early_is_refused_unless_only_fields_behind_the
 }
 
 TEST(SolidFiles, what_is_not_a_mesh_is_named) {
-  const TempFolder folder;
+  const fs::path folder = fresh_folder();
   EXPECT_REFUSED(read_solid(folder / "gone.msh"), "gone.msh: does not exist");
   EXPECT_REFUSED(read_solid(folder / ""), "expected a mesh file, found a folder");
   EXPECT_REFUSED(read_text(""), "expected a mesh file, found an empty file");
   EXPECT_REFUSED(read_text("solid cube\nfacet"), "expected a mesh of tetrahedra or hexahedra", "solid cube");
-  spill(folder / "a.node", tetgen_node(0));
+  write(folder / "a.node", tetgen_node(0));
   EXPECT_REFUSED(read_solid(folder / "a.node"),
                  "a.ele: does not exist: expected the tetrahedra that belong to");
   EXPECT_TRUE(is_solid_file(folder / "a.node"));

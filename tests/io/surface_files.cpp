@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "folders.hpp"
 #include "io/bytes.hpp"
-#include "io/temp_folder.hpp"
+#include "io/damage.hpp"
+#include "refused.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/io/mesh_files.hpp"
 
@@ -11,9 +13,7 @@ namespace turgor {
 namespace {
 
 namespace fs = std::filesystem;
-using turgor::test::Bytes;
-using turgor::testing::spill;
-using turgor::testing::TempFolder;
+using namespace turgor::test;
 
 const std::vector<Vec3> kCorners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 const std::vector<Int3> kFaces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
@@ -73,8 +73,8 @@ std::string ply_binary(bool is_big_endian) {
 }
 
 Result<ReadSurface> read_text(const std::string& text, const std::string& name = "mesh") {
-  const TempFolder folder;
-  spill(folder / name, text);
+  static const fs::path folder = fresh_folder();
+  write(folder / name, text);
   return read_surface(folder / name);
 }
 
@@ -166,7 +166,7 @@ TEST(SurfaceFiles, polygons_are_covered_once_whether_convex_or_not) {
 }
 
 TEST(SurfaceFiles, an_obj_that_is_written_is_read_back) {
-  const TempFolder folder;
+  const fs::path folder = fresh_folder();
   ASSERT_TRUE(write_obj(folder / "a.obj", {kCorners, kFaces}));
   const Result<ReadSurface> read = read_surface(folder / "a.obj", 2);
   ASSERT_TRUE(read) << read.error().message;
@@ -174,13 +174,8 @@ TEST(SurfaceFiles, an_obj_that_is_written_is_read_back) {
   EXPECT_EQ(read->mesh.vertices[3], (Vec3{0, 0, 2}));
 }
 
-/// One replacement in a good file, and what the error says.
-struct Damage {
-  std::string text, from, to, message;
-};
-
 TEST(SurfaceFiles, damaged_files_are_refused_with_file_place_expected_and_found) {
-  const std::vector<Damage> table = {
+  const Damage table[] = {
       {obj(), "v 0 1 0", "v 0 nan 0", "vertex 3: expected finite coordinates"},
       {obj(), "v 0 1 0", "v 0 1", ":6: expected a coordinate, found the end of the line"},
       {obj(), "v 0 1 0", "v 0 1 zero", ":6: expected a coordinate, found \"zero\""},
@@ -204,12 +199,8 @@ TEST(SurfaceFiles, damaged_files_are_refused_with_file_place_expected_and_found)
       {ply(), "element face 4", "element face 0", "expected triangles, found none in this PLY file"},
   };
   for (const Damage& damage : table) {
-    std::string text = damage.text;
-    const std::size_t at = text.find(damage.from);
-    ASSERT_NE(at, text.npos) << damage.from;
-    text.replace(at, damage.from.size(), damage.to);
     SCOPED_TRACE(damage.from + " -> " + damage.to);
-    EXPECT_REFUSED(read_text(text, "mesh.stl"), std::string("/mesh.stl"), damage.message);
+    EXPECT_REFUSED(read_text(damaged(damage), "mesh.stl"), std::string("/mesh.stl"), damage.message);
   }
 }
 
@@ -224,11 +215,11 @@ TEST(SurfaceFiles, a_polygon_of_too_many_corners_is_refused_before_it_takes_fore
 }
 
 TEST(SurfaceFiles, what_is_not_a_surface_is_named) {
-  const TempFolder folder;
+  const fs::path folder = fresh_folder();
   EXPECT_REFUSED(read_surface(folder / "gone.obj"), "gone.obj: does not exist");
   EXPECT_REFUSED(read_text("$MeshFormat\n2.2 0 8\n"),
                  "expected a surface (OBJ, STL, PLY), found \"$MeshFormat\"");
-  spill(folder / "a.ply", ply());
+  write(folder / "a.ply", ply());
   EXPECT_TRUE(is_surface_file(folder / "a.ply"));
   EXPECT_FALSE(is_surface_file(folder / "gone.ply"));
 }

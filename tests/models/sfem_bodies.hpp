@@ -10,6 +10,15 @@
 
 namespace turgor::sfem {
 
+struct Case {
+  int corners;
+  Formulation formulation;
+};
+constexpr Case kCases[] = {{4, Formulation::kStandard},
+                           {4, Formulation::kAveraged},
+                           {8, Formulation::kStandard},
+                           {8, Formulation::kAveraged}};
+
 inline bool on_box(Vec3d x, Vec3d size) {
   for (int axis = 0; axis < 3; axis++)
     if (x[axis] < 1e-9 * size[axis] || x[axis] > (1 - 1e-9) * size[axis]) return true;

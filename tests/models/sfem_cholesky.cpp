@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/models/sfem_bodies.hpp"
+#include "tests/models/sfem_dense.hpp"
 #include "turgor/models/sfem/cholesky.hpp"
 #include "turgor/models/sfem/dissection.hpp"
 
@@ -27,16 +27,6 @@ Elimination plan(const Model& model) {
   std::vector<Vec3d> x;
   for (const int v : model.vertex) x.push_back(model.body.mesh.vertices[std::size_t(v)]);
   return plan_elimination(model.stiffness, nested_dissection(model.stiffness, x));
-}
-
-Eigen::MatrixXd dense(const BlockMatrix& k) {
-  const auto rows = Eigen::Index(k.row_begin.size() - 1);
-  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(3 * rows, 3 * rows);
-  for (Eigen::Index r = 0; r < rows; r++)
-    for (std::size_t b = k.row_begin[std::size_t(r)]; b < k.row_begin[std::size_t(r) + 1]; b++)
-      for (int i = 0; i < 9; i++)
-        full(3 * r + i / 3, 3 * k.column[b] + i % 3) = k.value[9 * b + std::size_t(i)];
-  return full;
 }
 
 Eigen::VectorXd loads(Eigen::Index n) {

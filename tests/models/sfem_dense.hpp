@@ -9,16 +9,15 @@
 
 namespace turgor::sfem {
 
+/// All rows of K.
 inline Eigen::MatrixXd dense(const BlockMatrix& k) {
-  const Eigen::Index rows = 3 * Eigen::Index(k.row_begin.size() - 1);
-  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(rows, rows);
-  for (std::size_t r = 0; r + 1 < k.row_begin.size(); r++)
-    for (std::size_t b = k.row_begin[r]; b < k.row_begin[r + 1]; b++)
-      for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-          m(3 * Eigen::Index(r) + i, 3 * k.column[b] + j) =
-              k.value[9 * b + 3 * std::size_t(i) + std::size_t(j)];
-  return m;
+  const auto rows = Eigen::Index(k.row_begin.size() - 1);
+  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(3 * rows, 3 * rows);
+  for (Eigen::Index r = 0; r < rows; r++)
+    for (std::size_t b = k.row_begin[std::size_t(r)]; b < k.row_begin[std::size_t(r) + 1]; b++)
+      for (int i = 0; i < 9; i++)
+        full(3 * r + i / 3, 3 * k.column[b] + i % 3) = k.value[9 * b + std::size_t(i)];
+  return full;
 }
 
 /// A model whose Green's functions come from Eigen's dense inverse.

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/models/sfem_bodies.hpp"
+#include "tests/models/sfem_dense.hpp"
 #include "turgor/models/sfem/elements.hpp"
 
 namespace turgor::sfem {
@@ -10,30 +10,10 @@ namespace {
 
 constexpr Vec3d kSize{0.3, 0.2, 0.25};
 
-struct Case {
-  int corners;
-  Formulation formulation;
-};
-constexpr Case kCases[] = {{4, Formulation::kStandard},
-                           {4, Formulation::kAveraged},
-                           {8, Formulation::kStandard},
-                           {8, Formulation::kAveraged}};
-
 SolidMesh distorted_block(int corners) {
   SolidMesh mesh = hex_block(kSize, {3, 3, 3});
   distort(mesh, kSize, 0.02);
   return corners == 4 ? tetrahedralize(mesh) : mesh;
-}
-
-/// K over all vertices as a dense matrix.
-Eigen::MatrixXd dense(const BlockMatrix& k) {
-  const auto rows = Eigen::Index(k.row_begin.size() - 1);
-  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(3 * rows, 3 * rows);
-  for (Eigen::Index r = 0; r < rows; r++)
-    for (std::size_t b = k.row_begin[std::size_t(r)]; b < k.row_begin[std::size_t(r) + 1]; b++)
-      for (int i = 0; i < 9; i++)
-        full(3 * r + i / 3, 3 * k.column[b] + i % 3) = k.value[9 * b + std::size_t(i)];
-  return full;
 }
 
 Eigen::MatrixXd stiffness(const SolidMesh& mesh, Material material, Formulation formulation) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/models/sfem_bodies.hpp"
+#include "tests/models/sfem_dense.hpp"
 #include "turgor/models/sfem/green.hpp"
 
 namespace turgor::sfem {
@@ -13,16 +13,6 @@ constexpr std::size_t kPlenty = std::size_t(2) << 30;
 Model block_model(const Params& params, Material material = {1e4, 0.3}, double height = 0.1) {
   Body body = block_of(hex_block({0.1, 0.1, height}, {6, 5, 4}), material, [](Vec3d x) { return x.z == 0; });
   return build(Exec(1), std::move(body), params).value();
-}
-
-Eigen::MatrixXd inverse(const BlockMatrix& k) {
-  const auto rows = Eigen::Index(k.row_begin.size() - 1);
-  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(3 * rows, 3 * rows);
-  for (Eigen::Index r = 0; r < rows; r++)
-    for (std::size_t b = k.row_begin[std::size_t(r)]; b < k.row_begin[std::size_t(r) + 1]; b++)
-      for (int i = 0; i < 9; i++)
-        full(3 * r + i / 3, 3 * k.column[b] + i % 3) = k.value[9 * b + std::size_t(i)];
-  return full.inverse();
 }
 
 Eigen::MatrixXd gathered(const Model& model, const std::vector<int>& vertices) {
@@ -44,7 +34,8 @@ TEST(SfemGreen, a_store_holds_the_inverse_of_k_between_the_kept_nodes) {
     Model model = block_model({.precision = precision, .touch_depth = 0});
     ASSERT_TRUE(compute_green(Exec(2), model, kPlenty));
     ASSERT_LT(model.green.nodes.size(), model.vertex.size());
-    const Eigen::MatrixXd expected = inverse(model.stiffness), found = gathered(model, model.green.nodes);
+    const Eigen::MatrixXd expected = dense(model.stiffness).inverse(),
+                          found = gathered(model, model.green.nodes);
     const double precise = precision == Precision::kSingle ? 1e-7 : 1e-13;
     double difference = 0;
     for (std::size_t c = 0; c < model.green.nodes.size(); c++)
@@ -199,7 +190,7 @@ TEST(SfemGreen, the_capacitance_matrix_gives_what_deleting_the_touched_rows_give
   const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(15, -0.01, 0.02);
   const Eigen::VectorXd force = gathered(model, touched).llt().solve(u);
 
-  const Eigen::MatrixXd k = inverse(model.stiffness).inverse();
+  const Eigen::MatrixXd k = dense(model.stiffness).inverse().inverse();
   std::vector<Eigen::Index> held, free;
   for (const int v : touched)
     for (int i = 0; i < 3; i++) held.push_back(3 * model.free_node[std::size_t(v)] + i);

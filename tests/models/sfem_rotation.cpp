@@ -8,15 +8,6 @@
 namespace turgor::sfem {
 namespace {
 
-struct Case {
-  int corners;
-  Formulation formulation;
-};
-constexpr Case kCases[] = {{4, Formulation::kStandard},
-                           {4, Formulation::kAveraged},
-                           {8, Formulation::kStandard},
-                           {8, Formulation::kAveraged}};
-
 constexpr double kLength = 0.1, kSide = 0.02;
 
 Model beam(Case kind, double poisson = 0.3) {

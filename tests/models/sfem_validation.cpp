@@ -9,15 +9,6 @@
 namespace turgor::sfem {
 namespace {
 
-struct Case {
-  int corners;
-  Formulation formulation;
-};
-constexpr Case kCases[] = {{4, Formulation::kStandard},
-                           {4, Formulation::kAveraged},
-                           {8, Formulation::kStandard},
-                           {8, Formulation::kAveraged}};
-
 /// Nodal forces of a traction of `total` [N] spread evenly over the surface where `is_loaded`.
 std::vector<Vec3d> traction(const SolidMesh& mesh, const SolidSurface& surface, Vec3d total,
                             const std::function<bool(Vec3d)>& is_loaded) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "io/temp_folder.hpp"
+#include "folders.hpp"
 
 namespace turgor {
 namespace {
@@ -10,14 +10,14 @@ namespace {
 class ForceCurve : public ::testing::Test {
  protected:
   std::filesystem::path file(const std::string& text) {
-    testing::spill(folder_ / "curve.csv", text);
+    test::write(folder_ / "curve.csv", text);
     return folder_ / "curve.csv";
   }
   std::string message(const std::string& text) {
     const auto curve = read_force_curve(file(text));
     return curve ? "read" : curve.error().message.substr((folder_ / "").string().size());
   }
-  testing::TempFolder folder_;
+  std::filesystem::path folder_ = test::fresh_folder();
 };
 
 TEST_F(ForceCurve, names_comments_and_any_separator_are_read) {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "folders.hpp"
+
 namespace turgor {
 namespace {
 
@@ -248,7 +250,7 @@ TEST(Scene, FilesThatAreNoScenesAreNamed) {
   const auto error = [](const std::string& path) { return read_scene(path).error().message; };
   EXPECT_EQ(error("/nowhere/s.toml"), "/nowhere/s.toml: cannot read the scene: No such file or directory");
   EXPECT_EQ(error("/tmp"), "/tmp: expected a scene file (.toml), found a folder");
-  const std::string big = testing::TempDir() + "/big.toml";
+  const std::string big = test::fresh_folder() / "big.toml";
   std::ofstream(big) << std::string(2 << 20, '#');
   EXPECT_EQ(error(big), big + ": expected a scene file (.toml), found more than 1 MiB");
 }

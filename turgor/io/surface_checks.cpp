@@ -1,11 +1,9 @@
 // From the polygons that a file lists to triangles: vertices at one place are one, flat triangles go.
-#include <algorithm>
 #include <limits>
-#include <numeric>
-#include <tuple>
 
 #include <fmt/format.h>
 
+#include "turgor/geometry/weld.hpp"
 #include "turgor/io/polygon.hpp"
 #include "turgor/io/solid_formats.hpp"
 #include "turgor/io/surface_formats.hpp"
@@ -51,22 +49,6 @@ Status add_polygon(const fs::path& path, const FoundSurface& found, std::size_t 
   return Done{};
 }
 
-/// The number of the first vertex at the place of each.
-std::vector<int> first_at_place(const std::vector<Vec3>& vertices) {
-  const auto place = [&](int v) {
-    const Vec3 x = vertices[std::size_t(v)];
-    return std::tuple(x.x, x.y, x.z);
-  };
-  std::vector<int> order(vertices.size()), first(vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return std::pair(place(a), a) < std::pair(place(b), b); });
-  for (std::size_t i = 0; i < order.size(); i++)
-    first[std::size_t(order[i])] =
-        i > 0 && place(order[i]) == place(order[i - 1]) ? first[std::size_t(order[i - 1])] : order[i];
-  return first;
-}
-
 /// Keeps the vertices that triangles use, in their order.
 void drop_unused(TriMesh& mesh) {
   std::vector<int> number(mesh.vertices.size(), -1);
@@ -92,11 +74,8 @@ Result<ReadSurface> finish_surface(const fs::path& path, const FoundSurface& fou
     if (Status done = add_polygon(path, found, p, triangles); !done) return done.error();
   ReadSurface read{.format = found.format};
   for (const Vec3d x : found.vertices) read.mesh.vertices.push_back(Vec3(x * scale) + Vec3{});  // -0 is 0
-  const std::vector<int> first = first_at_place(read.mesh.vertices);
-  for (const auto [a, b, c] : triangles) {
-    const Int3 t{first[std::size_t(a)], first[std::size_t(b)], first[std::size_t(c)]};
-    if (t.x != t.y && t.y != t.z && t.z != t.x) read.mesh.triangles.push_back(t);
-  }
+  read.mesh.triangles = triangles;
+  read.mesh = welded(read.mesh);
   if (read.mesh.triangles.empty())
     return Error{
         fmt::format("{}: expected triangles, found none in this {} file", path.string(), found.format)};
