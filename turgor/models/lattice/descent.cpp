@@ -8,6 +8,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/kernels.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
+#include "turgor/models/lattice/node_contact.hpp"
 #include "turgor/models/lattice/rows.hpp"
 #include "turgor/models/lattice/skin_forces.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
@@ -161,13 +162,39 @@ void for_each_piece(const Lattice& l, int k, const Body& body) {
 struct DescendLayer {
   const GatherRow& gather;
   const Inertia& inertia;
+  std::span<NodeContact> contacts;
 
   void operator()(int k) const {
     SystemBuffer buffer;
     for_each_piece(gather.model.lattice, k, [&](int parity, int slot, int count) {
       gather(parity, slot, count, buffer);
+      const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
+      if (!touched.empty()) press(touched, slot, buffer);
       solve(slot, count, buffer);
+      for (NodeContact& c : touched) c.force = contact_force(c, gather.nodes.u(c.slot)).force;
     });
+  }
+
+  /// Adds contacts to the systems of their nodes. Those of one node are equally stiff.
+  void press(std::span<NodeContact> touched, int slot, SystemBuffer& buffer) const {
+    int last = -1;
+    Real stiffness = 0;
+    Vec3 without;
+    for (NodeContact& c : touched) {
+      NodeSystem s = buffer.get(c.slot - slot);
+      const Vec3 u = gather.nodes.u(c.slot);
+      if (c.slot != last) {
+        const Real mobility = inertia.dt * inertia.dt * gather.nodes.w[c.slot];
+        stiffness = kContactStiffness * ((s.xx + s.yy + s.zz) / 3 + 1 / mobility);
+        without = u + newton_step(s, inertia(c.slot) - u, mobility);
+      }
+      last = c.slot, c.stiffness = stiffness;
+      const ContactForce pushed = contact_force(c, u, touches(c, without));
+      s.f += pushed.force;
+      add_outer(s, c.normal, pushed.along - pushed.across);
+      add_isotropic(s, pushed.across);
+      buffer.set(c.slot - slot, s);
+    }
   }
 
   void solve(int slot, int count, const SystemBuffer& buffer) const {
@@ -192,7 +219,7 @@ struct LayerResidual {
 void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   const GatherRow gather(model, state);
   const Inertia inertia(model, state, inputs, dt);
-  sweep_slabs(exec, model.lattice.size.z, DescendLayer{gather, inertia});
+  sweep_slabs(exec, model.lattice.size.z, DescendLayer{gather, inertia, inputs.contacts});
 }
 
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
@@ -208,6 +235,11 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
     LayerResidual& layer = layers[k];
     for_each_piece(model.lattice, int(k), [&](int parity, int slot, int count) {
       gather(parity, slot, count, buffer);
+      for (const NodeContact& c : contacts_of(inputs.contacts, slot, count)) {
+        NodeSystem s = buffer.get(c.slot - slot);
+        s.f += c.force;
+        buffer.set(c.slot - slot, s);
+      }
       TURGOR_LANES
       for (int i = 0; i < count; i++) {
         const Real w = gather.nodes.w[slot + i];

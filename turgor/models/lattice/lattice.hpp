@@ -147,10 +147,23 @@ struct NodeLoad {
   Vec3 force;  // along the lattice's axes [N]
 };
 
+/// Something rigid at a node, for the length of a step: the node stays beyond a plane, with Coulomb's
+/// friction on it, or goes along with what holds it.
+struct NodeContact {
+  int slot = 0;
+  Vec3 normal;           // unit, from the plane at the node, along the lattice's axes
+  Vec3 target;           // displacement at which the node lies on the plane and sticks to it [m]
+  Real friction = 0;     // Coulomb's μ [1]
+  bool is_held = false;  // stays at `target`, pulled if need be
+  Vec3 force;            // on the node: a guess before a step, the answer after it [N]
+  Real stiffness = 0;    // of the last sweep's penalty [N/m]
+};
+
 struct Inputs {
   Vec3d gravity;                    // patient frame [m/s²]
   bool measure_residual = false;    // descent only; costs about one sweep
   std::span<const NodeLoad> loads;  // those of one node add up
+  std::span<NodeContact> contacts;  // descent only; slots ascend
 };
 
 /// How far a step is from the minimum of its energy: forces left over at the free nodes [N].

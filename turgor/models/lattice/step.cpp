@@ -71,6 +71,17 @@ struct FinishLayer {
   }
 };
 
+void check_contacts(const Model& model, std::span<const NodeContact> contacts) {
+  TURGOR_ASSERT(contacts.empty() || model.params.solver.method == Method::kDescent,
+                "contacts press with newtons, which projections do not know");
+  for (std::size_t c = 0; c < contacts.size(); c++) {
+    const auto slot = std::size_t(contacts[c].slot);
+    TURGOR_ASSERT(c == 0 || contacts[c - 1].slot <= contacts[c].slot, "the slots of contacts ascend");
+    TURGOR_ASSERT(slot < model.inverse_mass.size() && model.inverse_mass[slot] > 0,
+                  "contacts are on nodes that move");
+  }
+}
+
 }  // namespace
 
 Vec3 lattice_gravity(const Model& model, const Inputs& inputs) {
@@ -102,6 +113,7 @@ StepReport finish(const Exec& exec, const Model& model, State& state, double dt)
 }
 
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  check_contacts(model, inputs.contacts);
   predict(exec, model, state, inputs, dt);
   for (int sweep = 0; sweep < model.params.solver.sweeps; sweep++)
     if (model.params.solver.method == Method::kPbd)

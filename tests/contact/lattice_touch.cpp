@@ -1,0 +1,235 @@
+#include "turgor/contact/lattice_touch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "geometry/shapes.hpp"
+#include "models/block_body.hpp"
+#include "turgor/models/lattice/incision.hpp"
+
+namespace turgor::contact {
+namespace {
+
+using lattice::Block;
+using lattice::Model;
+using lattice::State;
+
+constexpr double kDt = 1.0 / 60, kYoung = 4e3;
+
+/// A block of tissue with air above, held at its bottom; its skin, if any, is not tense.
+struct Pressed {
+  Model model;
+  State state;
+  double top = 0;  // of its surface [m]
+  LatticeTouch touch;
+  std::vector<Tool> tools;
+  std::vector<ToolForce> forces;
+  std::vector<ToolPose> at;
+
+  Pressed(Int3 size, double step, int sweeps, Tool tool, Vec3d from, bool with_skin = false) {
+    lattice::Params params;
+    params.skin.enabled = with_skin;
+    params.skin.tension_along = params.skin.tension_across = 0;
+    params.solver = {.sweeps = sweeps, .damping = 8};
+    const Block block{
+        .size = size, .step = step, .young = kYoung, .is_fixed = [](Int3 p) { return p.z == 0; }};
+    model = lattice::block_model(block, params);
+    state = lattice::make_state(model);
+    const lattice::BodySurface surface = lattice::build_surface(model, state);
+    for (const Vec3 x : surface.rest) top = std::max(top, double(x.z));
+    tools = {std::move(tool)};
+    at = {{{from, {}}, false}};
+    forces.resize(1);
+    touch = make_lattice_touch(model, surface, at);
+  }
+
+  /// In equal steps; returns the force on the tool after each.
+  std::vector<Vec3d> go(const Exec& exec, Vec3d to, int steps, bool hold = false) {
+    std::vector<Vec3d> felt;
+    const Vec3d from = at[0].pose.position;
+    for (int n = 1; n <= steps; n++) {
+      at[0] = {{from + (to - from) * (double(n) / steps), {}}, hold};
+      EXPECT_TRUE(contact::step(exec, model, state, touch, tools, at, {}, kDt, forces).finite);
+      felt.push_back(forces[0].force);
+    }
+    return felt;
+  }
+};
+
+/// The middle of the block's top.
+Vec3d middle(Int3 size, double step, double height) {
+  return {0.5 * (size.x - 1) * step, 0.5 * (size.y - 1) * step, height};
+}
+
+/// Along z, on the nodes that are held: the elastic energy's slope when they move together [N].
+double reaction(const Pressed& block) {
+  double energies[2];
+  constexpr Real kShift = 2e-5f;
+  for (const int side : {0, 1}) {
+    State state = block.state;
+    for (int j = 0; j < block.model.lattice.size.y; j++)
+      for (int i = 0; i < block.model.lattice.size.x; i++)
+        state.u.set(std::size_t(node_slot(block.model.lattice, i, j, 0)), {0, 0, side ? kShift : -kShift});
+    energies[side] = lattice::energy(Exec(2), block.model, state);
+  }
+  return (energies[1] - energies[0]) / (2 * double(kShift));
+}
+
+TEST(lattice_touch, a_sphere_is_carried_as_hertz_says_and_does_not_sink_in) {
+  constexpr double kStep = 0.002, kRadius = 0.04;
+  const Int3 size{61, 61, 41};
+  Pressed block(size, kStep, 10, {Sphere{kRadius}, 0}, middle(size, kStep, 1));
+  block.at[0].pose.position.z = block.top + kRadius;
+  double last_ratio = 0;
+  for (const double contact : {0.006, 0.008, 0.010}) {  // radius of the touched circle: 3, 4 and 5 steps
+    const double depth = contact * contact / kRadius;
+    block.go(Exec(2), middle(size, kStep, block.top + kRadius - depth), 15);
+    block.go(Exec(2), block.at[0].pose.position, 30);
+    const double hertz = 4.0 / 3 * kYoung * std::sqrt(kRadius) * std::pow(depth, 1.5);
+    const double ratio = block.forces[0].force.z / hertz;
+    std::printf("circle of %2.0f mm: %.4f N, %.3f times Hertz's %.4f N; %d places, %.1e mm inside\n",
+                contact * 1e3, block.forces[0].force.z, ratio, hertz, block.forces[0].contacts,
+                block.forces[0].largest_penetration * 1e3);
+    EXPECT_NEAR(ratio, 1, 0.15) << "Poisson's ratio and the block's own bounds add to Hertz's law";
+    if (last_ratio > 0) {
+      EXPECT_NEAR(ratio / last_ratio, 1, 0.05) << "force goes with depth^1.5";
+    }
+    EXPECT_LT(block.forces[0].largest_penetration, 0.01 * depth) << "m";
+    EXPECT_LT(std::hypot(block.forces[0].force.x, block.forces[0].force.y), 0.2 * block.forces[0].force.z);
+    last_ratio = ratio;
+  }
+}
+
+TEST(lattice_touch, what_the_tool_feels_is_what_the_held_nodes_bear) {
+  const Int3 size{21, 21, 11};
+  Pressed block(size, 0.004, 40, {Sphere{0.012}, 0.5}, middle(size, 0.004, 1));
+  block.at[0].pose.position.z = block.top + 0.012;
+  block.go(Exec(2), middle(size, 0.004, block.top + 0.009), 20);
+  block.go(Exec(2), block.at[0].pose.position, 150);
+  const double felt = block.forces[0].force.z, borne = reaction(block);
+  std::printf("on the tool %.5f N, at the bottom %.5f N\n", felt, borne);
+  EXPECT_GT(felt, 0.05);
+  EXPECT_NEAR(std::abs(borne), felt, 0.01 * felt) << "N";
+}
+
+TEST(lattice_touch, a_plate_on_a_column_is_carried_by_e_a_d_over_l) {
+  const Int3 size{13, 13, 41};
+  constexpr double kStep = 0.004;
+  TriMesh plate = test::box_surface({0.08, 0.08, 0.02});
+  for (Vec3& x : plate.vertices) x -= Vec3{0.04f, 0.04f, 0};
+  Pressed block(size, kStep, 60, {mesh_shape(plate).value(), 0}, middle(size, kStep, 1));
+  block.at[0].pose.position.z = block.top;
+  const double length = (size.z - 1) * kStep, press = 0.02 * length, area = size.x * size.y * kStep * kStep;
+  block.go(Exec(2), middle(size, kStep, block.top - press), 20);
+  block.go(Exec(2), block.at[0].pose.position, 200);
+  const double expected = kYoung * area * press / length;
+  std::printf("%.4f N, E A d / L = %.4f N\n", block.forces[0].force.z, expected);
+  EXPECT_NEAR(block.forces[0].force.z, expected, 0.1 * expected) << "N";
+  EXPECT_GE(block.forces[0].contacts, (size.x - 1) * (size.y - 1));
+  EXPECT_LT(norm(block.forces[0].torque), kStep * expected) << "N m: it presses in the middle";
+}
+
+TEST(lattice_touch, a_held_tool_pulls_and_lets_go) {
+  const Int3 size{17, 17, 9};
+  Pressed block(size, 0.004, 20, {Sphere{0.01}, 0.3}, middle(size, 0.004, 1));
+  block.at[0].pose.position.z = block.top + 0.012;
+  block.go(Exec(2), middle(size, 0.004, block.top + 0.008), 20);
+  EXPECT_GT(block.forces[0].force.z, 0.01) << "N: it presses";
+  block.go(Exec(2), middle(size, 0.004, block.top + 0.018), 60, true);
+  const int held = block.forces[0].contacts;
+  EXPECT_GT(held, 5);
+  EXPECT_LT(block.forces[0].force.z, -0.05) << "N: it is pulled down";
+  for (std::size_t c = 0; c < block.touch.contacts.size(); c++) {
+    const LatticeContact& contact = block.touch.contacts[c];
+    if (!contact.is_held) continue;
+    const LatticePlace& place = block.touch.places[std::size_t(contact.place)];
+    const Vec3d x = place.rest + Vec3d(block.state.u[std::size_t(place.slot)]);
+    EXPECT_LT(norm(x - to_world(block.at[0].pose, contact.anchor)), 2e-5) << "m: it goes along";
+  }
+  const double pulled = block.forces[0].force.z;
+  block.go(Exec(2), middle(size, 0.004, block.top + 0.018), 10, false);
+  std::printf("%d places held, %.4f N; let go: %.1e N\n", held, pulled, norm(block.forces[0].force));
+  EXPECT_EQ(norm(block.forces[0].force), 0) << "N";
+}
+
+TEST(lattice_touch, friction_stays_in_its_cone_and_a_slide_has_no_jumps) {
+  const Int3 size{31, 17, 9};
+  constexpr double kStep = 0.004, kFriction = 0.4;
+  Pressed block(size, kStep, 20, {Sphere{0.012}, kFriction}, middle(size, kStep, 1));
+  const Vec3d start{0.04, 0.032, block.top + 0.009};
+  block.at[0].pose.position = start + Vec3d{0, 0, 0.004};
+  block.go(Exec(2), start, 30);
+  block.go(Exec(2), start, 30);
+  double jump = 0, least = 1, most = 0;
+  bool slides = false, sticks = false;
+  Vec3d last = block.forces[0].force;
+  for (int n = 1; n <= 100; n++) {
+    block.go(Exec(2), start + Vec3d{0.0004 * n, 0, 0}, 1);
+    for (const lattice::NodeContact& c : block.touch.nodes) {
+      const Real pressing = dot(c.force, c.normal), rubbing = norm(c.force - c.normal * pressing);
+      EXPECT_GE(pressing, 0);
+      EXPECT_LE(rubbing, Real(kFriction) * pressing * 1.0001f) << "N, step " << n;
+    }
+    const Vec3d force = block.forces[0].force;
+    if (n > 10) jump = std::max(jump, norm(force - last));
+    last = force;
+    sticks = sticks || block.forces[0].contacts - block.forces[0].sliding > 5;
+    slides = slides || (block.forces[0].contacts > 3 && block.forces[0].sliding == block.forces[0].contacts);
+    if (n > 50) least = std::min(least, -force.x / force.z), most = std::max(most, -force.x / force.z);
+  }
+  std::printf(
+      "sliding, largest jump in a step of 0.4 mm: %.4f N of %.4f N; force along / across %.3f to %.3f\n",
+      jump, norm(last), least, most);
+  EXPECT_TRUE(sticks) << "at first";
+  EXPECT_TRUE(slides) << "in the end";
+  EXPECT_LT(jump, 0.03 * norm(last)) << "N";
+  EXPECT_GT(least, 0.5 * kFriction);
+}
+
+TEST(lattice_touch, a_new_cut_lets_go_of_nothing_and_has_walls_to_touch) {
+  const Int3 size{17, 17, 9};
+  Pressed block(size, 0.004, 20, {Sphere{0.01}, 0.3}, middle(size, 0.004, 1), true);
+  block.at[0].pose.position.z = block.top + 0.012;
+  block.go(Exec(2), middle(size, 0.004, block.top + 0.008), 20);
+  block.go(Exec(2), middle(size, 0.004, block.top + 0.014), 30, true);
+  const auto held = [&] {
+    return std::count_if(block.touch.contacts.begin(), block.touch.contacts.end(),
+                         [](const LatticeContact& c) { return c.is_held; });
+  };
+  const auto before = held();
+  const double pulled = block.forces[0].force.z;
+  const auto path = lattice::lay_blade(block.model, block.state,
+                                       {.from = {0.01, 0.012, block.top}, .to = {0.055, 0.012, block.top}});
+  ASSERT_TRUE(path) << path.error().message;
+  ASSERT_GT(lattice::cut_edges(block.model, block.state, *path, 0, 1, 0), 20);
+  take_surface(block.touch, block.model, lattice::build_surface(block.model, block.state));
+  const auto walls = std::count_if(block.touch.places.begin(), block.touch.places.end(),
+                                   [](const LatticePlace& p) { return p.wall; });
+  EXPECT_GT(walls, 20);
+  EXPECT_GT(before, 2);
+  EXPECT_EQ(held(), before);
+  block.go(Exec(2), block.at[0].pose.position, 1, true);
+  EXPECT_LT(block.forces[0].force.z, 0.7 * pulled) << "N, before the cut " << pulled;
+}
+
+TEST(lattice_touch, equal_bits_on_1_2_and_8_threads) {
+  std::set<std::uint64_t> hashes;
+  std::set<double> forces;
+  const Int3 size{15, 13, 9};
+  for (const int threads : {1, 2, 8}) {
+    Pressed block(size, 0.004, 5, {Capsule{0.008, 0.01}, 0.4}, middle(size, 0.004, 1));
+    block.at[0].pose.position.z = block.top + 0.019;
+    block.go(Exec(threads), middle(size, 0.004, block.top + 0.015) + Vec3d{0.004, 0.002, 0}, 12);
+    hashes.insert(lattice::state_hash(block.model, block.state));
+    forces.insert(norm(block.forces[0].force));
+  }
+  EXPECT_EQ(hashes.size(), 1u);
+  EXPECT_EQ(forces.size(), 1u);
+  EXPECT_GT(*forces.begin(), 1e-3) << "N";
+}
+
+}  // namespace
+}  // namespace turgor::contact

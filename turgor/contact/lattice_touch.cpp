@@ -1,0 +1,175 @@
+#include "turgor/contact/lattice_touch.hpp"
+
+#include <algorithm>
+
+#include "turgor/core/assert.hpp"
+
+namespace turgor::contact {
+
+namespace {
+
+/// A node holds at most one place of the skin and one of the walls of cuts: the means of what it carries of
+/// them.
+std::vector<LatticePlace> places_of(const lattice::Model& model, const lattice::BodySurface& surface) {
+  std::vector<std::uint8_t> wall(surface.rest.size());
+  for (auto t = std::size_t(surface.skin_triangles); t < surface.triangles.size(); t++)
+    for (int corner = 0; corner < 3; corner++) wall[std::size_t(surface.triangles[t][corner])] = 1;
+  std::vector<int> order(surface.rest.size());
+  for (std::size_t v = 0; v < order.size(); v++) order[v] = int(v);
+  const auto key = [&](int v) { return 2 * long(surface.slot[std::size_t(v)]) + wall[std::size_t(v)]; };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+  std::vector<LatticePlace> places;
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    Vec3d sum;
+    for (; end < order.size() && key(order[end]) == key(order[begin]); end++)
+      sum += Vec3d(surface.rest[std::size_t(order[end])]);
+    const auto first = std::size_t(order[begin]);
+    if (model.inverse_mass[std::size_t(surface.slot[first])] > 0)
+      places.push_back({surface.slot[first], sum / double(end - begin), wall[first] != 0});
+  }
+  return places;
+}
+
+ToolPose in_lattice(const Grid& grid, const ToolPose& pose) {
+  const Mat3d to_lattice = inverse(grid.axes);
+  ToolPose local = pose;
+  local.pose.position = to_lattice * (pose.pose.position - grid.origin);
+  for (Vec3d& axis : local.pose.axes.column) axis = to_lattice * axis;
+  return local;
+}
+
+bool comes_before(const LatticeContact& a, const LatticeContact& b) {
+  return a.place != b.place ? a.place < b.place : a.tool < b.tool;
+}
+
+/// What one tool does in a step.
+struct ToolStep {
+  const Tool& tool;
+  const ToolPose &from, &to;
+  double near = 0;  // no place farther from the tool's origin can come into contact [m]
+};
+
+/// The places near the tools as contacts for a step: on planes where the tool will be, as seen from where a
+/// place's own velocity leads; sticking means to go along with the tool.
+struct FindContacts {
+  const lattice::Model& model;
+  const lattice::State& state;
+  LatticeTouch& touch;
+  double reach = 0;  // of contacts beyond a tool [m]
+  double dt = 0;
+
+  Vec3d place_now(const LatticePlace& place) const {
+    return place.rest + Vec3d(state.u[std::size_t(place.slot)]);
+  }
+
+  void add(int p, int t, const ToolStep& s, const LatticeContact& before) const {
+    const LatticePlace& place = touch.places[std::size_t(p)];
+    const Vec3d x = place_now(place), local = to_tool(s.from.pose, x);
+    LatticeContact contact{p, t, before.is_held, before.anchor, before.force};
+    if (!s.to.hold) contact.is_held = false;
+    if (s.to.hold && !s.from.hold && norm(before.force) > 0) contact.is_held = true, contact.anchor = local;
+    const Vec3d carried = to_world(s.to.pose, contact.is_held ? contact.anchor : local);
+    const Vec3d led = x + Vec3d(state.v[std::size_t(place.slot)]) * dt;
+    const ShapeDistance d = distance(s.tool.shape, s.to.pose, led);
+    if (d.distance > reach && !contact.is_held) return;
+    lattice::NodeContact node{.slot = place.slot,
+                              .normal = Vec3(d.normal),
+                              .friction = Real(s.tool.friction),
+                              .is_held = contact.is_held,
+                              .force = Vec3(s.to.pose.axes * contact.force)};
+    const Vec3d foot = led - d.normal * d.distance;
+    const Vec3d target = contact.is_held ? carried : carried + d.normal * dot(d.normal, foot - carried);
+    node.target = Vec3(target - place.rest);
+    touch.nodes.push_back(node);
+    touch.contacts.push_back(contact);
+  }
+
+  void operator()(std::span<const ToolStep> steps) const {
+    const std::vector<LatticeContact> before = std::move(touch.contacts);
+    auto known = before.begin();
+    touch.contacts.clear(), touch.nodes.clear();
+    for (std::size_t p = 0; p < touch.places.size(); p++) {
+      const Vec3d x = place_now(touch.places[p]);
+      for (std::size_t t = 0; t < steps.size(); t++) {
+        LatticeContact contact{.place = int(p), .tool = int(t)};
+        while (known != before.end() && comes_before(*known, contact)) ++known;
+        const bool was = known != before.end() && !comes_before(contact, *known);
+        const Vec3d apart = x - steps[t].to.pose.position;
+        if (was || dot(apart, apart) < steps[t].near * steps[t].near)
+          add(int(p), int(t), steps[t], was ? *known : contact);
+      }
+    }
+  }
+};
+
+/// Forces on the tools, in the patient frame, and the contacts' own for the next step.
+void read_forces(const lattice::Model& model, const lattice::State& state, std::span<const Tool> tools,
+                 LatticeTouch& touch, std::span<ToolForce> forces) {
+  for (std::size_t c = 0; c < touch.contacts.size(); c++) {
+    LatticeContact& contact = touch.contacts[c];
+    const lattice::NodeContact& node = touch.nodes[c];
+    const Pose& pose = touch.poses[std::size_t(contact.tool)].pose;
+    const LatticePlace& place = touch.places[std::size_t(contact.place)];
+    const Vec3d x = place.rest + Vec3d(state.u[std::size_t(place.slot)]), force(node.force);
+    for (int axis = 0; axis < 3; axis++) contact.force[axis] = dot(pose.axes.column[axis], force);
+    ToolForce& felt = forces[std::size_t(contact.tool)];
+    const double outside = distance(tools[std::size_t(contact.tool)].shape, pose, x).distance;
+    if (!contact.is_held) felt.largest_penetration = std::max(felt.largest_penetration, -outside);
+    if (!(norm(force) > 0)) continue;
+    felt.contacts++;
+    const double pressing = dot(Vec3d(node.normal), force);
+    const double rubbing = norm(force - Vec3d(node.normal) * pressing);
+    if (!contact.is_held && rubbing > double(node.friction) * pressing * (1 - 1e-4)) felt.sliding++;
+    const Vec3d on_tool = model.grid.axes * -force, arm = model.grid.axes * (x - pose.position);
+    felt.force += on_tool;
+    felt.torque += cross(arm, on_tool);
+  }
+}
+
+}  // namespace
+
+LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::BodySurface& surface,
+                                std::span<const ToolPose> poses) {
+  LatticeTouch touch;
+  touch.places = places_of(model, surface);
+  for (const ToolPose& pose : poses) touch.poses.push_back(in_lattice(model.grid, pose));
+  return touch;
+}
+
+void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattice::BodySurface& surface) {
+  const std::vector<LatticePlace> before = std::exchange(touch.places, places_of(model, surface));
+  const auto key = [](const LatticePlace& p) { return std::pair(p.slot, p.wall); };
+  std::erase_if(touch.contacts, [&](LatticeContact& contact) {
+    const LatticePlace& was = before[std::size_t(contact.place)];
+    const auto now = std::lower_bound(touch.places.begin(), touch.places.end(), was,
+                                      [&](const auto& a, const auto& b) { return key(a) < key(b); });
+    contact.place = int(now - touch.places.begin());
+    return now == touch.places.end() || key(*now) != key(was);
+  });
+}
+
+lattice::StepReport step(const Exec& exec, const lattice::Model& model, lattice::State& state,
+                         LatticeTouch& touch, std::span<const Tool> tools, std::span<const ToolPose> poses,
+                         lattice::Inputs inputs, double dt, std::span<ToolForce> forces) {
+  TURGOR_ASSERT(
+      tools.size() == poses.size() && tools.size() == forces.size() && tools.size() == touch.poses.size(),
+      "one pose and one force a tool");
+  const Vec3 h = model.lattice.step;
+  const double reach = std::max({h.x, h.y, h.z});
+  std::vector<ToolPose> to;
+  std::vector<ToolStep> steps;
+  for (const ToolPose& pose : poses) to.push_back(in_lattice(model.grid, pose));
+  for (std::size_t t = 0; t < tools.size(); t++) {
+    const double way = norm(to[t].pose.position - touch.poses[t].pose.position);
+    steps.push_back({tools[t], touch.poses[t], to[t], bounding_radius(tools[t].shape) + reach + way});
+    forces[t] = {};
+  }
+  FindContacts{model, state, touch, reach, dt}(steps);
+  touch.poses = std::move(to);
+  inputs.contacts = touch.nodes;
+  const lattice::StepReport report = lattice::step(exec, model, state, inputs, dt);
+  read_forces(model, state, tools, touch, forces);
+  return report;
+}
+
+}  // namespace turgor::contact

@@ -1,0 +1,50 @@
+// Tools on a lattice. Every node of the surface carries one place that tools can touch: the middle of its
+// part of the drawn surface. Before a step the places near a tool become contacts of their nodes
+// (lattice::NodeContact), and after it their forces become that on the tool. One step is one frame: forces
+// come at the frame rate.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "turgor/contact/touch.hpp"
+#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/surface.hpp"
+
+namespace turgor::contact {
+
+/// A place of the surface.
+struct LatticePlace {
+  int slot = 0;       // of the node that carries it
+  Vec3d rest;         // as in the CT, lattice frame [m]
+  bool wall = false;  // of a cut
+};
+
+/// A place near a tool, between steps.
+struct LatticeContact {
+  int place = 0, tool = 0;
+  bool is_held = false;
+  Vec3d anchor;  // where it is held, in the tool's frame [m]
+  Vec3d force;   // on the place, along the tool's axes [N]
+};
+
+struct LatticeTouch {
+  std::vector<LatticePlace> places;         // slots ascend
+  std::vector<LatticeContact> contacts;     // by place, then by tool
+  std::vector<ToolPose> poses;              // of the end of the last step, lattice frame
+  std::vector<lattice::NodeContact> nodes;  // of the last step, one a contact
+};
+
+/// Tools at their first poses [patient frame].
+LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::BodySurface& surface,
+                                std::span<const ToolPose> poses);
+/// The surface was built anew: there are new cuts. What tools hold, they still hold.
+void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattice::BodySurface& surface);
+
+/// A step of the body in which the tools go to `poses` [patient frame]; `inputs` without contacts. The
+/// model's solver must be descent. Forces: one a tool; its area stays 0.
+lattice::StepReport step(const Exec& exec, const lattice::Model& model, lattice::State& state,
+                         LatticeTouch& touch, std::span<const Tool> tools, std::span<const ToolPose> poses,
+                         lattice::Inputs inputs, double dt, std::span<ToolForce> forces);
+
+}  // namespace turgor::contact
