@@ -31,5 +31,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
       std::abort();
   for (const ToolScene& tool : scene->tools)
     if (tool.body < 0 || std::size_t(tool.body) >= touched + scene->clothes.size()) std::abort();
+  const std::size_t counts[] = {scene->lattices.size(), scene->organs.size(), scene->rhombi.size()};
+  for (const ClothScene& cloth : scene->clothes)
+    for (const ObstacleScene& obstacle : cloth.obstacles)
+      if (const auto* body = std::get_if<BodyName>(&obstacle.shape))
+        if (body->index < 0 || std::size_t(body->index) >= counts[std::size_t(body->kind)]) std::abort();
   return 0;
 }

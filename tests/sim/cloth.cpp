@@ -59,7 +59,7 @@ TEST(ClothScene, what_is_wrong_is_said_with_its_place) {
   EXPECT_NE(error_of({"body.flag.mesh=x.obj"}).find("either a sheet or a mesh"), std::string::npos);
   EXPECT_NE(error_of({"body.flag.sheet.up=[1,0,0]"}).find("the two sides span no area"), std::string::npos);
   EXPECT_NE(error_of({"body.flag.wind.turns=[[1,0,0,0],[0.5,1,0,0]]"}).find("ascending"), std::string::npos);
-  EXPECT_NE(error_of({"body.flag.obstacle.ball.skin=torso"}).find("skin"), std::string::npos);
+  EXPECT_NE(error_of({"body.flag.obstacle.ball.skin=torso"}).find("skin is not a key"), std::string::npos);
   EXPECT_NE(error_of({"body.flag.hold.pole.box=[[5,5,5],[6,6,6]]"}).find("hold.pole: no vertex of the cloth"),
             std::string::npos);
   EXPECT_NE(
@@ -68,6 +68,37 @@ TEST(ClothScene, what_is_wrong_is_said_with_its_place) {
   EXPECT_NE(error_of({"body.flag.collision.thickness=0.1"}).find("thickness: expected at most 0.02 m"),
             std::string::npos);
   EXPECT_NE(error_of({"body.flag.clor=1"}).find("clor"), std::string::npos);
+}
+
+TEST(ClothScene, an_obstacle_is_another_body_by_its_name) {
+  const std::string bodies = R"(
+[body.pad]
+model = "sfem"
+block = { size = [0.1, 0.1, 0.1], count = [2, 2, 2] }
+[body.liver]
+model = "rhombus"
+surface = { phantom = "liver", detail = 4 }
+[body.leg]
+model = "lattice"
+ct = { phantom = "leg", size = [16, 16, 16] }
+[body.flag.obstacle.under]
+body = )";
+  const std::vector<std::pair<std::string, BodyName>> kinds = {{"\"pad\"", {BodyKind::kSfem, 0}},
+                                                               {"\"liver\"", {BodyKind::kRhombus, 0}},
+                                                               {"\"leg\"", {BodyKind::kLattice, 0}}};
+  for (const auto& [name, expected] : kinds)
+    EXPECT_EQ(std::get<BodyName>(must_parse(kFlag + bodies + name).clothes[0].obstacles[1].shape), expected);
+  const auto error = [&](const std::string& name) {
+    const Result<Scene> scene = parse_scene(kFlag + bodies + name, "flag.toml");
+    return scene ? "no error" : scene.error().message;
+  };
+  EXPECT_NE(error("\"livr\"")
+                .find("body.flag.obstacle.under.body: the scene has no body livr with model = "
+                      "\"lattice\", \"sfem\" or \"rhombus\"; did you mean liver?"),
+            std::string::npos)
+      << error("\"livr\"");
+  EXPECT_NE(error("\"flag\"").find("has no body flag with model"), std::string::npos) << "not on itself";
+  EXPECT_NE(error("3").find("body.flag.obstacle.under.body"), std::string::npos);
 }
 
 TEST(ClothScene, holds_follow_their_path_and_let_go_and_the_wind_turns) {
@@ -86,7 +117,7 @@ TEST(ClothScene, holds_follow_their_path_and_let_go_and_the_wind_turns) {
   EXPECT_GT(norm(corner() - Vec3{0, 0, 1.1f}), 0.01f);
   EXPECT_EQ(flag.samples.size(), 59u);
   EXPECT_GT(flag.samples[20].energy, 0);
-  const Json report = cloth_report(exec, flag);
+  const Json report = cloth_report(exec, *world, flag);
   EXPECT_EQ(report.at("vertices"), 176);
   EXPECT_EQ(report.at("series").size(), 59u);
   EXPECT_EQ(report.at("snapshots").size(), 1u);

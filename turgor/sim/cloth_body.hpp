@@ -12,8 +12,8 @@
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/measure.hpp"
 #include "turgor/models/cloth/obstacle.hpp"
-#include "turgor/models/lattice/surface.hpp"
 #include "turgor/sim/cloth_scene.hpp"
+#include "turgor/sim/cloth_support.hpp"
 
 namespace turgor {
 
@@ -35,11 +35,9 @@ struct ClothObstacle {
   std::optional<contact::Shape> shape;
   contact::Pose pose;  // of `shape`
   std::shared_ptr<const cloth::MovingSurface> surface;
-  int skin_of = -1;                                  // index into World::lattices
-  std::shared_ptr<const lattice::BodySurface> skin;  // of that body
-  std::vector<Vec3> skin_before;                     // its places in the frame before [m]
-  TriMesh shown;                                     // to be drawn; of skins, nothing
-  Vec3d force;                                       // of the cloth on it in the latest frame [N]
+  std::optional<ClothSupport> support;
+  TriMesh shown;             // to be drawn; of bodies, nothing
+  std::vector<Vec3d> force;  // of the cloth on it, by frame [N]
 };
 
 /// One frame.
@@ -67,9 +65,9 @@ struct ClothBody {
 };
 
 /// Error: a file that cannot be read, a mesh that is no cloth, a held vertex that is not there.
-Result<ClothBody> load_cloth(const Exec& exec, const ClothScene& scene, const World& world);
+Result<ClothBody> load_cloth(const Exec& exec, const ClothScene& scene);
 
 /// One frame of a cloth, after the bodies it lies on. False: the step was undone.
-bool step_cloth(const Exec& exec, ClothBody& body, const World& world, bool measure);
+bool step_cloth(const Exec& exec, ClothBody& body, World& world, bool measure);
 
 }  // namespace turgor

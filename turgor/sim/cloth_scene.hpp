@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -44,14 +45,17 @@ struct RodScene {
   Vec3d from, to;        // [m]
   double radius = 0.05;  // [m]
 };
-/// The skin of a body of the lattice model, wherever it goes.
-struct SkinScene {
-  int body = 0;  // index into Scene::lattices
+/// A body of the scene other than cloth: by its model, and where it is among those of that model.
+enum class BodyKind : std::uint8_t { kLattice, kSfem, kRhombus };
+struct BodyName {
+  BodyKind kind = BodyKind::kLattice;
+  int index = 0;  // into Scene::lattices, organs or rhombi
+  bool operator==(const BodyName&) const = default;
 };
 
 struct ObstacleScene {
   std::string name;
-  std::variant<PlaneScene, BallScene, RodScene, GarmentFile, SkinScene> shape;
+  std::variant<PlaneScene, BallScene, RodScene, GarmentFile, BodyName> shape;
   double friction = 0.3;  // [1]
   double gap = 0.002;     // the cloth stays this far away [m]
 };

@@ -4,7 +4,6 @@
 #include "turgor/io/surface_files.hpp"
 #include "turgor/sim/cloth_body.hpp"
 #include "turgor/sim/tool_mesh.hpp"
-#include "turgor/sim/world.hpp"
 
 namespace turgor {
 
@@ -45,7 +44,7 @@ TriMesh shown_plane(const PlaneScene& plane, double size) {
   return mesh;
 }
 
-Result<ClothObstacle> load_obstacle(const ObstacleScene& scene, const World& world, ClothBody& body) {
+Result<ClothObstacle> load_obstacle(const ObstacleScene& scene, ClothBody& body) {
   ClothObstacle obstacle{.name = scene.name, .friction = scene.friction, .gap = scene.gap};
   if (const auto* plane = std::get_if<PlaneScene>(&scene.shape)) {
     obstacle.plane = *plane;
@@ -67,10 +66,7 @@ Result<ClothObstacle> load_obstacle(const ObstacleScene& scene, const World& wor
     mesh->normals = vertex_normals(*mesh);
     obstacle.shown = std::move(*mesh);
   } else {
-    obstacle.skin_of = std::get<SkinScene>(scene.shape).body;
-    const LatticeBody& below = world.lattices[std::size_t(obstacle.skin_of)];
-    obstacle.skin =
-        std::make_shared<const lattice::BodySurface>(lattice::build_surface(below.model, below.state));
+    obstacle.support.emplace().body = std::get<BodyName>(scene.shape);
   }
   return obstacle;
 }
@@ -93,7 +89,7 @@ Result<ClothHold> load_hold(const HoldScene& scene, const TriMesh& mesh) {
 
 }  // namespace
 
-Result<ClothBody> load_cloth(const Exec& exec, const ClothScene& scene, const World& world) {
+Result<ClothBody> load_cloth(const Exec& exec, const ClothScene& scene) {
   ClothBody body;
   body.name = scene.name, body.air = scene.air, body.turns = scene.turns;
   const auto failed = [&](const Error& error) {
@@ -119,7 +115,7 @@ Result<ClothBody> load_cloth(const Exec& exec, const ClothScene& scene, const Wo
     body.holds.push_back(std::move(*hold));
   }
   for (const ObstacleScene& obstacle_scene : scene.obstacles) {
-    Result<ClothObstacle> obstacle = load_obstacle(obstacle_scene, world, body);
+    Result<ClothObstacle> obstacle = load_obstacle(obstacle_scene, body);
     if (!obstacle) return failed(obstacle.error());
     body.obstacles.push_back(std::move(*obstacle));
   }

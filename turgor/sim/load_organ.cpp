@@ -163,9 +163,7 @@ Status load_seen(const Exec& exec, const SfemScene& scene, Organ& organ) {
 
 Status prepare_turning(const Exec& exec, Organ& organ, const BeginWork& begin) {
   if (const Status s = sfem::factorize(exec, organ.model, begin_work(begin, "factor")); !s) return s.error();
-  const std::vector<Vec3d> none(organ.model.body.mesh.vertices.size());
-  organ.turning =
-      Turning{sfem::make_corotation(exec, organ.model), sfem::make_rotation_state(organ.model), none, none};
+  organ.turning = Turning{sfem::make_corotation(exec, organ.model), sfem::make_rotation_state(organ.model)};
   return Done{};
 }
 

@@ -14,6 +14,7 @@
 #include "turgor/models/sfem/patch.hpp"
 #include "turgor/models/sfem/rotation.hpp"
 #include "turgor/models/sfem/sfem.hpp"
+#include "turgor/sim/cloth_load.hpp"
 #include "turgor/sim/sfem_scene.hpp"
 #include "turgor/sim/tool_path.hpp"
 
@@ -92,13 +93,24 @@ struct OrganFacts {
   std::vector<std::string> notes;
 };
 
-/// Large rotations, corrected once a frame; ticks go from the last correction to the present one.
+/// Large rotations, corrected once a frame.
 struct Turning {
   sfem::Corotation corotation;
   sfem::RotationState state;
-  std::vector<Vec3d> before, now;  // free displacement of every vertex [m]
   int frames = 0, unconverged = 0;
   double largest_residual = 0;  // see sfem::RotationReport
+};
+
+/// Cloth that lies on the organ.
+struct ClothPress {
+  ClothLoad load;
+  std::vector<Vec3d> displacement;  // that it makes, of every vertex [m]
+};
+
+/// How turned elements and cloth move every vertex; ticks go from where that was a frame ago to where it is
+/// now. Empty = nothing does.
+struct FreeMotion {
+  std::vector<Vec3d> before, now;  // [m]
 };
 
 /// What organs of all models have in common.
@@ -117,6 +129,8 @@ struct Organ : TouchedOrgan {
   std::optional<SeenSurface> seen;
 
   std::optional<Turning> turning;
+  std::optional<ClothPress> press;
+  FreeMotion free;
 
   int refinement = 2;
   contact::FollowParams follow;
@@ -140,8 +154,13 @@ void begin_touch(const Exec& exec, Organ& organ, const std::vector<TouchingTool>
 /// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick.
 void touch_organ(const Exec& exec, Organ& organ, std::vector<TouchingTool>& tools, double from, double to);
 
-/// Corrects large rotations for the next frame, if the organ does so.
+/// Corrects large rotations for the next frame, if the organ does so. The ticks have arrived where free
+/// motion led them.
 void turn_organ(const Exec& exec, Organ& organ);
+/// Feels what cloth does to it, from the next frame on.
+void press_organ(const Exec& exec, Organ& organ, const ClothPush& push, double dt);
+/// Where the ticks of the next frame go to.
+void sum_free_motion(Organ& organ);
 /// Forces on vertices under which the elastic body lies as the organ does now: those of the contacts, and
 /// what viscous tissue remembers; ascending.
 std::vector<contact::VertexForce> coarse_forces_now(const Organ& organ);
@@ -149,8 +168,11 @@ std::vector<contact::VertexForce> coarse_forces_now(const Organ& organ);
 /// Keeps the surface when the force on the tools is the largest so far.
 void remember_deepest(const Exec& exec, Organ& organ, double time);
 
-/// Displacement of every vertex of the mesh by the coarse functions; zero where none are kept [m].
+/// Displacement of every vertex of the mesh by the coarse functions; zero where none are kept [m]: of the
+/// organ as it lies now, and of these forces alone.
 std::vector<Vec3d> coarse_displacements(const Exec& exec, const Organ& organ);
+std::vector<Vec3d> displacements(const Exec& exec, const Organ& organ,
+                                 std::span<const contact::VertexForce> forces);
 
 /// How far the deepest point of a tool is below the surface of the patch at rest; 0 = it does not touch [m].
 double depth_at_rest(const Organ& organ, const contact::Tool& tool, const contact::Pose& pose);

@@ -180,11 +180,17 @@ Vec3d inner_displacement(const sfem::Model& model, int slot, const std::vector<i
 }  // namespace
 
 std::vector<Vec3d> coarse_displacements(const Exec& exec, const Organ& organ) {
+  std::vector<Vec3d> displacement = displacements(exec, organ, coarse_forces_now(organ));
+  for (std::size_t v = 0; v < organ.free.before.size(); v++) displacement[v] += organ.free.before[v];
+  return displacement;
+}
+
+std::vector<Vec3d> displacements(const Exec& exec, const Organ& organ,
+                                 std::span<const contact::VertexForce> vertex_forces) {
   const sfem::Green& green = organ.model.green;
   std::vector<int> from;
   std::vector<Vec3d> forces;
-  for (const auto& [vertex, force] : coarse_forces_now(organ))
-    from.push_back(vertex), forces.push_back(force);
+  for (const auto& [vertex, force] : vertex_forces) from.push_back(vertex), forces.push_back(force);
   std::vector<float> u(3 * green.surface_count);
   sfem::surface_displacements(exec, organ.model, from, flat(forces), u);
   std::vector<Vec3d> displacement(organ.model.body.mesh.vertices.size());
@@ -196,12 +202,11 @@ std::vector<Vec3d> coarse_displacements(const Exec& exec, const Organ& organ) {
       const std::size_t n = green.surface_count + i;
       displacement[std::size_t(green.nodes[n])] = inner_displacement(organ.model, int(n), from, forces);
     });
-  if (organ.turning)
-    for (std::size_t v = 0; v < displacement.size(); v++) displacement[v] += organ.turning->before[v];
   return displacement;
 }
 
 std::vector<contact::VertexForce> coarse_forces_now(const Organ& organ) {
+  if (organ.tools.empty()) return {};
   // From viscosity.hpp: u = (Ξ f + p v)/(1 + p) after a tick, v = Ξ φ.
   const double p = organ.touch.params.viscosity.stiffening;
   const std::vector<double> f = sfem::coarse_forces(organ.patch, flat(organ.touch.force));
@@ -218,7 +223,7 @@ std::vector<contact::VertexForce> coarse_forces_now(const Organ& organ) {
 
 OrganSurface shown_surface(const Exec& exec, const Organ& organ, double time) {
   std::vector<Vec3d> coarse(organ.model.body.mesh.vertices.size());
-  if (!organ.tools.empty()) coarse = coarse_displacements(exec, organ);
+  if (!organ.tools.empty() || organ.press) coarse = coarse_displacements(exec, organ);
   std::vector<double> pressure(organ.patch.points.size());
   if (!organ.tools.empty()) contact::contact_pressure(organ.touch, pressure);
   const std::vector<float> shown_pressure(pressure.begin(), pressure.end());

@@ -157,7 +157,7 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
   for (std::size_t o = 0; o < world.rhombi.size(); o++)
     rhombi.push_back(rhombus_report(scene.rhombi[o], world.rhombi[o]));
   Json clothes = Json::array();
-  for (const ClothBody& body : world.clothes) clothes.push_back(cloth_report(exec, body));
+  for (const ClothBody& body : world.clothes) clothes.push_back(cloth_report(exec, world, body));
   for (std::size_t t = 0; t < world.tools.size(); t++)
     tools.push_back(tool_report(scene.tools[t], world.tools[t], world));
   return {{"program", "turgor"},

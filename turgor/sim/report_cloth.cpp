@@ -1,6 +1,7 @@
 #include "turgor/sim/report_cloth.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
@@ -17,9 +18,43 @@ const char* method_name(cloth::Method method) {
                                                : "conjugate gradients";
 }
 
+const char* kind_name(const ClothObstacle& obstacle) {
+  if (!obstacle.support) return "shape";
+  constexpr const char* kNames[] = {"lattice", "sfem", "rhombus"};
+  return kNames[std::size_t(obstacle.support->body.kind)];
+}
+
+/// Of the latest half second [N].
+Vec3d mean_force(const ClothObstacle& obstacle, double dt) {
+  const std::size_t frames = std::min(obstacle.force.size(), std::size_t(std::lround(0.5 / dt)));
+  Vec3d sum;
+  for (std::size_t n = obstacle.force.size() - frames; n < obstacle.force.size(); n++)
+    sum += obstacle.force[n];
+  return frames > 0 ? sum / double(frames) : sum;
+}
+
+/// What each obstacle bears: the force on it, and how much of the cloth's weight that is.
+Json obstacle_report(const World& world, const ClothBody& body, const ClothObstacle& obstacle) {
+  const Vec3d f = mean_force(obstacle, world.dt);
+  const double g = norm(world.gravity);
+  Json json{{"name", obstacle.name},       {"cloth", body.name},
+            {"kind", kind_name(obstacle)}, {"force_N", numbers({f.x, f.y, f.z})},
+            {"weight_N", nullptr},         {"weight_share", nullptr}};
+  if (g > 0) {
+    const double weight = dot(f, world.gravity) / g;
+    json["weight_N"] = rounded(weight);
+    json["weight_share"] = rounded(weight / (body.model.total_mass * g));
+  }
+  Json series = Json::array();
+  for (std::size_t n = 0; n < obstacle.force.size(); n++)
+    series.push_back(numbers({body.samples[n].time, norm(obstacle.force[n])}));
+  json["series"] = series;
+  return json;
+}
+
 }  // namespace
 
-Json cloth_report(const Exec& exec, const ClothBody& body) {
+Json cloth_report(const Exec& exec, const World& world, const ClothBody& body) {
   const cloth::Model& model = body.model;
   const cloth::Params& params = model.params;
   const std::size_t bytes = cloth::memory_bytes(model, body.state);
@@ -31,8 +66,7 @@ Json cloth_report(const Exec& exec, const ClothBody& body) {
     series.push_back(numbers({s.time, s.seconds * kMs, s.largest_speed, double(s.contacts)}));
     if (s.residual >= 0) snapshots.push_back(numbers({s.time, s.residual, s.energy, s.stretch}));
   }
-  for (const ClothObstacle& o : body.obstacles)
-    obstacles.push_back({{"name", o.name}, {"force_N", numbers({o.force.x, o.force.y, o.force.z})}});
+  for (const ClothObstacle& o : body.obstacles) obstacles.push_back(obstacle_report(world, body, o));
   Json json{{"name", body.name},
             {"vertices", model.count},
             {"triangles", model.triangles.size()},
@@ -52,6 +86,7 @@ Json cloth_report(const Exec& exec, const ClothBody& body) {
             {"pairs_too_near", self.too_near},
             {"triangles_crossing", self.crossings},
             {"obstacles", obstacles},
+            {"obstacle_series_columns", {"time_s", "force_N"}},
             {"series_columns", {"time_s", "step_ms", "largest_speed_m_per_s", "contacts"}},
             {"series", series},
             {"snapshot_columns", {"time_s", "residual_relative", "energy_J", "longest_spring_relative"}},
@@ -87,38 +122,54 @@ std::string cloth_curves(const Json& report, const std::filesystem::path& folder
   Plot step{"Wall time of a step", "time [s]", "time [ms]", {}},
       contacts{"Contacts", "time [s]", "contacts", {}},
       energy{"Elastic and kinetic energy", "time [s]", "energy [J]", {}},
-      residual{"Residual of the linear system", "time [s]", "|b - W dv| / |b|", {}};
+      residual{"Residual of the linear system", "time [s]", "|b - W dv| / |b|", {}},
+      force{"Force on what the cloth lies on", "time [s]", "force [N]", {}};
   for (const Json& cloth : clothes) {
     const std::string name = cloth.at("name").get<std::string>();
     step.curves.push_back(curve_of(name, cloth.at("series"), 0, 1));
     contacts.curves.push_back(curve_of(name, cloth.at("series"), 0, 3));
     energy.curves.push_back(curve_of(name, cloth.at("snapshots"), 0, 2));
     residual.curves.push_back(curve_of(name, cloth.at("snapshots"), 0, 1));
+    for (const Json& obstacle : cloth.at("obstacles"))
+      force.curves.push_back(
+          curve_of(name + " on " + obstacle.at("name").get<std::string>(), obstacle.at("series"), 0, 1));
   }
-  return "<h2>Cloth over time</h2>\n<div class=\"grid\">" + drawn(energy, folder) + drawn(contacts, folder) +
-         drawn(step, folder) + drawn(residual, folder) + "</div>\n";
+  return "<h2>Cloth over time</h2>\n<div class=\"grid\">" + drawn(force, folder) + drawn(energy, folder) +
+         drawn(contacts, folder) + drawn(step, folder) + drawn(residual, folder) + "</div>\n";
 }
 
 std::string cloth_tables(const Json& report) {
   const Json clothes = report.value("clothes", Json::array());
   if (clothes.empty()) return "";
-  return "<h2>Cloth</h2>\n" + quantity_table(clothes, "cloth",
-                                             {{"vertices", "vertices"},
-                                              {"triangles", "triangles"},
-                                              {"springs", "springs"},
-                                              {"area_m2", "area [m²]"},
-                                              {"mass_g", "mass [g]"},
-                                              {"mean_edge_mm", "mean edge [mm]"},
-                                              {"method", "solver"},
-                                              {"sweeps", "sweeps"},
-                                              {"memory_bytes_per_vertex", "memory [bytes/vertex]"},
-                                              {"step_p50_ms", "a step, median [ms]"},
-                                              {"step_p99_ms", "a step, 99 of 100 [ms]"},
-                                              {"thickness_mm", "thickness [mm]"},
-                                              {"smallest_distance_mm", "smallest distance of layers [mm]"},
-                                              {"pairs_too_near", "pairs nearer than 0.99 of the thickness"},
-                                              {"triangles_crossing", "pairs of triangles that cross"},
-                                              {"state_hash", "state hash"}});
+  Json obstacles = Json::array();
+  for (const Json& cloth : clothes)
+    for (const Json& obstacle : cloth.at("obstacles")) obstacles.push_back(obstacle);
+  std::string lies_on;
+  if (!obstacles.empty())
+    lies_on = "<h2>What cloth lies on (mean of the last half second)</h2>\n" +
+              quantity_table(obstacles, "obstacle",
+                             {{"cloth", "cloth"},
+                              {"kind", "kind"},
+                              {"weight_N", "weight it bears [N]"},
+                              {"weight_share", "part of the cloth's weight [1]"}});
+  return lies_on + "<h2>Cloth</h2>\n" +
+         quantity_table(clothes, "cloth",
+                        {{"vertices", "vertices"},
+                         {"triangles", "triangles"},
+                         {"springs", "springs"},
+                         {"area_m2", "area [m²]"},
+                         {"mass_g", "mass [g]"},
+                         {"mean_edge_mm", "mean edge [mm]"},
+                         {"method", "solver"},
+                         {"sweeps", "sweeps"},
+                         {"memory_bytes_per_vertex", "memory [bytes/vertex]"},
+                         {"step_p50_ms", "a step, median [ms]"},
+                         {"step_p99_ms", "a step, 99 of 100 [ms]"},
+                         {"thickness_mm", "thickness [mm]"},
+                         {"smallest_distance_mm", "smallest distance of layers [mm]"},
+                         {"pairs_too_near", "pairs nearer than 0.99 of the thickness"},
+                         {"triangles_crossing", "pairs of triangles that cross"},
+                         {"state_hash", "state hash"}});
 }
 
 }  // namespace page

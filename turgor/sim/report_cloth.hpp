@@ -5,7 +5,7 @@
 
 namespace turgor {
 
-Json cloth_report(const Exec& exec, const ClothBody& body);
+Json cloth_report(const Exec& exec, const World& world, const ClothBody& body);
 /// Of all cloths of a world, one after another.
 std::uint64_t cloth_hash(const World& world, std::uint64_t seed);
 

@@ -114,22 +114,30 @@ HoldScene read_hold(SceneTable table, const std::string& name) {
   return hold;
 }
 
-int read_lattice_name(SceneTable& table, const Scene& scene) {
+BodyName read_body_name(SceneTable& table, const Scene& scene) {
   std::string name;
-  table.read("skin", name);
+  table.read("body", name);
   std::vector<std::string> names;
-  for (std::size_t b = 0; b < scene.lattices.size(); b++) {
-    names.push_back(scene.lattices[b].name);
-    if (names.back() == name) return int(b);
-  }
-  table.fail("skin", fmt::format("the scene has no body {} with model = \"lattice\"{}", name,
-                                 suggestion(name, names)));
-  return 0;
+  const auto find = [&](BodyKind kind, const auto& bodies) -> std::optional<BodyName> {
+    for (std::size_t b = 0; b < bodies.size(); b++) {
+      names.push_back(bodies[b].name);
+      if (names.back() == name) return BodyName{kind, int(b)};
+    }
+    return {};
+  };
+  if (const auto found = find(BodyKind::kLattice, scene.lattices)) return *found;
+  if (const auto found = find(BodyKind::kSfem, scene.organs)) return *found;
+  if (const auto found = find(BodyKind::kRhombus, scene.rhombi)) return *found;
+  if (!name.empty())
+    table.fail("body", fmt::format("the scene has no body {} with model = \"lattice\", \"sfem\" or "
+                                   "\"rhombus\"{}",
+                                   name, suggestion(name, names)));
+  return {};
 }
 
 ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Scene& scene) {
   ObstacleScene obstacle{.name = name, .shape = PlaneScene{}};
-  table.require({"plane", "sphere", "capsule", "mesh", "skin"}, "what the cloth stays out of");
+  table.require({"plane", "sphere", "capsule", "mesh", "body"}, "what the cloth stays out of");
   if (table.has("sphere")) {
     BallScene ball;
     SceneTable shape = table.table("sphere");
@@ -147,8 +155,8 @@ ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Sce
     obstacle.shape = rod;
   } else if (table.has("mesh")) {
     obstacle.shape = read_garment(table);
-  } else if (table.has("skin")) {
-    obstacle.shape = SkinScene{read_lattice_name(table, scene)};
+  } else if (table.has("body")) {
+    obstacle.shape = read_body_name(table, scene);
   } else {
     PlaneScene plane;
     SceneTable shape = table.table("plane");

@@ -40,21 +40,7 @@ void follow(ClothBody& body, ClothHold& hold, double end) {
   if (!wanted) hold.places.clear();
 }
 
-cloth::Obstacle skin_obstacle(ClothObstacle& obstacle, const World& world) {
-  const LatticeBody& below = world.lattices[std::size_t(obstacle.skin_of)];
-  if (obstacle.skin_before.empty() || !below.state.cut_edges.empty())  // cuts make new surfaces
-    obstacle.skin =
-        std::make_shared<const lattice::BodySurface>(lattice::build_surface(below.model, below.state));
-  const TriMesh mesh =
-      lattice::deformed_surface(below.model, below.state, *obstacle.skin, lattice::Shown::kNothing);
-  const bool comparable = obstacle.skin_before.size() == mesh.vertices.size();
-  const auto surface =
-      cloth::moving_surface(mesh, comparable ? obstacle.skin_before : std::vector<Vec3>(), world.dt);
-  obstacle.skin_before = mesh.vertices;
-  return cloth::surface_obstacle(surface);
-}
-
-cloth::Obstacle made(ClothObstacle& obstacle, const World& world) {
+cloth::Obstacle made(const Exec& exec, ClothObstacle& obstacle, World& world) {
   cloth::Obstacle result;
   if (obstacle.plane)
     result = cloth::plane_obstacle(obstacle.plane->through, obstacle.plane->normal);
@@ -63,20 +49,20 @@ cloth::Obstacle made(ClothObstacle& obstacle, const World& world) {
   else if (obstacle.surface)
     result = cloth::surface_obstacle(obstacle.surface);
   else
-    result = skin_obstacle(obstacle, world);
+    follow_body(exec, *obstacle.support, world), result = cloth::surface_obstacle(obstacle.support->moving);
   result.friction = obstacle.friction, result.gap = obstacle.gap;
   return result;
 }
 
 }  // namespace
 
-bool step_cloth(const Exec& exec, ClothBody& body, const World& world, bool measure) {
+bool step_cloth(const Exec& exec, ClothBody& body, World& world, bool measure) {
   const double begin = world.frame * world.dt, end = begin + world.dt;
   for (ClothHold& hold : body.holds) follow(body, hold, end);
   for (const WindTurn& turn : body.turns)
     if (turn.time <= begin) body.air.velocity = turn.velocity;
   cloth::Inputs inputs{.gravity = world.gravity, .air = body.air, .measure_residual = measure};
-  for (ClothObstacle& obstacle : body.obstacles) inputs.obstacles.push_back(made(obstacle, world));
+  for (ClothObstacle& obstacle : body.obstacles) inputs.obstacles.push_back(made(exec, obstacle, world));
 
   const Timer timer;
   const cloth::StepReport report = cloth::step(exec, body.model, body.state, inputs, world.dt);
@@ -84,8 +70,11 @@ bool step_cloth(const Exec& exec, ClothBody& body, const World& world, bool meas
                      .seconds = timer.seconds(),
                      .largest_speed = report.largest_speed,
                      .contacts = report.contacts};
-  for (std::size_t o = 0; o < body.obstacles.size(); o++)
-    body.obstacles[o].force = cloth::obstacle_load(body.state, int(o), {}).impulse / world.dt;
+  for (std::size_t o = 0; o < body.obstacles.size(); o++) {
+    ClothObstacle& obstacle = body.obstacles[o];
+    obstacle.force.push_back(cloth::obstacle_load(body.state, int(o), {}).impulse / world.dt);
+    if (obstacle.support) note_force(body.state, int(o), world.dt, *obstacle.support);
+  }
   if (measure) {
     const cloth::Energy energy = cloth::energy(body.model, body.state, world.gravity);
     sample.residual = report.residual;

@@ -21,17 +21,18 @@ void set_poses(Organ& organ, const std::vector<TouchingTool>& tools, double time
     organ.poses[t] = pose_at(tools[std::size_t(organ.tool_indices[t])].path, time);
 }
 
-/// Where turned elements have brought the points, a part of the way from the last frame's to this one's.
+/// Where turned elements and cloth have brought the points, a part of the way from the last frame's to this
+/// one's.
 void set_offsets(Organ& organ, double part) {
-  if (!organ.turning) return;
-  const Turning& turning = *organ.turning;
+  const auto& [before, now] = organ.free;
+  if (now.empty()) return;
   for (std::size_t p = 0; p < organ.patch.points.size(); p++) {
     const sfem::PatchPoint& point = organ.patch.points[p];
     Vec3d offset;
     for (int s = 0; s < point.supports; s++) {
       const auto i = std::size_t(s);
       const auto v = std::size_t(organ.patch.coarse[std::size_t(point.coarse[i])]);
-      offset += (turning.before[v] * (1 - part) + turning.now[v] * part) * point.weight[i];
+      offset += (before[v] * (1 - part) + now[v] * part) * point.weight[i];
     }
     organ.touch.offset[p] = offset;
   }

@@ -225,7 +225,7 @@ Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& 
       purpose == Purpose::kSimulate ? load_organs(exec, scene, begin, world) : name_organs(scene, world);
   if (!organs) return organs.error();
   for (const ClothScene& cloth_scene : scene.clothes) {
-    Result<ClothBody> body = load_cloth(exec, cloth_scene, world);
+    Result<ClothBody> body = load_cloth(exec, cloth_scene);
     if (!body) return body.error();
     world.clothes.push_back(moved(body));
   }
@@ -261,6 +261,7 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
     report.finite = step_cloth(exec, body, world, measure_residual) && report.finite;
     report.largest_speed = std::max(report.largest_speed, body.samples.back().largest_speed);
   }
+  load_bodies(exec, world);
   world.frame++;
   report.seconds = timer.seconds();
   return report;

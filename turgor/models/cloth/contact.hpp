@@ -106,6 +106,9 @@ int solve_velocities(const Exec& exec, const Model& model, State& state, double 
 /// Moves what is still too near apart, without giving it velocity.
 void solve_places(const Exec& exec, const Model& model, State& state, double dt);
 
+/// What the obstacle of a contact got in the latest step [N·s].
+inline Vec3d impulse_on_obstacle(const Contact& c) { return -Vec3d(c.normal * c.impulse + c.rub); }
+
 /// Total impulse that an obstacle got in the latest step [N·s], and its moment about `centre` [N·m·s].
 struct ObstacleLoad {
   Vec3d impulse, moment;

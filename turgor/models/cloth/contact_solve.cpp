@@ -182,7 +182,7 @@ ObstacleLoad obstacle_load(const State& state, int obstacle, Vec3d centre) {
   ObstacleLoad load;
   for (const Contact& c : state.contacts.list) {
     if (c.obstacle != obstacle) continue;
-    const Vec3d impulse = -Vec3d(c.normal * c.impulse + c.rub);
+    const Vec3d impulse = impulse_on_obstacle(c);
     load.impulse += impulse;
     load.moment += cross(Vec3d(state.x[std::size_t(c.vertex[0])]) - centre, impulse);
   }

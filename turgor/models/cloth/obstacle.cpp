@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "turgor/core/assert.hpp"
+
 namespace turgor::cloth {
 
 Obstacle plane_obstacle(Vec3d through, Vec3d normal) {
@@ -13,15 +15,15 @@ Obstacle plane_obstacle(Vec3d through, Vec3d normal) {
   }};
 }
 
-std::shared_ptr<const MovingSurface> moving_surface(const TriMesh& mesh, const std::vector<Vec3>& before,
+std::shared_ptr<const MovingSurface> moving_surface(const TriMesh& mesh, const std::vector<Vec3>& after,
                                                     double dt) {
   std::vector<Vec3d> vertices;
   for (const Vec3 x : mesh.vertices) vertices.push_back(Vec3d(x));
   auto surface = std::make_shared<MovingSurface>();
   surface->tree = build_triangle_tree(std::move(vertices), mesh.triangles);
   surface->normals = vertex_normals(mesh);
-  for (std::size_t v = 0; v < before.size(); v++)
-    surface->velocities.push_back((mesh.vertices[v] - before[v]) / Real(dt));
+  for (std::size_t v = 0; v < after.size(); v++)
+    surface->velocities.push_back((after[v] - mesh.vertices[v]) / Real(dt));
   return surface;
 }
 
@@ -52,6 +54,19 @@ Obstacle surface_obstacle(std::shared_ptr<const MovingSurface> surface) {
       for (int k = 0; k < 3; k++) found.velocity += velocities[std::size_t(t[k])] * Real(at.weights[k]);
     return found.distance < reach;
   }};
+}
+
+// The contacts were found before the cloth moved: there, the vertices are looked for.
+void add_surface_impulses(const State& state, int obstacle, const MovingSurface& surface, double dt,
+                          std::span<Vec3d> impulse) {
+  TURGOR_ASSERT(impulse.size() == surface.tree.vertices.size(), "one impulse a vertex");
+  for (const Contact& c : state.contacts.list) {
+    if (c.obstacle != obstacle || !(c.impulse > 0)) continue;
+    const auto v = std::size_t(c.vertex[0]);
+    const TrianglePoint at = nearest_point(surface.tree, Vec3d(state.x[v]) - Vec3d(state.v[v]) * dt);
+    const Int3 t = surface.tree.triangles[std::size_t(at.triangle)];
+    for (int k = 0; k < 3; k++) impulse[std::size_t(t[k])] += impulse_on_obstacle(c) * at.weights[k];
+  }
 }
 
 }  // namespace turgor::cloth

@@ -20,9 +20,14 @@ struct MovingSurface {
   std::vector<Vec3> velocities;  // of the vertices [m/s]
   double depth = 0.02;           // vertices deeper below the surface are left alone [m]
 };
-/// `before` are the places of the vertices a time dt ago; empty = it is at rest.
-std::shared_ptr<const MovingSurface> moving_surface(const TriMesh& mesh, const std::vector<Vec3>& before,
+/// `after` are the places of the vertices when a step of dt ends; empty = it is at rest.
+std::shared_ptr<const MovingSurface> moving_surface(const TriMesh& mesh, const std::vector<Vec3>& after,
                                                     double dt);
 Obstacle surface_obstacle(std::shared_ptr<const MovingSurface> surface);
+
+/// Adds the impulses that a surface got in the latest step, `obstacle` of its inputs, to the vertices of the
+/// triangles where they act, by barycentric weights [N·s].
+void add_surface_impulses(const State& state, int obstacle, const MovingSurface& surface, double dt,
+                          std::span<Vec3d> impulse);
 
 }  // namespace turgor::cloth
