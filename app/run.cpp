@@ -117,8 +117,8 @@ void print_touch(const Json& report) {
                                                : green.at("from_cache").get<bool>() ? "from the cache"
                                                                                     : "computed",
                                                value(green, "seconds")));
-    print_row("patches built beside the ticks (median, longest)",
-              fmt::format("{} of at most {} local nodes ({:.2f} ms, {:.2f} ms)",
+    print_row("patches, built beside the ticks",
+              fmt::format("{} of at most {} local nodes (median {:.2f} ms, longest {:.2f} ms)",
                           patch.at("rebuilds").get<long>(), patch.at("local_nodes_most").get<long>(),
                           value(patch, "rebuild_p50_ms"), value(patch, "rebuild_max_ms")));
     print_row("largest jump at a hand-over", fmt::format("{:.4f} N", value(patch, "force_jump_max_N")));

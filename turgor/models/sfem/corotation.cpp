@@ -137,6 +137,32 @@ void add_pressure(const Exec& exec, const SolidMesh& mesh, const Corotation& cor
       64);
 }
 
+/// The mean over the elements around each element's corners.
+std::vector<Mat3d> smoothed(const Exec& exec, const SolidMesh& mesh, const Corotation& corotation,
+                            const std::vector<Mat3d>& of_element) {
+  const auto add = [](Mat3d& sum, const Mat3d& m, double weight) {
+    for (int axis = 0; axis < 3; axis++) sum.column[axis] += m.column[axis] * weight;
+  };
+  std::vector<Mat3d> of_vertex(mesh.vertices.size(), Mat3d{{{}, {}, {}}}),
+      result(of_element.size(), Mat3d{{{}, {}, {}}});
+  parallel_for(
+      exec, of_vertex.size(),
+      [&](std::size_t v) {
+        double total = 0;
+        for (const int e : corotation.around[v]) total += volume(mesh, std::size_t(e));
+        for (const int e : corotation.around[v])
+          add(of_vertex[v], of_element[std::size_t(e)], volume(mesh, std::size_t(e)) / total);
+      },
+      64);
+  parallel_for(
+      exec, result.size(),
+      [&](std::size_t e) {
+        for (const int v : element(mesh, e)) add(result[e], of_vertex[std::size_t(v)], 1.0 / mesh.corners);
+      },
+      64);
+  return result;
+}
+
 /// Gathers the elements' forces at the free nodes; offsets_of(vertices, rotation) gives each element's own.
 template <class OffsetsOf>
 void forces_of(const Exec& exec, const Model& model, const Corotation& corotation,
@@ -189,10 +215,10 @@ Mat3d nearest_rotation(const Mat3d& f, Mat3d guess) {
   return orthonormal(guess);
 }
 
-Corotation make_corotation(const Exec& exec, const Model& model) {
+Corotation make_corotation(const Exec& exec, const Model& model, int averaging) {
   const Body& body = model.body;
   const std::vector<int> material = element_materials(body);
-  Corotation c;
+  Corotation c{.averaging = averaging};
   c.matrices = element_matrices(exec, body.mesh, body.materials, material, model.params.formulation);
   for (std::size_t e = 0; e < element_count(body.mesh); e++)
     for (const Vec3d g : centre_gradients(body.mesh, e)) c.gradient.push_back(g);
@@ -209,17 +235,21 @@ void update_rotations(const Exec& exec, const Model& model, const Corotation& co
                       std::span<const double> u, std::vector<Mat3d>& rotation) {
   const SolidMesh& mesh = model.body.mesh;
   const std::vector<Vec3d> displacement = spread(model, u);
+  std::vector<Mat3d> gradient(rotation.size());  // the identity, to which displacements add
   parallel_for(
       exec, rotation.size(),
       [&](std::size_t e) {
         const std::span<const int> vertices = element(mesh, e);
-        Mat3d f;  // the identity, to which displacements add
         for (std::size_t c = 0; c < vertices.size(); c++)
           for (int axis = 0; axis < 3; axis++)
-            f.column[axis] +=
+            gradient[e].column[axis] +=
                 displacement[std::size_t(vertices[c])] * corotation.gradient[vertices.size() * e + c][axis];
-        rotation[e] = nearest_rotation(f, rotation[e]);
       },
+      64);
+  for (int pass = 0; pass < corotation.averaging; pass++)
+    gradient = smoothed(exec, mesh, corotation, gradient);
+  parallel_for(
+      exec, rotation.size(), [&](std::size_t e) { rotation[e] = nearest_rotation(gradient[e], rotation[e]); },
       64);
 }
 

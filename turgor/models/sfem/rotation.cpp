@@ -174,6 +174,10 @@ RotationReport correct_rotations(const Exec& exec, const Model& model, const Cor
   }
   Vector linear = e.forces;
   solve(*model.factor, linear);
+  if (product(e.forces, linear) == 0) {  // the way back to rest is known
+    state = make_rotation_state(model);
+    return {.solves = 1, .converged = true};
+  }
 
   RotationReport report{.solves = 2};
   Imbalance now = find_imbalance(e, state);

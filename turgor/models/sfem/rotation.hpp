@@ -1,7 +1,9 @@
 // Large rotations. Linear elasticity takes a turned element for a swollen one; here every element is measured
-// in its own turned frame, R K (Rᵀ x − X) [Müller, Gross 2004], and what that differs from K u is given to
-// the linear body as forces: u = Ξ (f + f_rot(u)). It is solved beside the haptic tick, which only adds the
-// free displacement Ξ f_rot(u) to its linear answer.
+// in a turned frame, R K (Rᵀ x − X) [Müller, Gross 2004], and what that differs from K u is given to the
+// linear body as forces: u = Ξ (f + f_rot(u)). R is the rotation of the region around the element: what turns
+// a single element, as a fingertip does, is left to the linear answer, and the search for the equilibrium
+// does not meet the many states between which single elements can flip. It is solved beside the haptic tick,
+// which only adds the free displacement Ξ f_rot(u) to its linear answer.
 #pragma once
 
 #include <span>
@@ -13,6 +15,7 @@ namespace turgor::sfem {
 
 /// What turned elements need to know and no step changes.
 struct Corotation {
+  int averaging = 2;             // rounds in which an element's motion becomes the mean of those around it
   std::vector<double> matrices;  // of all elements, one behind the other [N/m]
   std::vector<Vec3d> gradient;   // of each corner's shape function, at the element's centre [1/m]
   Lists around;                  // elements around each vertex
@@ -20,12 +23,13 @@ struct Corotation {
   std::vector<int> volume_of;    // for each element's corners, which of `volumes`
   std::vector<double> bulk;      // of each nodal volume, its modulus over its volume [Pa/m³]
 };
-Corotation make_corotation(const Exec& exec, const Model& model);
+/// With `averaging` = 0 every element has its own rotation.
+Corotation make_corotation(const Exec& exec, const Model& model, int averaging = 2);
 
 /// The rotation nearest to a matrix, searched from a guess; also for a matrix that turns inside out.
 Mat3d nearest_rotation(const Mat3d& f, Mat3d guess);
 
-/// Rotations of all elements at displacements of the free nodes, from those they had.
+/// Rotations of the regions around all elements at displacements of the free nodes, from those they had.
 void update_rotations(const Exec& exec, const Model& model, const Corotation& corotation,
                       std::span<const double> u, std::vector<Mat3d>& rotation);
 /// What the elements exert on the free nodes [N].
