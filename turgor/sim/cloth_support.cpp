@@ -70,7 +70,26 @@ ClothPush push_on(const World& world, BodyName body) {
   return push;
 }
 
+/// A node that a change of the force accelerates moves by w f h² at most: its neighbours hold it back.
+void press_lattice(const ClothPush& push, double dt, LatticeBody& body) {
+  ClothLoad& load = body.cloth;
+  take_over(push, load);
+  double largest = 0;
+  for (const auto& [slot, f] : load.force)
+    largest = std::max(largest, norm(f) * double(body.model.inverse_mass[std::size_t(slot)]));
+  const double sum = sum_of_sizes(load), answer = sum > 0 ? largest * dt * dt / sum : 0;
+  load.answer = {answer, answer, answer};
+  choose_part(push.mass, dt, load);
+}
+
 }  // namespace
+
+std::vector<lattice::NodeLoad> node_loads(const LatticeBody& body) {
+  const Mat3d to_lattice = transposed(body.model.grid.axes);
+  std::vector<lattice::NodeLoad> loads;
+  for (const auto& [slot, f] : body.cloth.force) loads.push_back({slot, Vec3(to_lattice * f)});
+  return loads;
+}
 
 void follow_body(const Exec& exec, ClothSupport& support, World& world) {
   std::vector<Vec3> now = places_now(exec, support, world);
@@ -89,6 +108,8 @@ void note_force(const cloth::State& state, int obstacle, double dt, ClothSupport
 }
 
 void load_bodies(const Exec& exec, World& world) {
+  for (std::size_t b = 0; b < world.lattices.size(); b++)
+    press_lattice(push_on(world, {BodyKind::kLattice, int(b)}), world.dt, world.lattices[b]);
   for (std::size_t b = 0; b < world.organs.size(); b++)
     press_organ(exec, world.organs[b], push_on(world, {BodyKind::kSfem, int(b)}), world.dt);
 }

@@ -13,6 +13,7 @@
 namespace turgor {
 
 struct World;
+struct LatticeBody;
 
 struct ClothSupport {
   BodyName body;
@@ -28,6 +29,9 @@ struct ClothSupport {
 void follow_body(const Exec& exec, ClothSupport& support, World& world);
 /// Notes what a cloth did to it in its latest step; `obstacle` of its inputs.
 void note_force(const cloth::State& state, int obstacle, double dt, ClothSupport& support);
+
+/// What cloth does to a lattice in its next step.
+std::vector<lattice::NodeLoad> node_loads(const LatticeBody& body);
 
 /// Hands what all cloths did to the bodies, for the next frame.
 void load_bodies(const Exec& exec, World& world);

@@ -28,6 +28,7 @@ struct LatticeScene {
   std::filesystem::path labels;           // a segmentation of the same patient; may be empty
   std::filesystem::path direction_field;  // Langer's lines as a vector volume; may be empty
   double step = 0;  // lattice step to come near to, instead of params.block; 0 = not given [m]
+  bool has_gravity = true;
   lattice::Params params;
 };
 

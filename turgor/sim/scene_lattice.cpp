@@ -133,6 +133,7 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name) {
   body.read_path("labels", scene.labels);
   read_block(body, scene.params.block, scene.step);
   read_fixed(body, scene.params);
+  body.read("gravity", scene.has_gravity);
   read_tissue(body, scene.params.tissue);
   read_skin(body, scene.params.skin, scene.direction_field);
   read_solver(body, scene.params.solver);

@@ -64,6 +64,7 @@ Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, co
   body.model = moved(model);
   body.state = lattice::make_state(body.model);
   body.build_seconds = building.seconds();
+  body.has_gravity = scene.has_gravity;
   return body;
 }
 
@@ -240,8 +241,10 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
   for (LatticeBody& body : world.lattices) {
     // Position-based dynamics has no forces that could be left over.
     const bool has_forces = body.model.params.solver.method == lattice::Method::kDescent;
-    const lattice::Inputs inputs{.gravity = world.gravity,
-                                 .measure_residual = measure_residual && has_forces};
+    const std::vector<lattice::NodeLoad> loads = node_loads(body);
+    const lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
+                                 .measure_residual = measure_residual && has_forces,
+                                 .loads = loads};
     const lattice::StepReport done = lattice::step(exec, body.model, body.state, inputs, world.dt);
     report.finite = report.finite && done.finite;
     report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));

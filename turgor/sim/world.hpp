@@ -29,6 +29,8 @@ struct LatticeBody {
   lattice::State state;
   double read_seconds = 0, build_seconds = 0;
   std::vector<std::string> notes;  // what was left out while reading
+  bool has_gravity = true;
+  ClothLoad cloth;  // by slot, along the patient's axes
 };
 
 /// An incision of the scene while it happens.
