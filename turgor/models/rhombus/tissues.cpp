@@ -14,8 +14,11 @@ ChainParams chain_of_modulus(double young) {
 }
 
 std::span<const Tissue> tissues() {
-  static const std::array<Tissue, 5> kTissues{{
+  static const std::array<Tissue, 6> kTissues{{
       {"liver", "Zhang, Song, Sun, Zou 2010, after Cui, Song, Wu 2007 (ICMA, 2753)", 0, ChainParams{}},
+      {"liver-human",
+       "shear modulus 1.8 kPa in the table of Physics in Medicine and Biology 64 (2019) 225001", 5.4e3,
+       chain_of_modulus(5.4e3)},
       {"liver-porcine", "Samur, Sedef, Basdogan, Avtan, Duzgun 2007 (Medical Image Analysis 11, 361)", 12.5e3,
        chain_of_modulus(12.5e3)},
       {"breast-fat", "Samani, Zubovits, Plewes 2007 (Physics in Medicine and Biology 52, 1565)", 3.25e3,
