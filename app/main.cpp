@@ -19,14 +19,15 @@ int fail(const std::string& message) {
 }
 
 /// A word where a command should be, which is none; empty when that is not what is wrong.
-std::string unknown_command(const CLI::App& program, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return "";
-  std::vector<std::string> names;
-  for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(command->get_name());
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  const std::vector<const CLI::App*> commands = app.get_subcommands([](const CLI::App*) { return true; });
+  if (argc < 2 || argv[1][0] == '-' || commands.empty()) return "";
   const std::string word = argv[1];
-  for (const std::string& name : names)
-    if (name == word) return "";
+  std::vector<std::string> names;
+  for (const CLI::App* command : commands) {
+    if (command->get_name() == word) return unknown_command(*command, argc - 1, argv + 1);
+    names.push_back(command->get_name());
+  }
   return word + " is not a command" + turgor::suggestion(word, names);
 }
 

@@ -82,6 +82,7 @@ class BadInputs : public testing::Test {
 TEST_F(BadInputs, CommandLines) {
   expect({
       {"rn good.toml", "rn is not a command; did you mean run?"},
+      {"bench clot", "clot is not a command; did you mean cloth?"},
       {"run", "expected either a scene or --replay FILE"},
       {"run good.toml --replay not.h5", "expected either a scene or --replay FILE"},
       {"run good.toml --ouf x", "--ouf"},
@@ -96,7 +97,7 @@ TEST_F(BadInputs, CommandLines) {
 
 TEST_F(BadInputs, Scenes) {
   expect({
-      {"run gone.toml --out o", "gone.toml: cannot read the scene: No such file or directory"},
+      {"run goood.toml --out o", "goood.toml: does not exist; did you mean good.toml?"},
       {"run thesis --out o", "thesis: expected a scene file (.toml), found a folder"},
       {"run empty.toml --out o", "body is missing: a scene needs at least one body"},
       {"run syntax.toml --out o", "syntax.toml:1:7: not TOML"},

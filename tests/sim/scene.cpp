@@ -248,7 +248,7 @@ TEST(Scene, SnapshotsAreTheFirstTheLastAndEveryOneBetween) {
 
 TEST(Scene, FilesThatAreNoScenesAreNamed) {
   const auto error = [](const std::string& path) { return read_scene(path).error().message; };
-  EXPECT_EQ(error("/nowhere/s.toml"), "/nowhere/s.toml: cannot read the scene: No such file or directory");
+  EXPECT_EQ(error("/nowhere/s.toml"), "/nowhere/s.toml: does not exist; neither does the folder /nowhere");
   EXPECT_EQ(error("/tmp"), "/tmp: expected a scene file (.toml), found a folder");
   const std::string big = test::fresh_folder() / "big.toml";
   std::ofstream(big) << std::string(2 << 20, '#');

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/io/names.hpp"
+
 namespace turgor {
 
 Status write_file(const std::filesystem::path& path, std::string_view bytes) {
@@ -29,6 +31,8 @@ Result<std::string> read_file(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (stream.is_open() && !stream.bad()) return bytes;
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return Error{io::not_found(path)};
   return Error{fmt::format("{}: cannot read the file: {}", path.string(), std::strerror(errno))};
 }
 

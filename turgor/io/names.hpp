@@ -1,4 +1,4 @@
-// Names of files in sentences: what may have been meant when a file is not there. Internal to io/.
+// Names of files in sentences: what may have been meant when a file is not there.
 #pragma once
 
 #include <filesystem>
