@@ -85,6 +85,13 @@ Status add_colored_view(const World& world, Outputs& outputs, const SurfaceView&
   return add_picture(outputs, view.name + "-colored.png", view.caption + ", in colours", *image, false);
 }
 
+/// Then the pictures under the largest forces say it all: in the end the tools are away.
+bool shows_touch_alone(const World& world) {
+  const bool all_touched = std::all_of(world.lattices.begin(), world.lattices.end(),
+                                       [](const LatticeBody& body) { return !body.tool_indices.empty(); });
+  return all_touched && world.cuts.empty() && world.clothes.empty();
+}
+
 std::string seconds_text(double seconds) { return fmt::format("{:.2f} s", seconds); }
 
 Status finish_video(Outputs& outputs) {
@@ -204,8 +211,7 @@ Status add_video_frame(const World& world, Outputs& outputs) {
 
 Status finish_outputs(const World& world, Outputs& outputs) {
   if (const Status status = finish_organ_outputs(world, outputs); !status) return status;
-  for (std::size_t v = outputs.views.size();
-       v-- > 0 && !(world.lattices.empty() && world.clothes.empty());) {  // wounds first
+  for (std::size_t v = outputs.views.size(); v-- > 0 && !shows_touch_alone(world);) {  // wounds first
     const SurfaceView& view = outputs.views[v];
     if (view.first.width == 0) continue;
     const Image pair =

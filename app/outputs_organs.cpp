@@ -32,7 +32,10 @@ double tool_size(const TouchingTool& tool) {
 /// What presses a centimetre of the organ by a centimetre.
 double usual_force(const Scene& scene, std::size_t organ) {
   if (organ < scene.organs.size()) return scene.organs[organ].material.young * 1e-4;
-  const auto chain = rhombus::build_chain(scene.rhombi[organ - scene.organs.size()].params.chain);
+  const std::size_t rhombus = organ - scene.organs.size();
+  if (rhombus >= scene.rhombi.size())
+    return scene.lattices[rhombus - scene.rhombi.size()].params.tissue.muscle * 1e-4;
+  const auto chain = rhombus::build_chain(scene.rhombi[rhombus].params.chain);
   return chain ? rhombus::force_of_depth(*chain, 0.01) : 1;
 }
 
@@ -40,6 +43,13 @@ double extent(const OrganSurface& surface) {
   TriMesh mesh;
   mesh.vertices = surface.rest;
   const Box box = bounding_box(mesh);
+  return norm(box.high - box.low);
+}
+
+/// Of what the tools touch [m].
+double extent(const World& world, std::size_t index) {
+  if (index < organ_count(world)) return extent(touched_organ(world, index).shown);
+  const BodyBox box = body_box(world.lattices[index - organ_count(world)].model);
   return norm(box.high - box.low);
 }
 
@@ -156,21 +166,23 @@ void show_organs(const Exec& exec, World& world) {
     organ.shown = shown_surface(exec, organ, world.tools, time_of(world));
     organ.surface_seconds.push_back(timer.seconds());
   }
+  for (LatticeBody& body : world.lattices) body.shown = shown_tools(body, time_of(world));
 }
 
 void add_organs(const World& world, const Scene& scene, SkinColor color, const ColorScale* scale,
                 PictureParts& parts) {
   const bool known = color == SkinColor::kDisplacement || color == SkinColor::kPressure;
   for (std::size_t o = 0; o < touched_count(world); o++) {
+    if (!keeps_surface(world, o)) continue;
     const TouchedOrgan& organ = touched_organ(world, o);
     add_organ(organ.shown, tool_meshes(world, organ, organ.shown),
-              {usual_force(scene, o), 0.2 * extent(organ.shown)}, known ? color : SkinColor::kNone,
+              {usual_force(scene, o), 0.2 * extent(world, o)}, known ? color : SkinColor::kNone,
               known ? scale : nullptr, parts);
   }
 }
 
 Status write_organ_meshes(const World& world, Outputs& outputs) {
-  for (std::size_t o = 0; o < touched_count(world); o++) {
+  for (std::size_t o = 0; o < organ_count(world); o++) {
     const TouchedOrgan& organ = touched_organ(world, o);
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", organ.name, world.frame);
     const Status status = write_vtu(outputs.folder / file, deformed_mesh(organ.shown, SkinColor::kNone),
@@ -186,7 +198,7 @@ Status finish_organ_outputs(const World& world, Outputs& outputs) {
   for (std::size_t o = 0; o < touched_count(world); o++) {
     if (const Status status = add_pressed_pictures(world, o, outputs); !status) return status;
     const TouchedOrgan& organ = touched_organ(world, o);
-    if (!outputs.scene->output.obj || !(organ.largest_force > 0)) continue;
+    if (!outputs.scene->output.obj || !(organ.largest_force > 0) || o >= organ_count(world)) continue;
     const std::string file = organ.name + ".obj";
     if (const Status s = write_obj(outputs.folder / file, deformed_mesh(organ.deepest, SkinColor::kNone)); !s)
       return s;

@@ -58,7 +58,7 @@ TriMesh deformed_mesh(const OrganSurface& surface, SkinColor color) {
 
 void add_organ(const OrganSurface& surface, const std::vector<TriMesh>& tools, ArrowScale arrows,
                SkinColor color, const ColorScale* scale, PictureParts& parts) {
-  parts.add(deformed_mesh(surface, color), kOrgan, scale);
+  if (!surface.triangles.empty()) parts.add(deformed_mesh(surface, color), kOrgan, scale);
   for (std::size_t t = 0; t < std::min(tools.size(), surface.tools.size()); t++) {
     const TriMesh& mesh = parts.add(placed(tools[t], surface.tools[t].pose), kTool);
     add_arrow(surface.tools[t], mesh, arrows, parts);

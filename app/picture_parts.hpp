@@ -35,7 +35,8 @@ struct ArrowScale {
   double length = 0;  // [m]; the longest is three times, the shortest a quarter of it
 };
 
-/// An organ's surface with the tools on it as they are, and an arrow for the force on each, with its newtons.
+/// An organ's surface, if it has one, with the tools on it as they are, and an arrow for the force on each,
+/// with its newtons.
 void add_organ(const OrganSurface& surface, const std::vector<TriMesh>& tools, ArrowScale arrows,
                SkinColor color, const ColorScale* scale, PictureParts& parts);
 

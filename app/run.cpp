@@ -128,7 +128,8 @@ void print_touch(const Json& report) {
     print_row("largest force",
               fmt::format("{:.3f} N at {:.2f} s", value(tool, "force_max_N"), value(tool, "force_max_at_s")));
     print_row("deepest below the surface at rest", fmt::format("{:.1f} mm", value(tool, "depth_max_mm")));
-    print_row("a tick (median, 99 of 100, longest)",
+    const bool by_frame = tool.value("force_every_ms", 1.0) > 1;
+    print_row(by_frame ? "a frame, one force (median, …)" : "a tick (median, 99 of 100, longest)",
               fmt::format("{:.1f} µs, {:.1f} µs, {:.1f} µs", value(tool, "tick_p50_us"),
                           value(tool, "tick_p99_us"), value(tool, "tick_max_us")));
   }

@@ -12,7 +12,7 @@ namespace {
 SolidMesh block() { return hex_block({0.1, 0.1, 0.05}, {10, 10, 5}); }
 
 int held_count(const HeldBy& held) {
-  const std::vector<std::uint8_t> fixed = held_vertices(block(), held);
+  const std::vector<std::uint8_t> fixed = held_points(block().vertices, held);
   return std::accumulate(fixed.begin(), fixed.end(), 0);
 }
 

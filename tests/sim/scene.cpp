@@ -138,7 +138,20 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("block = 2.5"),
        "body.torso.block: expected a whole number from 1 to 64 [voxels], found 2.5"},
       {small_scene("fixed = \"bones\""),
-       "body.torso.fixed: expected \"bone\", \"ends\", [\"bone\", \"ends\"] or \"none\", found \"bones\""},
+       "body.torso.fixed: expected \"bone\", \"ends\", [\"bone\", \"ends\"], \"none\", or { sides = "
+       "\"back\", "
+       "depth = 0.3 }, found \"bones\""},
+      {small_scene("fixed = { sides = \"behind\" }"), "body.torso.fixed.sides: expected \"right\", \"left\""},
+      {small_scene("only = \"livre\""),
+       "body.torso.only: expected a label's number (1 to 65535) or an organ's name, found \"livre\"; did you "
+       "mean "
+       "liver?"},
+      {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\nonly = 5",
+       "body.torso.only: one label alone needs a segmentation: add labels = \"seg.nii.gz\""},
+      {small_scene(
+           "skin = false\nsolver = { method = \"pbd\" }",
+           "[tool.a]\nbody = \"torso\"\nshape = { sphere = 0.01 }\npress = { at_fraction = [0.5, 0, 0.5] }"),
+       "tool.a.body: torso has solver.method = \"pbd\", which knows no forces in newtons"},
       {small_scene("tissue = { fat = -1 }"),
        "body.torso.tissue.fat: expected a number above 0 [Pa], found -1"},
       {small_scene("tissue = { fat_max = -500 }"),

@@ -148,15 +148,5 @@ TEST(SceneSfem, ToolsAreNotMadeByOverrides) {
             std::string::npos);
 }
 
-TEST(SceneSfem, ALatticeIsNotTouchedByTools) {
-  const std::string text =
-      "[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"torso\" }\n[tool.t]\nbody = \"torso\"\n"
-      "shape = { sphere = 0.01 }\npath = [[0, 0, 0, 0]]\n";
-  EXPECT_NE(
-      error_of(text).find("torso is a lattice; tools touch bodies with model = \"sfem\" or \"rhombus\""),
-      std::string::npos)
-      << error_of(text);
-}
-
 }  // namespace
 }  // namespace turgor

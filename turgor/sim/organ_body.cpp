@@ -1,19 +1,20 @@
 #include "turgor/sim/organ_body.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "turgor/geometry/box.hpp"
+
 namespace turgor {
 
 namespace {
 
-Vec3d in_box(const SolidBox& box, Vec3d fraction) { return box.low + hadamard(fraction, box.high - box.low); }
+Vec3d in_box(const Box& box, Vec3d fraction) { return box.low + hadamard(fraction, box.high - box.low); }
 
-bool is_inside(const SolidBox& box, Vec3d x) {
+bool is_inside(const Box& box, Vec3d x) {
   for (int axis = 0; axis < 3; axis++)
     if (x[axis] < box.low[axis] || x[axis] > box.high[axis]) return false;
   return true;
@@ -21,7 +22,7 @@ bool is_inside(const SolidBox& box, Vec3d x) {
 
 /// The part of a box that is near one of its sides. A little more than that: what lies on the side itself
 /// belongs to it whatever the rounding.
-SolidBox near_side(SolidBox box, Side side, double depth) {
+Box near_side(Box box, Side side, double depth) {
   const int axis = int(side) / 2;
   const bool high = int(side) % 2 == 1;
   const double extent = box.high[axis] - box.low[axis], reach = extent * std::max(depth, 1e-9);
@@ -56,7 +57,7 @@ Status add_inside(const SfemScene& scene, sfem::Body& body) {
 }
 
 Status add_inclusions(const SfemScene& scene, sfem::Body& body) {
-  const SolidBox box = solid_box(body.mesh);
+  const Box box = box_around(body.mesh.vertices);
   for (const InclusionScene& given : scene.inclusions) {
     const sfem::Inclusion inclusion{.centre = given.by_fraction ? in_box(box, given.centre) : given.centre,
                                     .radius = given.radius,
@@ -74,32 +75,25 @@ Status add_inclusions(const SfemScene& scene, sfem::Body& body) {
 
 }  // namespace
 
-SolidBox solid_box(const SolidMesh& mesh) {
-  constexpr double kFar = std::numeric_limits<double>::max();
-  SolidBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
-  for (const Vec3d x : mesh.vertices) box = {min(box.low, x), max(box.high, x)};
-  return box;
-}
-
-std::vector<std::uint8_t> held_vertices(const SolidMesh& mesh, const HeldBy& held) {
-  const SolidBox box = solid_box(mesh);
-  std::vector<SolidBox> holders;
+std::vector<std::uint8_t> held_points(std::span<const Vec3d> points, const HeldBy& held) {
+  const Box box = box_around(points);
+  std::vector<Box> holders;
   if (held.box) {
     const auto& [low, high] = *held.box;
-    holders.push_back(held.by_fraction ? SolidBox{in_box(box, low), in_box(box, high)} : SolidBox{low, high});
+    holders.push_back(held.by_fraction ? Box{in_box(box, low), in_box(box, high)} : Box{low, high});
   } else {
     for (const Side side : held.sides) holders.push_back(near_side(box, side, held.depth));
   }
-  std::vector<std::uint8_t> fixed(mesh.vertices.size(), 0);
+  std::vector<std::uint8_t> fixed(points.size(), 0);
   for (std::size_t v = 0; v < fixed.size(); v++)
     fixed[v] = std::any_of(holders.begin(), holders.end(),
-                           [&](const SolidBox& holder) { return is_inside(holder, mesh.vertices[v]); });
+                           [&](const Box& holder) { return is_inside(holder, points[v]); });
   return fixed;
 }
 
 Result<sfem::Body> make_body(SolidMesh mesh, const SfemScene& scene) {
   sfem::Body body;
-  body.fixed = held_vertices(mesh, scene.fixed);
+  body.fixed = held_points(mesh.vertices, scene.fixed);
   body.mesh = std::move(mesh);
   body.materials = {scene.material};
   if (const Status status = add_inside(scene, body); !status) return status.error();

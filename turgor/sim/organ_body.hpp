@@ -2,20 +2,17 @@
 // body, said to its mesh.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "turgor/core/result.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/sfem_scene.hpp"
 
 namespace turgor {
 
-/// Smallest box around the vertices of a mesh [m].
-struct SolidBox {
-  Vec3d low, high;
-};
-SolidBox solid_box(const SolidMesh& mesh);
-
-/// 1 for every vertex that is held.
-std::vector<std::uint8_t> held_vertices(const SolidMesh& mesh, const HeldBy& held);
+/// 1 for every point that is held, of a body whose box is that around the points.
+std::vector<std::uint8_t> held_points(std::span<const Vec3d> points, const HeldBy& held);
 
 /// The mesh with its materials and what holds it. Error: an `inside` whose label no element has (the message
 /// says which there are), or an inclusion that no element lies in.

@@ -150,6 +150,7 @@ Status RecordingWriter::add_snapshot(const World& world) {
   for (const Cut& cut : world.cuts)
     if (const Status status = write_cut(file_, group, cut); !status) return status;
   for (std::size_t o = 0; o < touched_count(world); o++) {
+    if (!keeps_surface(world, o)) continue;
     const TouchedOrgan& organ = touched_organ(world, o);
     const Status status = write_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.shown);
     if (!status) return status;
@@ -309,6 +310,7 @@ Status Recording::restore(int snapshot, World& world) const {
   for (Cut& cut : world.cuts)
     if (const Status status = restore_cut(group, cut); !status) return status;
   for (std::size_t o = 0; o < touched_count(world); o++) {
+    if (!keeps_surface(world, o)) continue;
     TouchedOrgan& organ = touched_organ(world, o);
     Result<OrganSurface> surface =
         read_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.tool_indices.size());

@@ -126,6 +126,7 @@ Status write_touch(Hdf5File& file, const World& world) {
     if (!status) return status;
   }
   for (std::size_t o = 0; o < touched_count(world); o++) {
+    if (!keeps_surface(world, o)) continue;
     const TouchedOrgan& organ = touched_organ(world, o);
     const OrganSurface& deepest = organ.largest_force > 0 ? organ.deepest : organ.shown;
     const std::string group = fmt::format("/deepest/{}/", organ.name);
@@ -145,6 +146,7 @@ Status read_touch(const Hdf5File& file, World& world) {
     for (std::size_t r = 0; r < count / kSample; r++) tool.samples.push_back(sample_of(rows, r));
   }
   for (std::size_t o = 0; o < touched_count(world); o++) {
+    if (!keeps_surface(world, o)) continue;
     TouchedOrgan& organ = touched_organ(world, o);
     const std::string group = fmt::format("/deepest/{}/", organ.name);
     Result<OrganSurface> deepest = read_shown(file, group, organ.tool_indices.size());

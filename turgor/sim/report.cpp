@@ -11,6 +11,7 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/json_numbers.hpp"
 #include "turgor/sim/report_cloth.hpp"
+#include "turgor/sim/report_compare.hpp"
 #include "turgor/sim/report_rhombus.hpp"
 #include "turgor/sim/report_touch.hpp"
 
@@ -117,7 +118,7 @@ Json timing_report(const Measures& measures, const RunFacts& facts) {
 }
 
 std::uint64_t hash_of(const World& world) {
-  if (world.lattices.size() == 1 && touched_count(world) == 0)
+  if (world.lattices.size() == 1 && organ_count(world) == 0 && world.tools.empty())
     return lattice::state_hash(world.lattices[0].model, world.lattices[0].state);
   std::uint64_t hash = kHashSeed;
   for (const LatticeBody& body : world.lattices) {
@@ -170,6 +171,7 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"rhombi", rhombi},
           {"tools", tools},
           {"profiles", profile_report(world)},
+          {"costs", cost_report(world)},
           {"clothes", clothes},
           {"solver", solver_report(measures)},
           {"timing", timing_report(measures, facts)},

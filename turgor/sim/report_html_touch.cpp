@@ -49,8 +49,10 @@ std::string touch_figures(const Json& report) {
     const std::string name = shown(tool.at("name"));
     html += key_figure(shown(tool.at("force_max_N")) + " N", "largest force on " + name);
     html += key_figure(shown(tool.at("depth_max_mm")) + " mm", "deepest press of " + name);
-    html += key_figure(shown(tool.at("tick_p50_us")) + " µs", "a haptic tick (median)");
-    html += key_figure(shown(tool.at("tick_p99_us")) + " µs", "a haptic tick (99 of 100)");
+    const bool by_frame = tool.value("force_every_ms", 1.0) > 1;
+    const std::string what = by_frame ? "a frame of the body, one force (" : "a haptic tick (";
+    html += key_figure(shown(tool.at("tick_p50_us")) + " µs", what + "median)");
+    html += key_figure(shown(tool.at("tick_p99_us")) + " µs", what + "99 of 100)");
   }
   return html;
 }
@@ -81,10 +83,23 @@ std::string touch_tables(const Json& report) {
                                                  {"force_max_at_s", "… at [s]"},
                                                  {"depth_max_mm", "deepest press [mm]"},
                                                  {"contacts_max", "places that bear force, most"},
-                                                 {"ticks", "ticks"},
-                                                 {"tick_p50_us", "a tick, median [µs]"},
+                                                 {"force_every_ms", "a force every [ms]"},
+                                                 {"ticks", "forces"},
+                                                 {"tick_p50_us", "one of them, median [µs]"},
                                                  {"tick_p99_us", "… 99 of 100 [µs]"},
                                                  {"tick_max_us", "… longest [µs]"}});
+  if (const Json costs = report.value("costs", Json::array()); costs.size() > 1)
+    html += "<h2>Side by side</h2>\n" + quantity_table(costs, "body",
+                                                       {{"model", "model"},
+                                                        {"force_max_N", "largest force [N]"},
+                                                        {"force_max_at_s", "… at [s]"},
+                                                        {"depth_max_mm", "deepest press [mm]"},
+                                                        {"displacement_max_mm", "deepest dent [mm]"},
+                                                        {"build_s", "reading and building [s]"},
+                                                        {"force_every_ms", "a force every [ms]"},
+                                                        {"force_p50_ms", "… takes, median [ms]"},
+                                                        {"force_p99_ms", "… 99 of 100 [ms]"},
+                                                        {"surface_p50_ms", "surface for a picture [ms]"}});
   if (!report.value("organs", Json::array()).empty())
     html += "<h2>Organs</h2>\n" +
             quantity_table(report.value("organs", Json::array()), "organ",

@@ -21,24 +21,6 @@ struct SourceText {
   std::string operator()(const SurfaceOfBody&) const { return "the surface of another body"; }
 };
 
-/// Means over rings of a millimetre around the vertex that moved most.
-Json profile(const OrganSurface& surface) {
-  constexpr std::size_t kRings = 80;
-  constexpr double kRing = 1e-3;  // [m]
-  std::size_t most = 0;
-  for (std::size_t v = 1; v < surface.rest.size(); v++)
-    if (norm(surface.displacement[v]) > norm(surface.displacement[most])) most = v;
-  std::vector<double> sum(kRings), count(kRings);
-  for (std::size_t v = 0; v < surface.rest.size(); v++) {
-    const auto ring = std::size_t(double(norm(surface.rest[v] - surface.rest[most])) / kRing);
-    if (ring < kRings) sum[ring] += norm(surface.displacement[v]), count[ring]++;
-  }
-  Json rows = Json::array();
-  for (std::size_t r = 0; r < kRings; r++)
-    if (count[r] > 0) rows.push_back(numbers({(double(r) + 0.5) * kRing * kMm, sum[r] / count[r] * kMm}));
-  return rows;
-}
-
 }  // namespace
 
 Json rhombus_report(const RhombusScene& scene, const RhombusOrgan& organ) {
@@ -65,18 +47,6 @@ Json rhombus_report(const RhombusScene& scene, const RhombusOrgan& organ) {
           {"force_max_at_s", rounded(organ.deepest.time)},
           {"jump_per_10_um_N", rounded(organ.jump)},
           {"jump_at_s", rounded(organ.jump_at)}};
-}
-
-Json profile_report(const World& world) {
-  Json profiles = Json::array();
-  for (std::size_t o = 0; o < touched_count(world); o++) {
-    const TouchedOrgan& organ = touched_organ(world, o);
-    if (!(organ.largest_force > 0) || organ.deepest.rest.empty()) continue;
-    profiles.push_back({{"name", organ.name},
-                        {"columns", {"distance_mm", "displacement_mm"}},
-                        {"rows", profile(organ.deepest)}});
-  }
-  return profiles;
 }
 
 std::uint64_t rhombus_hash(const World& world) {

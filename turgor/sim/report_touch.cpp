@@ -8,6 +8,7 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/json_numbers.hpp"
 #include "turgor/sim/organ_patch.hpp"
+#include "turgor/sim/report_compare.hpp"
 
 namespace turgor {
 
@@ -162,6 +163,7 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
           {"depth_max_mm", rounded(depth * kMm)},
           {"contacts_max", contacts},
           {"beyond_patch", beyond},
+          {"force_every_ms", rounded(force_interval(world, std::size_t(tool.organ)) * kMs)},
           {"ticks", tool.samples.size()},
           {"tick_p50_us", rounded(percentile(ticks, 0.5) * kMicro)},
           {"tick_p99_us", rounded(percentile(ticks, 0.99) * kMicro)},

@@ -4,6 +4,8 @@
 
 #include "turgor/sim/label_number.hpp"
 #include "turgor/sim/scene_ct.hpp"
+#include "turgor/sim/scene_held.hpp"
+#include "turgor/sim/scene_label.hpp"
 
 namespace turgor {
 
@@ -11,6 +13,18 @@ namespace {
 
 using lattice::Method;
 using lattice::SkinLaw;
+
+/// Do labels come with the body: a file of them, or a phantom's?
+bool has_labels(SceneTable& body) {
+  const toml::node* ct = body.find("ct");
+  return body.has("labels") || (ct && ct->is_table());
+}
+
+void read_only(SceneTable& body, LatticeScene& scene) {
+  read_label(body, "only", scene.only);
+  if (scene.only > 0 && !has_labels(body))
+    body.fail("only", "one label alone needs a segmentation: add labels = \"seg.nii.gz\" to the body");
+}
 
 void read_block(SceneTable& body, Int3& block, double& step) {
   body.read("step", step, within(1e-4, 0.1, "m"));
@@ -22,10 +36,16 @@ void read_block(SceneTable& body, Int3& block, double& step) {
   block = {side, side, side};
 }
 
-void read_fixed(SceneTable& body, lattice::Params& params) {
+void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>& held) {
   const toml::node* node = body.find("fixed");
   if (!node) return;
-  const std::string expected = "\"bone\", \"ends\", [\"bone\", \"ends\"] or \"none\"";
+  if (node->is_table()) {
+    params.fix_bone = params.fix_ends = false;
+    held = read_held(body);
+    return;
+  }
+  const std::string expected =
+      "\"bone\", \"ends\", [\"bone\", \"ends\"], \"none\", or { sides = \"back\", depth = 0.3 }";
   std::vector<std::string> parts;
   if (node->is_string()) {
     parts.push_back(node->as_string()->get());
@@ -72,9 +92,7 @@ void read_tissue(SceneTable& body, lattice::TissueParams& params) {
   if (params.air_max >= params.fat_max || params.fat_max >= params.bone_min)
     tissue.fail("", fmt::format("expected air_max < fat_max < bone_min, found {} < {} < {} HU",
                                 params.air_max, params.fat_max, params.bone_min));
-  const toml::node* ct = body.find("ct");
-  const bool phantom = ct && ct->is_table();  // brings its own labels
-  if (!params.young_of_label.empty() && !body.has("labels") && !phantom)
+  if (!params.young_of_label.empty() && !has_labels(body))
     tissue.fail("labels", "stiffness by label needs a segmentation: add labels = \"seg.nii.gz\" to the body");
   tissue.finish();
 }
@@ -132,7 +150,8 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name) {
   scene.ct = read_ct_source(body);
   body.read_path("labels", scene.labels);
   read_block(body, scene.params.block, scene.step);
-  read_fixed(body, scene.params);
+  read_only(body, scene);
+  read_fixed(body, scene.params, scene.held);
   body.read("gravity", scene.has_gravity);
   read_tissue(body, scene.params.tissue);
   read_skin(body, scene.params.skin, scene.direction_field);

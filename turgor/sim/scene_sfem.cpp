@@ -1,7 +1,8 @@
 #include "turgor/sim/scene_sfem.hpp"
 
-#include "turgor/sim/label_number.hpp"
 #include "turgor/sim/scene_ct.hpp"
+#include "turgor/sim/scene_held.hpp"
+#include "turgor/sim/scene_label.hpp"
 
 namespace turgor {
 
@@ -9,20 +10,6 @@ namespace {
 
 const Allowed kResolution = within(1e-4, 1, "m");
 const Allowed kScale = inside(0, 1e6, "m");
-
-/// A label by number or by name, from a number or a text.
-void read_label(SceneTable& table, int& label) {
-  const toml::node* node = table.find("label");
-  if (!node) return;
-  const std::string expected = "a label's number (1 to 65535) or an organ's name";
-  if (node->is_integer()) return table.read("label", label, within(1, 65535));
-  if (!node->is_string()) return table.fail_value("label", *node, expected);
-  const std::string name = node->as_string()->get();
-  if (const int number = label_number(name); number > 0)
-    label = number;
-  else
-    table.fail("label", fmt::format("expected {}, found \"{}\"{}", expected, name, label_suggestion(name)));
-}
 
 LabelledOrgan read_labelled_organ(SceneTable& body) {
   LabelledOrgan organ;
@@ -32,7 +19,7 @@ LabelledOrgan read_labelled_organ(SceneTable& body) {
   else
     body.read_path("labels", organ.file);
   body.require({"label"}, "which label is the organ: a number, or a name such as \"liver\"");
-  read_label(body, organ.label);
+  read_label(body, "label", organ.label);
   body.read("resolution", organ.resolution, kResolution);
   return organ;
 }
@@ -102,7 +89,7 @@ std::vector<InsideScene> read_inside(SceneTable& body, const sfem::Material& aro
     InsideScene part{name, 0, around};
     SceneTable inner = table.table(name);
     inner.require({"label"}, "the number of its elements in the file or the segmentation");
-    read_label(inner, part.label);
+    read_label(inner, "label", part.label);
     read_material(inner, part.material);
     inner.finish();
     parts.push_back(part);
@@ -124,54 +111,6 @@ std::vector<InclusionScene> read_inclusions(SceneTable& body, const sfem::Materi
     inclusions.push_back(inclusion);
   }
   return inclusions;
-}
-
-const std::vector<std::pair<std::string, Side>>& side_names() {
-  static const std::vector<std::pair<std::string, Side>> kNames = {
-      {"right", Side::kRight}, {"left", Side::kLeft}, {"front", Side::kFront}, {"back", Side::kBack},
-      {"feet", Side::kFeet},   {"head", Side::kHead}, {"bottom", Side::kFeet}, {"top", Side::kHead}};
-  return kNames;
-}
-
-void read_sides(SceneTable& table, const std::string& key, std::vector<Side>& sides) {
-  const toml::node* node = table.find(key);
-  if (!node) return;
-  sides.clear();
-  const auto add = [&](const toml::node& name) {
-    for (const auto& [known, side] : side_names())
-      if (name.value_or(std::string()) == known) return sides.push_back(side);
-    table.fail_value(
-        key, name,
-        "\"right\", \"left\", \"front\", \"back\", \"feet\" (or \"bottom\") or \"head\" (or \"top\")");
-  };
-  if (!node->is_array()) return add(*node);
-  for (const toml::node& name : *node->as_array()) add(name);
-}
-
-HeldBy read_fixed(SceneTable& body) {
-  HeldBy held;
-  const toml::node* node = body.find("fixed");
-  if (!node || !node->is_table()) return read_sides(body, "fixed", held.sides), held;
-  SceneTable table = body.table("fixed");
-  table.require({"sides", "box", "box_fraction"}, "what holds the body");
-  read_sides(table, "sides", held.sides);
-  table.read("depth", held.depth, within(0, 1));
-  for (const char* key : {"box", "box_fraction"}) {
-    const toml::node* corners = table.find(key);
-    if (!corners) continue;
-    std::vector<double> v;
-    if (corners->is_array())
-      for (const toml::node& corner : *corners->as_array())
-        for (const double x : table.numbers(key, corner, any_number("m"))) v.push_back(x);
-    if (v.size() != 6) {
-      table.fail_value(key, *corners, "two corners, [[x, y, z], [x, y, z]]");
-      continue;
-    }
-    held.box = {{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}};
-    held.by_fraction = std::string_view(key) == "box_fraction";
-  }
-  table.finish();
-  return held;
 }
 
 void read_patch(SceneTable& body, PatchScene& patch) {
@@ -204,7 +143,7 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name) {
   read_material(body, scene.material);
   scene.inside = read_inside(body, scene.material);
   scene.inclusions = read_inclusions(body, scene.material);
-  scene.fixed = read_fixed(body);
+  scene.fixed = read_held(body);
   body.read_choice<sfem::Formulation>(
       "formulation", scene.formulation,
       {{"standard", sfem::Formulation::kStandard}, {"averaged", sfem::Formulation::kAveraged}});

@@ -19,12 +19,15 @@ int read_body_name(SceneTable& tool, const Scene& scene) {
     names.push_back(scene.rhombi[b].name);
     if (names.back() == name) return int(scene.organs.size() + b);
   }
-  for (const LatticeScene& body : scene.lattices)
-    if (body.name == name)
-      return tool.fail("body",
-                       fmt::format("{} is a lattice; tools touch bodies with model = \"sfem\" or \"rhombus\"",
-                                   name)),
-             0;
+  for (std::size_t b = 0; b < scene.lattices.size(); b++) {
+    names.push_back(scene.lattices[b].name);
+    if (names.back() != name) continue;
+    if (scene.lattices[b].params.solver.method == lattice::Method::kPbd)
+      tool.fail("body", fmt::format("{} has solver.method = \"pbd\", which knows no forces in newtons; tools "
+                                    "touch lattices with \"descent\"",
+                                    name));
+    return int(scene.organs.size() + scene.rhombi.size() + b);
+  }
   if (!name.empty())
     tool.fail("body", fmt::format("the scene has no body {}{}", name, suggestion(name, names)));
   return 0;

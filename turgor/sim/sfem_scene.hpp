@@ -154,7 +154,7 @@ using ToolMotion = std::variant<GivenPath, PathFile, Press, Grasp>;
 struct ToolScene {
   std::string name;
   std::string place;
-  int body = 0;  // index into Scene::organs, and behind them Scene::rhombi
+  int body = 0;  // index into Scene::organs, behind them Scene::rhombi, behind those Scene::lattices
   ToolShape shape;
   double friction = 0.3;  // [1]
   ToolMotion motion;

@@ -20,54 +20,6 @@ T&& moved(Result<T>& result) {
   return std::move(*result);
 }
 
-/// Whole voxels that come nearest to a lattice step.
-Int3 block_of(const Grid& ct, double step) {
-  const auto voxels = [step](double spacing) {
-    return int(std::clamp(std::round(step / spacing), 1.0, 64.0));
-  };
-  return {voxels(ct.spacing.x), voxels(ct.spacing.y), voxels(ct.spacing.z)};
-}
-
-Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, const BeginWork& begin) {
-  LatticeBody body;
-  body.name = scene.name;
-  const Timer reading;
-  const Progress progress = begin ? begin("reading", "") : Progress();
-  Result<LoadedCt> ct = load_ct(exec, scene.ct, progress);  // holds the labels until the body is built
-  if (!ct) return Error{fmt::format("{}: {}", scene.place, ct.error().message)};
-  body.ct = std::move(ct->volume);
-  body.notes = std::move(ct->notes);
-  body.ct_hash = content_hash(body.ct);
-
-  LabelVolume labels;
-  VectorVolume lines;
-  lattice::BodyFields fields;
-  const bool stiffness_by_label = !scene.params.tissue.young_of_label.empty();
-  if (ct->labels && stiffness_by_label) fields.labels = &*ct->labels;
-  if (!scene.labels.empty()) {
-    Result<LabelVolume> read = read_labels(scene.labels);
-    if (!read) return Error{fmt::format("{}: {}", scene.place, read.error().message)};
-    labels = moved(read), fields.labels = &labels;
-  }
-  if (!scene.direction_field.empty()) {
-    Result<VectorVolume> read = read_vectors(scene.direction_field);
-    if (!read) return Error{fmt::format("{}: {}", scene.place, read.error().message)};
-    lines = moved(read), fields.lines = &lines;
-  }
-  body.read_seconds = reading.seconds();
-
-  const Timer building;
-  lattice::Params params = scene.params;
-  if (scene.step > 0) params.block = block_of(body.ct.grid, scene.step);
-  Result<lattice::Model> model = lattice::build(exec, body.ct, fields, params);
-  if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
-  body.model = moved(model);
-  body.state = lattice::make_state(body.model);
-  body.build_seconds = building.seconds();
-  body.has_gravity = scene.has_gravity;
-  return body;
-}
-
 /// Where a ray from `point` along an axis of the patient frame first meets the body; `point` when it does
 /// not.
 Vec3d first_body_point(const lattice::Model& model, Vec3d point, Vec3d direction, double length) {
@@ -120,7 +72,8 @@ Status advance_blade(World& world, std::size_t index) {
   return Done{};
 }
 
-RestSurface rest_surface(const World& world, std::size_t body) {
+RestSurface rest_surface(World& world, std::size_t body) {
+  if (body >= organ_count(world)) return rest_surface(world.lattices[body - organ_count(world)]);
   if (body < world.organs.size()) {
     const sfem::Model& model = world.organs[body].model;
     return {model.body.mesh.vertices, model.surface.triangles};
@@ -158,6 +111,7 @@ Status load_organs(const Exec& exec, const Scene& scene, const BeginWork& begin,
     const SfemScene& s = scene.organs[o];
     begin_touch(exec, world.organs[o], world.tools, {s.viscosity, s.viscous_time});
   }
+  for (LatticeBody& body : world.lattices) begin_touch(body, world.tools);
   return Done{};
 }
 
@@ -245,7 +199,9 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
     const lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
                                  .measure_residual = measure_residual && has_forces,
                                  .loads = loads};
-    const lattice::StepReport done = lattice::step(exec, body.model, body.state, inputs, world.dt);
+    const double now = time_of(world);
+    const lattice::StepReport done = step_lattice(exec, body, world.tools, inputs, now, now + world.dt);
+    remember_deepest(body, now + world.dt);
     report.finite = report.finite && done.finite;
     report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));
     report.residual.largest = std::max(report.residual.largest, done.residual.largest);

@@ -13,25 +13,13 @@
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/sim/cloth_body.hpp"
+#include "turgor/sim/lattice_body.hpp"
 #include "turgor/sim/load_organ.hpp"
 #include "turgor/sim/organ.hpp"
 #include "turgor/sim/rhombus_organ.hpp"
 #include "turgor/sim/scene.hpp"
 
 namespace turgor {
-
-/// A body of the lattice model, and the CT it comes from.
-struct LatticeBody {
-  std::string name;
-  CtVolume ct;
-  std::uint64_t ct_hash = 0;  // of the CT's samples and grid
-  lattice::Model model;
-  lattice::State state;
-  double read_seconds = 0, build_seconds = 0;
-  std::vector<std::string> notes;  // what was left out while reading
-  bool has_gravity = true;
-  ClothLoad cloth;  // by slot, along the patient's axes
-};
 
 /// An incision of the scene while it happens.
 struct Cut {
@@ -53,11 +41,18 @@ struct World {
   std::vector<TouchingTool> tools;
   std::vector<ClothBody> clothes;
 };
-/// Organs of all models that tools touch: those of sfem, then those of rhombus.
-inline std::size_t touched_count(const World& world) { return world.organs.size() + world.rhombi.size(); }
+/// Bodies that are there to be touched, organs of sfem and rhombus.
+inline std::size_t organ_count(const World& world) { return world.organs.size() + world.rhombi.size(); }
+/// Bodies of all models that tools can touch: those of sfem, of rhombus, then lattices.
+inline std::size_t touched_count(const World& world) { return organ_count(world) + world.lattices.size(); }
 inline const TouchedOrgan& touched_organ(const World& world, std::size_t index) {
   if (index < world.organs.size()) return world.organs[index];
-  return world.rhombi[index - world.organs.size()];
+  if (index < organ_count(world)) return world.rhombi[index - world.organs.size()];
+  return world.lattices[index - organ_count(world)];
+}
+/// Is its surface kept for the tools? That of a lattice is when there are any.
+inline bool keeps_surface(const World& world, std::size_t index) {
+  return index < organ_count(world) || !touched_organ(world, index).tool_indices.empty();
 }
 inline TouchedOrgan& touched_organ(World& world, std::size_t index) {
   return const_cast<TouchedOrgan&>(touched_organ(std::as_const(world), index));

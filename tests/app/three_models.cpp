@@ -1,0 +1,48 @@
+// One fingertip on all three models, at a size that a test can wait for.
+#include "app/program.hpp"
+
+namespace turgor {
+namespace {
+
+using nlohmann::json;
+using namespace test;
+
+constexpr const char* kSmall =
+    " --set 'body.elements.labels={phantom=\"torso\",size=[72,72,44],spacing_mm=[5.6,5.6,6.9]}'"
+    " --set body.elements.resolution=0.016 --set body.elements.cache=false"
+    " --set 'body.nodes.ct={phantom=\"torso\",size=[72,72,44],spacing_mm=[5.6,5.6,6.9]}'"
+    " --set body.nodes.block=1 --set world.duration=1.1"
+    " --set 'output.snapshots={every=0.5,size=[240,180]}'";
+
+TEST(ThreeModels, AnswerOnePathWithForcesAndDentsSideBySide) {
+  const fs::path folder = fresh_folder();
+  const std::string scene = std::string(TURGOR_SOURCE_DIR) + "/scenes/three-models.toml";
+  const Ended ended = run_program("run " + scene + kSmall + " --out first", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  const json report = report_in(folder / "first");
+  ASSERT_EQ(report["costs"].size(), 3u);
+  const double elements = report["costs"][0]["force_max_N"].get<double>();
+  const std::vector<std::string> models = {"sfem", "rhombus", "lattice"};
+  for (std::size_t m = 0; m < 3; m++) {
+    const json& cost = report["costs"][m];
+    EXPECT_EQ(cost["model"], models[m]);
+    EXPECT_NEAR(cost["force_max_N"].get<double>(), elements, 0.35 * elements) << "N, " << models[m];
+    EXPECT_NEAR(cost["depth_max_mm"].get<double>(), 9, 0.5) << models[m];
+    EXPECT_NEAR(cost["displacement_max_mm"].get<double>(), 9, 2.5) << models[m];
+    EXPECT_GT(report["profiles"][m]["rows"].size(), 5u) << models[m];
+  }
+  EXPECT_EQ(report["costs"][0]["force_every_ms"], 1.0);
+  EXPECT_NEAR(report["costs"][2]["force_every_ms"].get<double>(), 1000.0 / 60, 1e-3);
+  EXPECT_EQ(report["tools"][2]["ticks"], 66) << "a force a frame";
+  const std::string page = bytes_of(folder / "first" / "report.html");
+  for (const char* words :
+       {"Side by side", "Force over time", "The dent under the largest force", "on-nodes"})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+
+  ASSERT_EQ(run_program("run --replay first/recording.h5 --out again", folder).code, 0);
+  for (const char* name : {"forces.csv", "nodes-near.png", "nodes-displacement.png", "frames/skin-0060.png"})
+    EXPECT_TRUE(bytes_of(folder / "first" / name) == bytes_of(folder / "again" / name)) << name;
+}
+
+}  // namespace
+}  // namespace turgor
