@@ -28,7 +28,9 @@ TEST(ThreeModels, AnswerOnePathWithForcesAndDentsSideBySide) {
     EXPECT_EQ(cost["model"], models[m]);
     EXPECT_NEAR(cost["force_max_N"].get<double>(), elements, 0.35 * elements) << "N, " << models[m];
     EXPECT_NEAR(cost["depth_max_mm"].get<double>(), 9, 0.5) << models[m];
-    EXPECT_NEAR(cost["displacement_max_mm"].get<double>(), 9, 2.5) << models[m];
+    // On surfaces this coarse the next vertex may be 8 mm away, or hang half a step before its node.
+    EXPECT_GT(cost["displacement_max_mm"].get<double>(), 4.5) << models[m];
+    EXPECT_LT(cost["displacement_max_mm"].get<double>(), 12.5) << models[m];
     EXPECT_GT(report["profiles"][m]["rows"].size(), 5u) << models[m];
   }
   EXPECT_EQ(report["costs"][0]["force_every_ms"], 1.0);
