@@ -218,6 +218,27 @@ TEST(ClothStep, random_steps_never_make_what_is_no_number) {
   }
 }
 
+TEST(ClothStep, what_holds_a_sheet_takes_its_weight_and_what_moves_it_its_inertia) {
+  Params params{.solver = {.sweeps = 64}};
+  params.damping.motion = 2;
+  const Model model = must_build(flat_sheet(20), params);
+  State state = make_state(model);
+  for (int v = 0; v < 20; v++) ASSERT_TRUE(hold(model, state, v));
+  const Inputs inputs = in_vacuum();
+  const auto held = [&](Vec3d change) {
+    Vec3d sum;
+    for (int v = 0; v < 20; v++) sum += hold_force(model, state, v, inputs.gravity, change, kFrame);
+    return sum;
+  };
+  for (int n = 0; n < 600; n++) step(Exec(1), model, state, inputs, kFrame);
+  const double weight = model.total_mass * 9.81;
+  EXPECT_NEAR(held({}).z, weight, 0.01 * weight) << "N, at rest";
+  EXPECT_LT(std::hypot(held({}).x, held({}).y), 0.01 * weight);
+  // A vertex alone, faster by 0.1 m/s a frame, has its own mass as well.
+  EXPECT_NEAR(held({0, 0, 0.1}).z - held({}).z, 0.1 / kFrame * model.total_mass * 19.0 / 38 / 19,
+              1e-4 * weight);
+}
+
 TEST(ClothStep, a_sheet_takes_less_than_four_hundred_bytes_a_vertex) {
   const Model model = must_build(flat_sheet(200), {.collision = {.thickness = 0.0096}});
   State state = make_state(model);

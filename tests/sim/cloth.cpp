@@ -123,6 +123,45 @@ TEST(ClothScene, holds_follow_their_path_and_let_go_and_the_wind_turns) {
   EXPECT_EQ(report.at("snapshots").size(), 1u);
 }
 
+TEST(ClothScene, a_ball_seizes_what_is_in_it_and_says_what_lifting_it_takes) {
+  const std::string text = R"(
+[world]
+gravity = [0, 0, -9.81]
+[body.sheet]
+model = "cloth"
+sheet = { corner = [0, 0, 0.01], side = [0.2, 0, 0], up = [0, 0.2, 0], columns = 20, rows = 20 }
+damping = { motion = 2 }
+solver = { sweeps = 48 }
+wind = { density = 0 }
+[body.sheet.obstacle.floor]
+plane = { through = [0, 0, 0] }
+[body.sheet.hold.grip]
+ball = { centre = [0.1, 0.1, 0], radius = 0.015 }
+start = 0.5
+path = [[0.5, 0, 0, 0], [2, 0, 0, 0.5]]
+[body.sheet.hold.nothing]
+ball = { centre = [1, 1, 1], radius = 0.015 }
+)";
+  const Exec exec(1);
+  Result<World> world = load_world(exec, must_parse(text));
+  ASSERT_TRUE(world) << world.error().message;
+  for (int frame = 0; frame < 300; frame++) ASSERT_TRUE(step(exec, *world));
+  const ClothBody& sheet = world->clothes[0];
+  const ClothHold& grip = sheet.holds[0];
+  EXPECT_EQ(grip.vertices.size(), 9u) << "of a grid of 10 mm";
+  EXPECT_EQ(norm(grip.force[20]), 0) << "before it takes hold";
+  const double weight = sheet.model.total_mass * 9.81;
+  Vec3d mean;
+  for (std::size_t n = 270; n < 300; n++) mean += grip.force[n] / 30.0;
+  EXPECT_NEAR(mean.z, weight, 0.02 * weight) << "N: all of the sheet hangs";
+  ASSERT_EQ(sheet.notes.size(), 1u);
+  EXPECT_EQ(sheet.notes[0], "hold.nothing: the ball was empty at 0 s: nothing is held");
+  const Json report = cloth_report(exec, *world, sheet);
+  EXPECT_NEAR(report.at("holds")[0].at("force_N")[2].get<double>(), weight, 0.02 * weight);
+  EXPECT_NE(parse_scene(text + "box = [[0, 0, 0], [1, 1, 1]]\n", "s.toml").error().message.find("either"),
+            std::string::npos);
+}
+
 TEST(ClothScene, a_real_garment_hangs_from_its_shoulders) {
   const std::filesystem::path file =
       std::filesystem::path(TURGOR_SOURCE_DIR) / "../shared/data/mesh/tshirt.obj";

@@ -401,7 +401,6 @@ sheet = {{ corner = [{}, {}, {}], side = [0, 0, 0.1], up = [0.1, 0, 0], columns 
 collision = {{ self = false, thickness = 0.002 }}
 wind = {{ density = 0 }}
 damping = {{ motion = 2 }}
-solver = {{ sweeps = 64 }}
 [body.sheet.obstacle.liver]
 body = "liver"
 )",

@@ -24,11 +24,17 @@ struct GarmentFile {
   Vec3d shift;           // after scaling and turning [m]
 };
 
+struct BallScene {
+  Vec3d centre;         // [m]
+  double radius = 0.1;  // [m]
+};
+
 /// Vertices that are held from a time on, and go along a path of displacements, until they are let go.
 struct HoldScene {
   std::string name;
   std::vector<int> vertices;                             // of the mesh
   std::optional<std::array<Vec3d, 2>> box;               // low and high corner: all vertices in it [m]
+  std::optional<BallScene> ball;                         // all vertices that are in it at the start
   double start = 0;                                      // [s]
   double end = std::numeric_limits<double>::infinity();  // [s]
   std::vector<std::array<double, 4>> path;               // t, x, y, z, ascending [s] [m]; empty = stays
@@ -36,10 +42,6 @@ struct HoldScene {
 
 struct PlaneScene {
   Vec3d through, normal{0, 0, 1};  // [m]
-};
-struct BallScene {
-  Vec3d centre;         // [m]
-  double radius = 0.1;  // [m]
 };
 struct RodScene {
   Vec3d from, to;        // [m]

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "turgor/core/timing.hpp"
@@ -71,7 +73,7 @@ Result<ClothObstacle> load_obstacle(const ObstacleScene& scene, ClothBody& body)
   return obstacle;
 }
 
-Result<ClothHold> load_hold(const HoldScene& scene, const TriMesh& mesh) {
+Result<ClothHold> load_hold(const HoldScene& scene, const TriMesh& mesh, const cloth::Model& model) {
   ClothHold hold{.scene = scene, .vertices = scene.vertices};
   const int count = int(mesh.vertices.size());
   for (const int v : scene.vertices)
@@ -82,8 +84,14 @@ Result<ClothHold> load_hold(const HoldScene& scene, const TriMesh& mesh) {
     const Vec3d x(mesh.vertices[std::size_t(v)]), low = (*scene.box)[0], high = (*scene.box)[1];
     if (max(min(x, high), low) == x) hold.vertices.push_back(v);
   }
-  if (hold.vertices.empty())
+  if (hold.vertices.empty() && !scene.ball)
     return Error{fmt::format("hold.{}: no vertex of the cloth lies in the box", scene.name)};
+  // Once each, though several may have been welded into one.
+  const auto place = [&model](int v) { return model.place[std::size_t(v)]; };
+  std::sort(hold.vertices.begin(), hold.vertices.end(), [&](int a, int b) { return place(a) < place(b); });
+  hold.vertices.erase(std::unique(hold.vertices.begin(), hold.vertices.end(),
+                                  [&](int a, int b) { return place(a) == place(b); }),
+                      hold.vertices.end());
   return hold;
 }
 
@@ -110,7 +118,7 @@ Result<ClothBody> load_cloth(const Exec& exec, const ClothScene& scene) {
   body.state = cloth::make_state(body.model);
   body.notes.insert(body.notes.end(), body.model.notes.begin(), body.model.notes.end());
   for (const HoldScene& hold_scene : scene.holds) {
-    Result<ClothHold> hold = load_hold(hold_scene, mesh);
+    Result<ClothHold> hold = load_hold(hold_scene, mesh, body.model);
     if (!hold) return failed(hold.error());
     body.holds.push_back(std::move(*hold));
   }

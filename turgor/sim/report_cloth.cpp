@@ -25,17 +25,23 @@ const char* kind_name(const ClothObstacle& obstacle) {
 }
 
 /// Of the latest half second [N].
-Vec3d mean_force(const ClothObstacle& obstacle, double dt) {
-  const std::size_t frames = std::min(obstacle.force.size(), std::size_t(std::lround(0.5 / dt)));
+Vec3d mean_force(const std::vector<Vec3d>& force, double dt) {
+  const std::size_t frames = std::min(force.size(), std::size_t(std::lround(0.5 / dt)));
   Vec3d sum;
-  for (std::size_t n = obstacle.force.size() - frames; n < obstacle.force.size(); n++)
-    sum += obstacle.force[n];
+  for (std::size_t n = force.size() - frames; n < force.size(); n++) sum += force[n];
   return frames > 0 ? sum / double(frames) : sum;
+}
+
+Json force_series(const ClothBody& body, const std::vector<Vec3d>& force) {
+  Json series = Json::array();
+  for (std::size_t n = 0; n < force.size(); n++)
+    series.push_back(numbers({body.samples[n].time, norm(force[n])}));
+  return series;
 }
 
 /// What each obstacle bears: the force on it, and how much of the cloth's weight that is.
 Json obstacle_report(const World& world, const ClothBody& body, const ClothObstacle& obstacle) {
-  const Vec3d f = mean_force(obstacle, world.dt);
+  const Vec3d f = mean_force(obstacle.force, world.dt);
   const double g = norm(world.gravity);
   Json json{{"name", obstacle.name},       {"cloth", body.name},
             {"kind", kind_name(obstacle)}, {"force_N", numbers({f.x, f.y, f.z})},
@@ -45,11 +51,18 @@ Json obstacle_report(const World& world, const ClothBody& body, const ClothObsta
     json["weight_N"] = rounded(weight);
     json["weight_share"] = rounded(weight / (body.model.total_mass * g));
   }
-  Json series = Json::array();
-  for (std::size_t n = 0; n < obstacle.force.size(); n++)
-    series.push_back(numbers({body.samples[n].time, norm(obstacle.force[n])}));
-  json["series"] = series;
+  json["series"] = force_series(body, obstacle.force);
   return json;
+}
+
+/// What each hold takes.
+Json hold_report(const World& world, const ClothBody& body, const ClothHold& hold) {
+  const Vec3d f = mean_force(hold.force, world.dt);
+  double largest = 0;
+  for (const Vec3d force : hold.force) largest = std::max(largest, norm(force));
+  return {{"name", hold.scene.name},          {"cloth", body.name},
+          {"vertices", hold.vertices.size()}, {"force_N", numbers({f.x, f.y, f.z})},
+          {"largest_N", rounded(largest)},    {"series", force_series(body, hold.force)}};
 }
 
 }  // namespace
@@ -60,13 +73,14 @@ Json cloth_report(const Exec& exec, const World& world, const ClothBody& body) {
   const std::size_t bytes = cloth::memory_bytes(model, body.state);
   const cloth::SelfDistance self = cloth::self_distance(exec, model, body.state);
   std::vector<double> seconds;
-  Json series = Json::array(), snapshots = Json::array(), obstacles = Json::array();
+  Json series = Json::array(), snapshots = Json::array(), obstacles = Json::array(), holds = Json::array();
   for (const ClothSample& s : body.samples) {
     seconds.push_back(s.seconds);
     series.push_back(numbers({s.time, s.seconds * kMs, s.largest_speed, double(s.contacts)}));
     if (s.residual >= 0) snapshots.push_back(numbers({s.time, s.residual, s.energy, s.stretch}));
   }
   for (const ClothObstacle& o : body.obstacles) obstacles.push_back(obstacle_report(world, body, o));
+  for (const ClothHold& hold : body.holds) holds.push_back(hold_report(world, body, hold));
   Json json{{"name", body.name},
             {"vertices", model.count},
             {"triangles", model.triangles.size()},
@@ -86,7 +100,8 @@ Json cloth_report(const Exec& exec, const World& world, const ClothBody& body) {
             {"pairs_too_near", self.too_near},
             {"triangles_crossing", self.crossings},
             {"obstacles", obstacles},
-            {"obstacle_series_columns", {"time_s", "force_N"}},
+            {"holds", holds},
+            {"force_series_columns", {"time_s", "force_N"}},
             {"series_columns", {"time_s", "step_ms", "largest_speed_m_per_s", "contacts"}},
             {"series", series},
             {"snapshot_columns", {"time_s", "residual_relative", "energy_J", "longest_spring_relative"}},
@@ -123,7 +138,8 @@ std::string cloth_curves(const Json& report, const std::filesystem::path& folder
       contacts{"Contacts", "time [s]", "contacts", {}},
       energy{"Elastic and kinetic energy", "time [s]", "energy [J]", {}},
       residual{"Residual of the linear system", "time [s]", "|b - W dv| / |b|", {}},
-      force{"Force on what the cloth lies on", "time [s]", "force [N]", {}};
+      force{"Force on what the cloth lies on", "time [s]", "force [N]", {}},
+      hold{"Force of what holds the cloth", "time [s]", "force [N]", {}};
   for (const Json& cloth : clothes) {
     const std::string name = cloth.at("name").get<std::string>();
     step.curves.push_back(curve_of(name, cloth.at("series"), 0, 1));
@@ -133,17 +149,23 @@ std::string cloth_curves(const Json& report, const std::filesystem::path& folder
     for (const Json& obstacle : cloth.at("obstacles"))
       force.curves.push_back(
           curve_of(name + " on " + obstacle.at("name").get<std::string>(), obstacle.at("series"), 0, 1));
+    for (const Json& one : cloth.at("holds"))
+      hold.curves.push_back(
+          curve_of(name + " by " + one.at("name").get<std::string>(), one.at("series"), 0, 1));
   }
-  return "<h2>Cloth over time</h2>\n<div class=\"grid\">" + drawn(force, folder) + drawn(energy, folder) +
-         drawn(contacts, folder) + drawn(step, folder) + drawn(residual, folder) + "</div>\n";
+  return "<h2>Cloth over time</h2>\n<div class=\"grid\">" + drawn(force, folder) + drawn(hold, folder) +
+         drawn(energy, folder) + drawn(contacts, folder) + drawn(step, folder) + drawn(residual, folder) +
+         "</div>\n";
 }
 
 std::string cloth_tables(const Json& report) {
   const Json clothes = report.value("clothes", Json::array());
   if (clothes.empty()) return "";
-  Json obstacles = Json::array();
-  for (const Json& cloth : clothes)
+  Json obstacles = Json::array(), holds = Json::array();
+  for (const Json& cloth : clothes) {
     for (const Json& obstacle : cloth.at("obstacles")) obstacles.push_back(obstacle);
+    for (const Json& hold : cloth.at("holds")) holds.push_back(hold);
+  }
   std::string lies_on;
   if (!obstacles.empty())
     lies_on = "<h2>What cloth lies on (mean of the last half second)</h2>\n" +
@@ -152,6 +174,11 @@ std::string cloth_tables(const Json& report) {
                               {"kind", "kind"},
                               {"weight_N", "weight it bears [N]"},
                               {"weight_share", "part of the cloth's weight [1]"}});
+  if (!holds.empty())
+    lies_on +=
+        "<h2>What holds cloth</h2>\n" +
+        quantity_table(holds, "hold",
+                       {{"cloth", "cloth"}, {"vertices", "vertices"}, {"largest_N", "largest force [N]"}});
   return lies_on + "<h2>Cloth</h2>\n" +
          quantity_table(clothes, "cloth",
                         {{"vertices", "vertices"},

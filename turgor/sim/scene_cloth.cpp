@@ -91,9 +91,17 @@ void read_wind(SceneTable table, ClothScene& scene) {
   table.finish();
 }
 
+BallScene read_ball(SceneTable shape) {
+  BallScene ball;
+  shape.read("centre", ball.centre, kPlace);
+  shape.read("radius", ball.radius, inside(0, 10, "m"));
+  shape.finish();
+  return ball;
+}
+
 HoldScene read_hold(SceneTable table, const std::string& name) {
   HoldScene hold{.name = name};
-  table.require({"vertices", "box"}, "which vertices are held");
+  table.require({"vertices", "box", "ball"}, "which vertices are held");
   if (const toml::node* vertices = table.find("vertices"))
     for (const double v : table.numbers("vertices", *vertices, within(0, 1e9)))
       hold.vertices.push_back(int(v));
@@ -107,6 +115,9 @@ HoldScene read_hold(SceneTable table, const std::string& name) {
     else
       table.fail_value("box", *corners, "two corners, [[x, y, z], [x, y, z]] [m]");
   }
+  if (table.has("ball")) hold.ball = read_ball(table.table("ball"));
+  if (hold.ball && (hold.box || !hold.vertices.empty()))
+    table.fail("ball", "a hold takes either what is in the ball when it starts, or given vertices");
   table.read("start", hold.start, not_negative("s"));
   table.read("end", hold.end, positive("s"));
   hold.path = read_rows(table, "path", "rows [t, x, y, z] of displacements, ascending [s] [m]");
@@ -139,12 +150,7 @@ ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Sce
   ObstacleScene obstacle{.name = name, .shape = PlaneScene{}};
   table.require({"plane", "sphere", "capsule", "mesh", "body"}, "what the cloth stays out of");
   if (table.has("sphere")) {
-    BallScene ball;
-    SceneTable shape = table.table("sphere");
-    shape.read("centre", ball.centre, kPlace);
-    shape.read("radius", ball.radius, inside(0, 10, "m"));
-    shape.finish();
-    obstacle.shape = ball;
+    obstacle.shape = read_ball(table.table("sphere"));
   } else if (table.has("capsule")) {
     RodScene rod;
     SceneTable shape = table.table("capsule");

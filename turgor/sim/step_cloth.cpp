@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "turgor/contact/cloth_obstacle.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/cloth_body.hpp"
@@ -22,9 +24,22 @@ Vec3d displacement_at(const std::vector<std::array<double, 4>>& path, double tim
   return row(path.size() - 1);
 }
 
+/// The vertices in its ball, now that it takes hold.
+void seize(ClothBody& body, ClothHold& hold) {
+  hold.vertices.clear();
+  for (std::size_t v = 0; v < body.model.place.size(); v++) {
+    const Vec3d x(body.state.x[std::size_t(body.model.place[v])]);
+    if (norm(x - hold.scene.ball->centre) <= hold.scene.ball->radius) hold.vertices.push_back(int(v));
+  }
+  if (hold.vertices.empty())
+    body.notes.push_back(fmt::format("hold.{}: the ball was empty at {} s: nothing is held", hold.scene.name,
+                                     hold.scene.start));
+}
+
 /// Seizes, moves or lets go; `end` is the time at the end of this frame. The vertices are there.
 void follow(ClothBody& body, ClothHold& hold, double end) {
   const bool wanted = end > hold.scene.start && end <= hold.scene.end;
+  if (wanted && !hold.is_held && hold.scene.ball) seize(body, hold);
   for (std::size_t n = 0; n < hold.vertices.size(); n++) {
     const int v = hold.vertices[n];
     if (wanted && !hold.is_held) {
@@ -38,6 +53,18 @@ void follow(ClothBody& body, ClothHold& hold, double end) {
   }
   hold.is_held = wanted;
   if (!wanted) hold.places.clear();
+}
+
+/// What the hold takes in this frame [N].
+Vec3d force_of(const ClothBody& body, const ClothHold& hold, const cloth::Vectors& v_before,
+               const World& world) {
+  Vec3d sum;
+  for (const int vertex : hold.vertices) {
+    const auto v = std::size_t(body.model.place[std::size_t(vertex)]);
+    const Vec3d change = Vec3d(body.state.v[v]) - Vec3d(v_before[v]);
+    sum += cloth::hold_force(body.model, body.state, vertex, world.gravity, change, world.dt);
+  }
+  return sum;
 }
 
 cloth::Obstacle made(const Exec& exec, ClothObstacle& obstacle, World& world) {
@@ -64,6 +91,7 @@ bool step_cloth(const Exec& exec, ClothBody& body, World& world, bool measure) {
   cloth::Inputs inputs{.gravity = world.gravity, .air = body.air, .measure_residual = measure};
   for (ClothObstacle& obstacle : body.obstacles) inputs.obstacles.push_back(made(exec, obstacle, world));
 
+  const cloth::Vectors v_before = body.state.v;
   const Timer timer;
   const cloth::StepReport report = cloth::step(exec, body.model, body.state, inputs, world.dt);
   ClothSample sample{.time = end,
@@ -75,6 +103,8 @@ bool step_cloth(const Exec& exec, ClothBody& body, World& world, bool measure) {
     obstacle.force.push_back(cloth::obstacle_load(body.state, int(o), {}).impulse / world.dt);
     if (obstacle.support) note_force(body.state, int(o), world.dt, *obstacle.support);
   }
+  for (ClothHold& hold : body.holds)
+    hold.force.push_back(hold.is_held ? force_of(body, hold, v_before, world) : Vec3d{});
   if (measure) {
     const cloth::Energy energy = cloth::energy(body.model, body.state, world.gravity);
     sample.residual = report.residual;

@@ -13,6 +13,11 @@ Energy energy(const Model& model, const State& state, Vec3d gravity);
 /// Σ m v [kg·m/s].
 Vec3d momentum(const Model& model, const State& state);
 
+/// What holds a held vertex of the mesh after a step of dt at the end of which it goes faster by `change`
+/// [m/s]: all that its springs, contacts and weight leave over [N]. The air on it is left out.
+Vec3d hold_force(const Model& model, const State& state, int mesh_vertex, Vec3d gravity, Vec3d change,
+                 double dt);
+
 /// Longest spring, by its rest length [1].
 double largest_stretch(const Model& model, const State& state);
 
