@@ -70,15 +70,28 @@ std::size_t pressing_tool(const OrganSurface& surface) {
   return most;
 }
 
+/// Out of the surface at rest around a place; zero when there is none within reach.
+Vec3d outward_around(const OrganSurface& surface, Vec3d place, double reach) {
+  Vec3d sum;
+  for (const Int3 t : surface.triangles) {
+    const Vec3d a(surface.rest[std::size_t(t.x)]), b(surface.rest[std::size_t(t.y)]),
+        c(surface.rest[std::size_t(t.z)]);
+    if (norm(a - place) < reach) sum += cross(b - a, c - a);
+  }
+  return sum;
+}
+
 /// At what the pressing tool touches. From aside one sees the dent with the tool in it, from above, where it
 /// is left out, what lies below it.
 Camera camera_at_tool(const OrganSurface& surface, const TouchingTool& which, bool from_above,
                       double aspect) {
   const ShownTool& tool = surface.tools[pressing_tool(surface)];
   const double reach = (from_above ? 0.7 : 0.8) * tool_size(which);
-  // Forceps may pull: they come from where their handles are.
   const Vec3d half{reach, reach, reach},
-      out = which.forceps ? tool.pose.axes.column[2] : normalized(tool.force);
+      outward = outward_around(surface, tool.pose.position, 2 * tool_size(which));
+  // Tools that pull are pulled in; forceps come from where their handles are.
+  const bool pulls = dot(tool.force, outward) < 0;
+  const Vec3d out = which.forceps ? tool.pose.axes.column[2] : normalized(pulls ? outward : tool.force);
   const Vec3d head = std::abs(out.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{0, -1, 0};
   const Vec3d side = normalized(cross(out, head));
   const Vec3d direction = from_above ? out + side * 0.45 + head * 0.25

@@ -155,6 +155,22 @@ TEST(lattice_touch, a_held_tool_pulls_and_lets_go) {
   EXPECT_EQ(norm(block.forces[0].force), 0) << "N";
 }
 
+TEST(lattice_touch, taking_hold_of_what_is_pressed_changes_no_force) {
+  const Int3 size{17, 17, 9};
+  for (const bool with_skin : {false, true}) {
+    Pressed block(size, 0.004, 10, {Sphere{0.01}, 0.3}, middle(size, 0.004, 1), with_skin);
+    block.at[0].pose.position.z = block.top + 0.012;
+    const std::vector<Vec3d> press = block.go(Exec(2), middle(size, 0.004, block.top + 0.007), 30);
+    const std::vector<Vec3d> held = block.go(Exec(2), block.at[0].pose.position, 30, true);
+    double jump = 0;
+    for (std::size_t n = 1; n < held.size(); n++) jump = std::max(jump, norm(held[n] - held[n - 1]));
+    std::printf("pressed %.4f N, held %.4f N at once and %.4f N later\n", press.back().z, held[0].z,
+                held.back().z);
+    EXPECT_LT(norm(held[0] - press.back()), 0.1 * norm(press.back())) << "N";
+    EXPECT_LT(jump, 0.05 * norm(press.back())) << "N";
+  }
+}
+
 TEST(lattice_touch, friction_stays_in_its_cone_and_a_slide_has_no_jumps) {
   const Int3 size{31, 17, 9};
   constexpr double kStep = 0.004, kFriction = 0.4;
@@ -213,6 +229,71 @@ TEST(lattice_touch, a_new_cut_lets_go_of_nothing_and_has_walls_to_touch) {
   EXPECT_EQ(held(), before);
   block.go(Exec(2), block.at[0].pose.position, 1, true);
   EXPECT_LT(block.forces[0].force.z, 0.7 * pulled) << "N, before the cut " << pulled;
+}
+
+TEST(lattice_touch, a_body_that_lies_turned_answers_with_the_same_force_turned) {
+  const Int3 size{13, 11, 9};
+  Pressed plain(size, 0.004, 10, {Sphere{0.01}, 0.4}, middle(size, 0.004, 1));
+  Pressed turned(size, 0.004, 10, {Sphere{0.01}, 0.4}, middle(size, 0.004, 1));
+  const Mat3d turn{{{0.36, 0.48, -0.8}, {-0.8, 0.6, 0}, {0.48, 0.64, 0.6}}};
+  const Vec3d shift{0.1, -0.3, 0.7};
+  turned.model.grid.axes = turn, turned.model.grid.origin = shift;
+  const auto in_patient = [&](Vec3d x) { return shift + turn * x; };
+  const Vec3d start = middle(size, 0.004, plain.top + 0.01), end = start + Vec3d{0.003, 0.001, -0.003};
+  plain.at[0].pose.position = start;
+  turned.at[0].pose = {in_patient(start), turn};
+  turned.touch =
+      make_lattice_touch(turned.model, lattice::build_surface(turned.model, turned.state), turned.at);
+  for (int n = 1; n <= 10; n++) {
+    plain.go(Exec(1), start + (end - start) * (n / 10.0), 1);
+    turned.at[0].pose = {in_patient(start + (end - start) * (n / 10.0)), turn};
+    contact::step(Exec(1), turned.model, turned.state, turned.touch, turned.tools, turned.at, {}, kDt,
+                  turned.forces);
+  }
+  const Vec3d force = turn * plain.forces[0].force, torque = turn * plain.forces[0].torque;
+  EXPECT_GT(norm(force), 0.01) << "N";
+  EXPECT_LT(norm(turned.forces[0].force - force), 0.01 * norm(force)) << "N";
+  EXPECT_LT(norm(turned.forces[0].torque - torque), 0.01 * norm(force) * 0.01) << "N m";
+}
+
+TEST(lattice_touch, at_rest_contacts_leave_no_force_over) {
+  const Int3 size{13, 11, 9};
+  Pressed block(size, 0.004, 40, {Sphere{0.01}, 0.3}, middle(size, 0.004, 1));
+  block.at[0].pose.position.z = block.top + 0.01;
+  block.go(Exec(2), middle(size, 0.004, block.top + 0.007), 10);
+  block.go(Exec(2), block.at[0].pose.position, 150);
+  lattice::StepReport report = contact::step(Exec(2), block.model, block.state, block.touch, block.tools,
+                                             block.at, {.measure_residual = true}, kDt, block.forces);
+  std::printf("%.1e N left over beside %.3f N\n", report.residual.largest, norm(block.forces[0].force));
+  EXPECT_GT(norm(block.forces[0].force), 0.03) << "N";
+  EXPECT_LT(report.residual.largest, 1e-3 * norm(block.forces[0].force)) << "N";
+}
+
+TEST(lattice_touch, two_tools_pinch_with_opposite_forces) {
+  const Int3 size{13, 11, 9};
+  Pressed block(size, 0.004, 20, {Sphere{0.008}, 0.5}, {});
+  const double middle_y = 0.02;
+  block.tools.push_back(block.tools[0]);
+  block.forces.resize(2);
+  const auto jaws = [&](double half_gap) {
+    std::vector<ToolPose> poses;
+    for (const double side : {-1.0, 1.0})
+      poses.push_back({{{0.024 + side * (half_gap + 0.008), middle_y, block.top + 0.003}, {}}, false});
+    return poses;
+  };
+  block.at = jaws(0.012);
+  block.touch = make_lattice_touch(block.model, lattice::build_surface(block.model, block.state), block.at);
+  for (int n = 1; n <= 60; n++) {
+    block.at = jaws(0.012 - 0.008 * std::min(1.0, n / 30.0));
+    for (ToolPose& jaw : block.at) jaw.pose.position.z -= 0.006 * std::min(1.0, n / 15.0);
+    contact::step(Exec(2), block.model, block.state, block.touch, block.tools, block.at, {}, kDt,
+                  block.forces);
+  }
+  const Vec3d a = block.forces[0].force, b = block.forces[1].force;
+  std::printf("%.4f and %.4f N across, %.4f and %.4f N up\n", a.x, b.x, a.z, b.z);
+  EXPECT_LT(a.x, -0.01) << "N: pushed apart";
+  EXPECT_GT(b.x, 0.01) << "N";
+  EXPECT_LT(std::abs(a.x + b.x), 0.35 * b.x) << "N: the lattice leans one way, so not quite opposite";
 }
 
 TEST(lattice_touch, equal_bits_on_1_2_and_8_threads) {
