@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "turgor/core/number_text.hpp"
@@ -25,6 +26,14 @@ TriMesh renumbered(const TriMesh& mesh, const std::vector<int>& order, std::vect
     return std::min({s.x, s.y, s.z}) < std::min({t.x, t.y, t.z});
   });
   return result;
+}
+
+/// Of each vertex, the first triangle whose smallest vertex is not below it; and the end.
+std::vector<int> first_triangles(const TriMesh& mesh) {
+  std::vector<int> begin(mesh.vertices.size() + 1, 0);
+  for (const Int3 t : mesh.triangles) begin[std::size_t(std::min({t.x, t.y, t.z})) + 1]++;
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  return begin;
 }
 
 void set_masses(const TriMesh& mesh, double density, Model& model) {
@@ -146,6 +155,7 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
   for (const double length : lengths) model.mean_edge += length / double(lengths.size());
   model.shortest_edge = lengths[0];
   model.triangles = mesh.triangles;
+  model.triangle_begin = first_triangles(mesh);
   model.chunk_triangles = triangles_by_chunk(model.triangles, model.mass.size());
   model.x_rest.resize(model.mass.size());
   for (std::size_t v = 0; v < mesh.vertices.size(); v++) model.x_rest.set(v, mesh.vertices[v]);

@@ -19,6 +19,7 @@
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
 #include "turgor/models/cloth/contact.hpp"
+#include "turgor/models/cloth/crossing.hpp"
 #include "turgor/models/cloth/near_points.hpp"
 #include "turgor/models/cloth/rows.hpp"
 #include "turgor/models/cloth/vectors.hpp"
@@ -77,6 +78,7 @@ struct Model {
   Rows rows;                         // springs
   std::size_t spring_count = 0;
   std::vector<Int3> triangles;      // of the model's vertices, by their smallest vertex
+  std::vector<int> triangle_begin;  // of each smallest vertex, and the end
   ChunkTriangles chunk_triangles;   // which of them touch each chunk of vertices
   NeighbourLists near;              // adjacent, or closer than the thickness at rest: never in contact
   CoarseMesh coarse;                // edges and triangles between whose vertices a vertex could slip
@@ -114,6 +116,7 @@ struct State {
   System system;
   Contacts contacts;
   NearPoints near_points;
+  Crossing crossing;
   Real largest_speed = 0;  // after the latest step [m/s]
 };
 
@@ -140,6 +143,7 @@ struct StepReport {
   double residual = 0;     // when asked for [1]
   int contacts = 0;        // pairs that were looked at closely
   int contact_iterations = 0;
+  int caught = 0;  // vertices that moved as one with others, since they would have passed through them
 };
 
 /// Error, with the ids of what is wrong: no triangle, a vertex that is no finite place, in no triangle (it

@@ -119,9 +119,9 @@ std::size_t memory_bytes(const Model& model, const State& state) {
   const System& system = state.system;
   const Contacts& contacts = state.contacts;
   std::size_t sum = bytes(model.original) + bytes(model.place) + bytes(model.mass) + bytes(model.triangles) +
-                    bytes(model.chunk_triangles.begin) + bytes(model.chunk_triangles.triangle) +
-                    bytes(model.near.begin) + bytes(model.near.item) + bytes(model.coarse.triangles) +
-                    bytes(model.coarse.edges) + bytes(model.x_rest);
+                    bytes(model.triangle_begin) + bytes(model.chunk_triangles.begin) +
+                    bytes(model.chunk_triangles.triangle) + bytes(model.near.begin) + bytes(model.near.item) +
+                    bytes(model.coarse.triangles) + bytes(model.coarse.edges) + bytes(model.x_rest);
   sum += bytes(rows.slot_begin) + bytes(rows.first) + bytes(rows.gathered) + bytes(rows.rest) +
          bytes(rows.stiffness);
   sum += bytes(system.along) + bytes(system.across) + bytes(state.free_mass) + bytes(state.near_points);
@@ -132,6 +132,9 @@ std::size_t memory_bytes(const Model& model, const State& state) {
   sum += bytes(contacts.list) + bytes(contacts.begin) + bytes(contacts.item) + bytes(contacts.touched) +
          bytes(contacts.midpoints);
   for (const auto& found : contacts.found) sum += bytes(found);
+  const Crossing& crossing = state.crossing;
+  sum += bytes(crossing.boxes) + bytes(crossing.meetings) + bytes(crossing.caught) + bytes(crossing.zone);
+  for (const auto& found : crossing.found) sum += bytes(found);
   return sum;
 }
 

@@ -45,7 +45,9 @@ void move(const Exec& exec, State& state, Real dt) {
       exec, state.v.size() / std::size_t(kLanes),
       [&](std::size_t batch) {
         const std::size_t i = batch * std::size_t(kLanes);
-        store(state.x, i, load(state.x, i) + load(state.v, i) * all_lanes(dt));
+        const Lanes3 x = load(state.x, i);
+        store(state.system.before, i, x);  // for avoid_crossings
+        store(state.x, i, x + load(state.v, i) * all_lanes(dt));
       },
       kGrain);
   for (const Hold& hold : state.holds) state.x.set(std::size_t(hold.vertex), hold.goal);
@@ -83,6 +85,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   }
   move(exec, state, Real(dt));
   solve_places(exec, model, state, dt);
+  if (model.params.collision.self) report.caught = avoid_crossings(exec, model, state);
   state.time += dt;
   return report;
 }

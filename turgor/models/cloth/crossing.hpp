@@ -1,0 +1,61 @@
+// What keeps a cloth from passing through itself, at any speed: the motion of a step is looked at as a whole
+// before it counts. Vertices, triangles and edges that would meet on their way move as one in that step, so
+// that a cloth that begins without crossings never has any. Contacts keep layers apart by the thickness; this
+// is for what escapes them.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/core/vec.hpp"
+
+namespace turgor::cloth {
+
+struct Model;
+struct State;
+
+constexpr double kClosest = 0.02;  // thicknesses that are left between what would meet
+
+/// Places at the begin of a step and displacements in it, of a batch of vertices or of many batches.
+struct MotionBox {
+  Vec3 low, high;    // [m]
+  Vec3 least, most;  // displacement [m]
+  Real reach = 0;    // vertices farther apart cannot have meeting triangles or edges [m]
+};
+
+/// A vertex and a triangle, or two edges (first and second, third and fourth vertex), that would meet.
+struct Meeting {
+  std::array<int, 4> vertex;
+  bool are_edges = false;
+};
+
+/// Room to work in.
+struct Crossing {
+  std::vector<MotionBox> boxes;             // a heap: root 1, below box n are 2n and 2n + 1; last the batches
+  std::vector<std::vector<Meeting>> found;  // by piece, while looking
+  std::vector<Meeting> meetings;            // of this step
+  std::vector<int> caught, zone;            // vertices in meetings, ascending, and what moves as one [index]
+};
+
+/// The motion in State::system: `before` = places at the begin of the step, `force` = displacements [m].
+/// Sets `inverse[0].x` = the longest edge of each vertex's triangles, squared [m²], and `inverse[0].y` = 1
+/// where all their normals stay within 30° of one direction all the time.
+void measure_triangles(const Exec& exec, const Model& model, State& state);
+
+/// Boxes of the motion; measure_triangles comes first.
+void place_boxes(const Exec& exec, const Model& model, State& state);
+
+/// Adds what would meet to Crossing::meetings, ascending; all boxes are looked at when `all`, else those with
+/// vertices that were caught. False: nothing does that is not caught in one zone already.
+bool find_meetings(const Exec& exec, const Model& model, State& state, bool all);
+
+/// Whether a vertex and a triangle or two edges come too near on the straight way from x to x + d [m].
+bool comes_too_near(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& d, bool are_edges,
+                    double thickness);
+
+/// Takes a step from `x_before` to State::x back where it would pass through itself. Returns how many
+/// vertices were not let go where they wanted.
+int avoid_crossings(const Exec& exec, const Model& model, State& state);
+
+}  // namespace turgor::cloth
