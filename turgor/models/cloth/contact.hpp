@@ -80,6 +80,8 @@ void find_contacts(const Exec& exec, const Model& model, State& state, const Inp
 void find_coarse_contacts(const Exec& exec, const Model& model, State& state, Real reach, double dt,
                           std::span<std::vector<Contact>> found);
 std::size_t coarse_pieces(const Model& model);
+/// Those of what would have met in steps before, as long as it is nearer than the thickness.
+void find_met_contacts(const Model& model, State& state, double dt, std::vector<Contact>& found);
 
 /// How far two groups of vertices may approach each other in a step, along the normal towards the first [m].
 /// `v` and `change` are their mean velocities and how much of it is new; what touched something may be

@@ -5,6 +5,7 @@
 
 #include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/crossing.hpp"
 
 namespace turgor::cloth {
 
@@ -124,6 +125,27 @@ struct FindCoarse {
   }
 };
 
+/// What would have met in the step before is kept apart like coarse triangles and edges, as long as it is
+/// near.
+struct FindMet {
+  FindCoarse find;
+
+  void operator()(const Meeting& m, std::vector<Contact>& found) const {
+    const auto [i, j, k, l] = m.vertex;
+    const auto at = [&](int v) { return find.state.x[std::size_t(v)]; };
+    Contact contact{.vertex = m.vertex};
+    if (m.are_edges) {
+      Real s, t;
+      if (!nearest_inside(at(i), at(j) - at(i), at(k), at(l) - at(k), s, t)) return;
+      contact.weight = {1 - s, s, t - 1, -t};
+    } else {
+      const Vec3 w(nearest_on_triangle(Vec3d(at(i)), Vec3d(at(j)), Vec3d(at(k)), Vec3d(at(l))).weights);
+      contact.weight = {1, -w.x, -w.y, -w.z};
+    }
+    find.keep(contact, found);
+  }
+};
+
 /// Middles of the edges, and half of the longest.
 void place_midpoints(const Exec& exec, const Model& model, State& state) {
   Contacts& contacts = state.contacts;
@@ -145,6 +167,20 @@ void place_midpoints(const Exec& exec, const Model& model, State& state) {
 std::size_t coarse_pieces(const Model& model) {
   return (model.coarse.triangles.size() + kPieces - 1) / kPieces +
          (model.coarse.edges.size() + kPieces - 1) / kPieces;
+}
+
+void find_met_contacts(const Model& model, State& state, double dt, std::vector<Contact>& found) {
+  const FindMet find{{model, state, Real(model.params.collision.thickness), Real(dt)}};
+  std::vector<Meeting>& met = state.crossing.met;
+  met.insert(met.end(), state.crossing.meetings.begin(), state.crossing.meetings.end());
+  std::sort(met.begin(), met.end());
+  met.erase(std::unique(met.begin(), met.end()), met.end());
+  found.clear();
+  std::erase_if(met, [&](const Meeting& m) {
+    const std::size_t before = found.size();
+    find(m, found);
+    return found.size() == before;
+  });
 }
 
 void find_coarse_contacts(const Exec& exec, const Model& model, State& state, Real reach, double dt,

@@ -90,7 +90,7 @@ void find_contacts(const Exec& exec, const Model& model, State& state, const Inp
   Contacts& contacts = state.contacts;
   const std::size_t chunks = (std::size_t(model.count) + kChunk - 1) / kChunk;
   const std::size_t pieces = params.self ? coarse_pieces(model) : 0;
-  contacts.found.resize(chunks + pieces);
+  contacts.found.resize(chunks + pieces + 1);
   // Two vertices can come as much nearer in a step as both of them move: as far is looked, within bounds.
   const Real thickness = Real(params.thickness);
   const Real reach =
@@ -114,7 +114,8 @@ void find_contacts(const Exec& exec, const Model& model, State& state, const Inp
       },
       kGrain);
   if (pieces > 0)
-    find_coarse_contacts(exec, model, state, reach, dt, std::span(contacts.found).subspan(chunks));
+    find_coarse_contacts(exec, model, state, reach, dt, std::span(contacts.found).subspan(chunks, pieces));
+  if (params.self) find_met_contacts(model, state, dt, contacts.found.back());
   contacts.list.clear();
   for (const auto& found : contacts.found)
     contacts.list.insert(contacts.list.end(), found.begin(), found.end());

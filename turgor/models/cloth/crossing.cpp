@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "turgor/geometry/surface_check.hpp"
 #include "turgor/models/cloth/cloth.hpp"
 
 namespace turgor::cloth {
@@ -19,6 +20,12 @@ void set_motion(const Exec& exec, State& state) {
         store(state.system.force, i, load(state.x, i) - load(state.system.before, i));
       },
       kGrain);
+}
+
+bool crosses_itself(const Exec& exec, const Model& model, const Vectors& x) {
+  TriMesh mesh{.triangles = model.triangles};
+  for (int v = 0; v < model.count; v++) mesh.vertices.push_back(x[std::size_t(v)]);
+  return !crossing_triangles(exec, mesh).empty();
 }
 
 int root_of(std::vector<int>& zone, int n) {
@@ -75,7 +82,14 @@ std::vector<ZoneMotion> zone_motions(const Model& model, const State& state) {
 }  // namespace
 
 int avoid_crossings(const Exec& exec, const Model& model, State& state) {
+  constexpr int kPatience = 30;
   Crossing& crossing = state.crossing;
+  if (crossing.steps_to_look == 0)
+    crossing.steps_to_look = crosses_itself(exec, model, state.system.before) ? kPatience : -1;
+  if (crossing.steps_to_look > 0) {
+    crossing.steps_to_look--;
+    return 0;
+  }
   System& system = state.system;
   crossing.meetings.clear(), crossing.caught.clear(), crossing.zone.clear();
   set_motion(exec, state);

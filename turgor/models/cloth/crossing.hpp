@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <vector>
 
 #include "turgor/core/exec.hpp"
@@ -28,14 +29,19 @@ struct MotionBox {
 struct Meeting {
   std::array<int, 4> vertex;
   bool are_edges = false;
+
+  auto operator<=>(const Meeting&) const = default;
 };
 
 /// Room to work in.
 struct Crossing {
   std::vector<MotionBox> boxes;             // a heap: root 1, below box n are 2n and 2n + 1; last the batches
   std::vector<std::vector<Meeting>> found;  // by piece, while looking
-  std::vector<Meeting> meetings;            // of this step
-  std::vector<int> caught, zone;            // vertices in meetings, ascending, and what moves as one [index]
+  std::vector<Meeting> meetings;            // of the latest step
+  std::vector<Meeting> met;  // of earlier ones, those that are near and pushed apart, ascending
+  int steps_to_look =
+      0;  // until it is seen whether the cloth crosses itself; -1 = it does not and never will
+  std::vector<int> caught, zone;  // vertices in meetings, ascending, and what moves as one [index]
 };
 
 /// The motion in State::system: `before` = places at the begin of the step, `force` = displacements [m].
@@ -46,16 +52,17 @@ void measure_triangles(const Exec& exec, const Model& model, State& state);
 /// Boxes of the motion; measure_triangles comes first.
 void place_boxes(const Exec& exec, const Model& model, State& state);
 
-/// Adds what would meet to Crossing::meetings, ascending; all boxes are looked at when `all`, else those with
-/// vertices that were caught. False: nothing does that is not caught in one zone already.
+/// Adds what would meet to Crossing::meetings; all boxes are looked at when `all`, else those with vertices
+/// that were caught. False: nothing does, but for what moves as one already.
 bool find_meetings(const Exec& exec, const Model& model, State& state, bool all);
 
 /// Whether a vertex and a triangle or two edges come too near on the straight way from x to x + d [m].
 bool comes_too_near(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& d, bool are_edges,
                     double thickness);
 
-/// Takes a step from `x_before` to State::x back where it would pass through itself. Returns how many
-/// vertices were not let go where they wanted.
+/// Takes a step from System::before to State::x back where the cloth would pass through itself. Returns how
+/// many vertices were not let go where they wanted. A cloth that crosses itself at the begin is left alone
+/// until it is free.
 int avoid_crossings(const Exec& exec, const Model& model, State& state);
 
 }  // namespace turgor::cloth

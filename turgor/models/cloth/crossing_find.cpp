@@ -47,7 +47,7 @@ MotionBox around(const MotionBox& a, const MotionBox& b) {
 }
 
 /// Whether anything in a and b may come nearer than the reach, seen along each axis.
-bool may_meet(const MotionBox& a, const MotionBox& b) {
+inline bool may_meet(const MotionBox& a, const MotionBox& b) {
   const Real reach = std::max(a.reach, b.reach);
   for (int k = 0; k < 3; k++) {
     const Real low = b.low[k] - a.high[k] - reach + std::min(Real(0), b.least[k] - a.most[k]);
@@ -108,6 +108,15 @@ struct FindMeetings {
   Vec3d way(int v) const { return Vec3d(system.force[std::size_t(v)]); }
   bool is_flat(int v) const { return system.inverse[0].y[std::size_t(v)] > 0; }
 
+  /// i < j in one triangle that has no smaller vertex: finds most edges at little cost.
+  bool are_joined(int i, int j) const {
+    for (int t = model.triangle_begin[std::size_t(i)]; t < model.triangle_begin[std::size_t(i) + 1]; t++) {
+      const Int3& corners = model.triangles[std::size_t(t)];
+      if (corners.x == j || corners.y == j || corners.z == j) return true;
+    }
+    return false;
+  }
+
   /// Two flat vertices that are adjacent or have a flat neighbour in common: all around them unfolds onto a
   /// plane.
   bool unfold() const {
@@ -148,27 +157,34 @@ struct FindMeetings {
     return false;
   }
 
-  void test(const std::array<int, 4>& v, bool are_edges) {
-    const Crossing& crossing = state.crossing;
-    std::array<Vec3d, 4> x, d;
-    for (std::size_t k = 0; k < 4; k++) x[k] = place(v[k]), d[k] = way(v[k]) - way(v[0]);
-    if (!comes_too_near(x, d, are_edges, thickness)) return;
-    bool is_one = !crossing.caught.empty();  // moves as one already
-    int zone = -1;
-    for (std::size_t k = 0; k < 4 && is_one; k++) {
-      const auto at = std::lower_bound(crossing.caught.begin(), crossing.caught.end(), v[k]);
-      if (at == crossing.caught.end() || *at != v[k]) {
-        is_one = false;
-        continue;
+  /// Whether a plane across one of the axes parts them all the way.
+  static bool are_parted_by_axis(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& d, int first,
+                                 double margin) {
+    for (int k = 0; k < 3; k++) {
+      double low[2]{INFINITY, INFINITY}, high[2]{-INFINITY, -INFINITY};
+      for (int n = 0; n < 4; n++) {
+        const double from = x[std::size_t(n)][k], to = from + d[std::size_t(n)][k];
+        const int side = n < first ? 0 : 1;
+        low[side] = std::min({low[side], from, to}), high[side] = std::max({high[side], from, to});
       }
-      const int its = crossing.zone[std::size_t(at - crossing.caught.begin())];
-      is_one = zone < 0 || zone == its;
-      zone = its;
+      if (low[0] > high[1] + margin || low[1] > high[0] + margin) return true;
     }
-    if (!is_one) found.push_back({v, are_edges});
+    return false;
+  }
+
+  void test(const std::array<int, 4>& v, bool are_edges) {
+    std::array<Vec3d, 4> x, d;
+    bool moves_as_one = true;
+    for (std::size_t k = 0; k < 4; k++) {
+      x[k] = place(v[k]), d[k] = way(v[k]) - way(v[0]);
+      moves_as_one = moves_as_one && d[k] == Vec3d{};
+    }
+    if (moves_as_one || are_parted_by_axis(x, d, are_edges ? 2 : 1, kClosest * thickness)) return;
+    if (comes_too_near(x, d, are_edges, thickness)) found.push_back({v, are_edges});
   }
 
   void operator()(int i, int j) {
+    if (is_flat(i) && is_flat(j) && are_joined(i, j)) return;
     gather_star(model, i, mine), gather_star(model, j, other);
     if (unfold() || are_parted()) return;
     for (const Int3& t : other.triangles)

@@ -133,7 +133,8 @@ std::size_t memory_bytes(const Model& model, const State& state) {
          bytes(contacts.midpoints);
   for (const auto& found : contacts.found) sum += bytes(found);
   const Crossing& crossing = state.crossing;
-  sum += bytes(crossing.boxes) + bytes(crossing.meetings) + bytes(crossing.caught) + bytes(crossing.zone);
+  sum += bytes(crossing.boxes) + bytes(crossing.meetings) + bytes(crossing.met) + bytes(crossing.caught) +
+         bytes(crossing.zone);
   for (const auto& found : crossing.found) sum += bytes(found);
   return sum;
 }
