@@ -118,8 +118,9 @@ void link_contacts(const Model& model, State& state) {
   Contacts& contacts = state.contacts;
   auto& list = contacts.list;
   auto &begin = contacts.begin, &item = contacts.item, &touched = contacts.touched;
+  touched.clear(), begin.clear();
+  if (list.empty()) return;
   begin.assign(std::size_t(model.count) + 2, 0);
-  touched.clear();
   std::size_t uses = 0;
   for (const Contact& c : list)
     for (const int v : c.vertex)

@@ -35,18 +35,18 @@ struct Meeting {
 
 /// Room to work in.
 struct Crossing {
-  std::vector<MotionBox> boxes;             // a heap: root 1, below box n are 2n and 2n + 1; last the batches
+  std::vector<MotionBox> boxes;             // of 32 vertices each, of pairs of these, …, of all
+  std::vector<std::size_t> level_begin;     // first box of each level, and the end
   std::vector<std::vector<Meeting>> found;  // by piece, while looking
   std::vector<Meeting> meetings;            // of the latest step
-  std::vector<Meeting> met;  // of earlier ones, those that are near and pushed apart, ascending
-  int steps_to_look =
-      0;  // until it is seen whether the cloth crosses itself; -1 = it does not and never will
+  std::vector<Meeting> met;       // of earlier ones, those that are near and pushed apart, ascending
+  int steps_to_look = 0;          // until crossings are counted; -1 = there are none and never will be
   std::vector<int> caught, zone;  // vertices in meetings, ascending, and what moves as one [index]
 };
 
 /// The motion in State::system: `before` = places at the begin of the step, `force` = displacements [m].
-/// Sets `inverse[0].x` = the longest edge of each vertex's triangles, squared [m²], and `inverse[0].y` = 1
-/// where all their normals stay within 30° of one direction all the time.
+/// Sets `inverse[0].x` = the longest edge of each vertex's triangles, squared [m²], and `inverse[0].y` = 2
+/// where all their normals stay within 30° of one direction all the time, 1 where within 45°, else 0.
 void measure_triangles(const Exec& exec, const Model& model, State& state);
 
 /// Boxes of the motion; measure_triangles comes first.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <tuple>
+#include <unordered_map>
 
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/crossing.hpp"
@@ -11,39 +13,44 @@ namespace turgor::cloth {
 
 namespace {
 
-constexpr std::size_t kBatches = 8;  // that are looked at as one piece
 constexpr auto kLane = std::size_t(kLanes);
+constexpr std::size_t kLeaf = 2 * kLane;  // vertices in the smallest boxes
+constexpr std::size_t kPiece = 4;         // such boxes that are looked at as one piece
 
-std::size_t batches_of(const Model& model) { return padded(std::size_t(model.count)) / kLane; }
+std::size_t leaves_of(const Model& model) { return (std::size_t(model.count) + kLeaf - 1) / kLeaf; }
 
 /// Two edges that cross have ends nearer than √½ of the longer one; a point of a triangle is nearer to a
 /// corner.
 Real reach_of(Real longest2) { return std::sqrt(Real(0.50001) * longest2); }
 
-MotionBox box_of_batch(const Model& model, const System& system, std::size_t batch) {
-  const std::size_t i = batch * kLane;
-  const int count = std::min(kLanes, model.count - int(i));
-  float numbers[7][kLanes];
-  const Lanes3 x = load(system.before, i), d = load(system.force, i);
-  const Lanes longest2 = load_lanes(&system.inverse[0].x[i]);
-  const Lanes fields[7] = {x.x, x.y, x.z, d.x, d.y, d.z, longest2};
-  MotionBox box;
-  float low[6], high[7];
-  for (int f = 0; f < 7; f++) {
-    store_lanes(numbers[f], fields[f]);
-    const auto [least, most] = std::minmax_element(numbers[f], numbers[f] + count);
-    if (f < 6) low[f] = *least;
-    high[f] = *most;
-  }
-  box.low = {low[0], low[1], low[2]}, box.high = {high[0], high[1], high[2]};
-  box.least = {low[3], low[4], low[5]}, box.most = {high[3], high[4], high[5]};
-  box.reach = reach_of(high[6]);
-  return box;
-}
-
 MotionBox around(const MotionBox& a, const MotionBox& b) {
   return {min(a.low, b.low), max(a.high, b.high), min(a.least, b.least), max(a.most, b.most),
           std::max(a.reach, b.reach)};
+}
+
+MotionBox box_of_batch(const Model& model, const System& system, std::size_t begin) {
+  const int count = std::min(kLanes, model.count - int(begin));
+  float numbers[7][kLanes];
+  const Lanes3 x = load(system.before, begin), d = load(system.force, begin);
+  const Lanes fields[7] = {x.x, x.y, x.z, d.x, d.y, d.z, load_lanes(&system.inverse[0].x[begin])};
+  float low[7], high[7];
+  for (int f = 0; f < 7; f++) {
+    store_lanes(numbers[f], fields[f]);
+    const auto [least, most] = std::minmax_element(numbers[f], numbers[f] + count);
+    low[f] = *least, high[f] = *most;
+  }
+  return {{low[0], low[1], low[2]},
+          {high[0], high[1], high[2]},
+          {low[3], low[4], low[5]},
+          {high[3], high[4], high[5]},
+          reach_of(high[6])};
+}
+
+MotionBox box_of_leaf(const Model& model, const System& system, std::size_t leaf) {
+  const std::size_t begin = leaf * kLeaf, second = begin + kLane;
+  const MotionBox box = box_of_batch(model, system, begin);
+  if (second >= std::size_t(model.count)) return box;
+  return around(box, box_of_batch(model, system, second));
 }
 
 /// Whether anything in a and b may come nearer than the reach, seen along each axis.
@@ -96,17 +103,41 @@ void gather_star(const Model& model, int v, Star& star) {
   add_from(v);
 }
 
+/// What moves as one already, or will because of what was found.
+struct Joined {
+  const Crossing& crossing;
+  std::unordered_map<int, int> into;
+
+  int root(int v) const {
+    const auto& [caught, zone] = std::tie(crossing.caught, crossing.zone);
+    const auto at = std::lower_bound(caught.begin(), caught.end(), v);
+    if (at != caught.end() && *at == v) v = caught[std::size_t(zone[std::size_t(at - caught.begin())])];
+    for (auto next = into.find(v); next != into.end(); next = into.find(v)) v = next->second;
+    return v;
+  }
+  bool are_one(const std::array<int, 4>& v) const {
+    const int first = root(v[0]);
+    return root(v[1]) == first && root(v[2]) == first && root(v[3]) == first;
+  }
+  void join(const std::array<int, 4>& v) {
+    for (std::size_t k = 1; k < 4; k++)
+      if (const int a = root(v[0]), b = root(v[k]); a != b) into[std::max(a, b)] = std::min(a, b);
+  }
+};
+
 struct FindMeetings {
   const Model& model;
   const State& state;
   const System& system;
   double thickness;
+  bool all;  // pairs of vertices are looked at
   std::vector<Meeting>& found;
+  Joined joined{state.crossing};
   Star mine{}, other{};
 
   Vec3d place(int v) const { return Vec3d(system.before[std::size_t(v)]); }
   Vec3d way(int v) const { return Vec3d(system.force[std::size_t(v)]); }
-  bool is_flat(int v) const { return system.inverse[0].y[std::size_t(v)] > 0; }
+  Real flatness(int v) const { return system.inverse[0].y[std::size_t(v)]; }
 
   /// i < j in one triangle that has no smaller vertex: finds most edges at little cost.
   bool are_joined(int i, int j) const {
@@ -117,13 +148,14 @@ struct FindMeetings {
     return false;
   }
 
-  /// Two flat vertices that are adjacent or have a flat neighbour in common: all around them unfolds onto a
-  /// plane.
+  /// Adjacent vertices whose normals stay within 45°, so within 90° of a triangle they share: all around them
+  /// unfolds onto its plane. So it does within 30° with a neighbour in common.
   bool unfold() const {
-    if (!is_flat(mine.vertex) || !is_flat(other.vertex)) return false;
-    if (mine.has(other.vertex)) return true;
+    const Real flattest = std::min(flatness(mine.vertex), flatness(other.vertex));
+    if (mine.has(other.vertex)) return flattest >= 1;
+    if (flattest < 2) return false;
     for (const int v : mine.neighbours)
-      if (is_flat(v) && other.has(v)) return true;
+      if (flatness(v) >= 2 && other.has(v)) return true;
     return false;
   }
 
@@ -180,110 +212,144 @@ struct FindMeetings {
       moves_as_one = moves_as_one && d[k] == Vec3d{};
     }
     if (moves_as_one || are_parted_by_axis(x, d, are_edges ? 2 : 1, kClosest * thickness)) return;
-    if (comes_too_near(x, d, are_edges, thickness)) found.push_back({v, are_edges});
+    if (!found.empty() && joined.are_one(v)) return;
+    if (!comes_too_near(x, d, are_edges, thickness)) return;
+    found.push_back({v, are_edges});
+    joined.join(v);
+  }
+
+  /// Whether these vertices are visited together for sure.
+  bool are_visited(int i, int j) const {
+    if (!all) return false;
+    const Vec3d e = place(j) - place(i), f = way(j) - way(i);
+    const double when = std::clamp(-dot(e, f) / std::max(dot(f, f), 1e-30), 0.0, 1.0);
+    const Vec3d nearest = e + f * when;
+    const auto longest2 = [&](int v) { return double(system.inverse[0].x[std::size_t(v)]); };
+    return dot(nearest, nearest) < 0.49 * std::max(longest2(i), longest2(j));
+  }
+  /// Things that have several pairs of near vertices are tested with the first pair only.
+  bool is_first(int v, const Int3& t, int corner) const {
+    for (int k = 0; k < 3; k++)
+      if (t[k] < corner && are_visited(v, t[k])) return false;
+    return true;
+  }
+  bool is_first(int i, int p, int j, int q) const {
+    const std::pair<int, int> this_one = std::minmax(i, j);
+    for (const auto& [a, b] : {std::pair(i, q), std::pair(p, j), std::pair(p, q)})
+      if (std::pair<int, int>(std::minmax(a, b)) < this_one && are_visited(a, b)) return false;
+    return true;
   }
 
   void operator()(int i, int j) {
-    if (is_flat(i) && is_flat(j) && are_joined(i, j)) return;
+    if (flatness(i) >= 1 && flatness(j) >= 1 && are_joined(i, j)) return;
     gather_star(model, i, mine), gather_star(model, j, other);
     if (unfold() || are_parted()) return;
     for (const Int3& t : other.triangles)
-      if (t.x != i && t.y != i && t.z != i) test({i, t.x, t.y, t.z}, false);
+      if (t.x != i && t.y != i && t.z != i && is_first(i, t, j)) test({i, t.x, t.y, t.z}, false);
     for (const Int3& t : mine.triangles)
-      if (t.x != j && t.y != j && t.z != j) test({j, t.x, t.y, t.z}, false);
+      if (t.x != j && t.y != j && t.z != j && is_first(j, t, i)) test({j, t.x, t.y, t.z}, false);
     for (const int p : mine.neighbours)
       for (const int q : other.neighbours)
-        if (p != j && q != i && p != q) test({i, p, j, q}, true);
+        if (p != j && q != i && p != q && is_first(i, p, j, q)) test({i, p, j, q}, true);
   }
 };
 
-/// Pairs of vertices of two batches that come within reach on their way.
+/// Pairs of vertices i < j of two leaves that come within reach on their way.
 template <class Visit>
 void visit_pairs(const Model& model, const System& system, std::size_t a, std::size_t b, const MotionBox& box,
                  const Visit& visit) {
-  const std::size_t begin = b * kLane;
-  const unsigned exist = (2u << (std::min(kLanes, model.count - int(begin)) - 1)) - 1;
-  const Lanes3 xb = load(system.before, begin), db = load(system.force, begin);
-  const Lanes longest2 = load_lanes(&system.inverse[0].x[begin]);
-  const int end = std::min(int((a + 1) * kLane), model.count);
-  for (int i = int(a * kLane); i < end; i++) {
+  const int a_end = std::min(int((a + 1) * kLeaf), model.count),
+            b_end = std::min(int((b + 1) * kLeaf), model.count);
+  for (int i = int(a * kLeaf); i < a_end; i++) {
     const auto v = std::size_t(i);
     const Vec3 x = system.before[v], d = system.force[v];
     const Real mine2 = system.inverse[0].x[v];
     if (!may_meet({x, x, d, d, reach_of(mine2)}, box)) continue;
-    const Lanes3 e{xb.x - x.x, xb.y - x.y, xb.z - x.z}, f{db.x - d.x, db.y - d.y, db.z - d.z};
-    const Lanes when =
-        smaller(larger(-dot(e, f) / larger(dot(f, f), all_lanes(1e-30f)), all_lanes(0)), all_lanes(1));
-    const Lanes3 nearest = e + f * when;
-    unsigned hits =
-        exist & lanes_below(dot(nearest, nearest) - larger(longest2, all_lanes(mine2)) * 0.50001f, 0);
-    if (a == b) hits &= ~((2u << (i - int(begin))) - 1);
-    for (; hits != 0; hits &= hits - 1) visit(i, int(begin) + std::countr_zero(hits));
+    for (int begin = int(b * kLeaf); begin < b_end; begin += kLanes) {
+      const auto w = std::size_t(begin);
+      const Lanes3 xb = load(system.before, w), db = load(system.force, w);
+      const Lanes3 e{xb.x - x.x, xb.y - x.y, xb.z - x.z}, f{db.x - d.x, db.y - d.y, db.z - d.z};
+      const Lanes when =
+          smaller(larger(-dot(e, f) / larger(dot(f, f), all_lanes(1e-30f)), all_lanes(0)), all_lanes(1));
+      const Lanes3 nearest = e + f * when;
+      const Lanes longest2 = larger(load_lanes(&system.inverse[0].x[w]), all_lanes(mine2));
+      unsigned hits = lanes_below(dot(nearest, nearest) - longest2 * 0.50001f, 0);
+      for (; hits != 0; hits &= hits - 1) {
+        const int j = begin + std::countr_zero(hits);
+        if (j < b_end && (a != b || i < j)) visit(std::min(i, j), std::max(i, j));
+      }
+    }
   }
 }
 
-/// Calls visit(b) for the batches from `first` on whose boxes may meet that of batch a.
+/// Calls visit(b) for the leaves from `first` on whose boxes may meet that of leaf a.
 template <class Visit>
-void visit_boxes(const std::vector<MotionBox>& boxes, std::size_t a, std::size_t first, std::size_t count,
-                 const Visit& visit) {
-  const std::size_t leaves = boxes.size() / 2;
+void visit_boxes(const Crossing& crossing, std::size_t a, std::size_t first, const Visit& visit) {
   struct Node {
-    std::size_t index, begin, size;
+    std::size_t level, index;
   };
-  std::array<Node, 64> stack;
+  std::array<Node, 64> stack;  // deeper than any tree of halves
   std::size_t depth = 0;
-  stack[depth++] = {1, 0, leaves};
-  const MotionBox mine = boxes[leaves + a];
+  stack[depth++] = {crossing.level_begin.size() - 2, 0};
+  const MotionBox mine = crossing.boxes[a];
   while (depth > 0) {
-    const Node node = stack[--depth];
-    if (node.begin + node.size <= first || node.begin >= count || !may_meet(mine, boxes[node.index]))
-      continue;
-    if (node.size == 1) {
-      visit(node.begin);
+    const auto [level, index] = stack[--depth];
+    if ((index + 1) << level <= first) continue;
+    if (!may_meet(mine, crossing.boxes[crossing.level_begin[level] + index])) continue;
+    if (level == 0) {
+      visit(index);
       continue;
     }
-    const std::size_t half = node.size / 2;
-    stack[depth++] = {2 * node.index + 1, node.begin + half, half};
-    stack[depth++] = {2 * node.index, node.begin, half};
+    const std::size_t below = crossing.level_begin[level] - crossing.level_begin[level - 1];
+    if (2 * index + 1 < below) stack[depth++] = {level - 1, 2 * index + 1};
+    stack[depth++] = {level - 1, 2 * index};
   }
 }
 
-bool is_caught(const Crossing& crossing, std::size_t batch) {
-  const auto at = std::lower_bound(crossing.caught.begin(), crossing.caught.end(), int(batch * kLane));
-  return at != crossing.caught.end() && std::size_t(*at) < (batch + 1) * kLane;
+bool is_caught(const Crossing& crossing, std::size_t leaf) {
+  const auto at = std::lower_bound(crossing.caught.begin(), crossing.caught.end(), int(leaf * kLeaf));
+  return at != crossing.caught.end() && std::size_t(*at) < (leaf + 1) * kLeaf;
 }
 
 }  // namespace
 
 void place_boxes(const Exec& exec, const Model& model, State& state) {
-  std::vector<MotionBox>& boxes = state.crossing.boxes;
-  const std::size_t count = batches_of(model), leaves = std::bit_ceil(count);
-  boxes.resize(2 * leaves);
+  auto& boxes = state.crossing.boxes;
+  auto& level_begin = state.crossing.level_begin;
+  level_begin.assign(1, 0);
+  for (std::size_t size = leaves_of(model);; size = (size + 1) / 2) {
+    level_begin.push_back(level_begin.back() + size);
+    if (size == 1) break;
+  }
+  boxes.resize(level_begin.back());
   parallel_for(
-      exec, leaves,
-      [&](std::size_t batch) {
-        boxes[leaves + batch] = box_of_batch(model, state.system, std::min(batch, count - 1));
-      },
+      exec, level_begin[1], [&](std::size_t leaf) { boxes[leaf] = box_of_leaf(model, state.system, leaf); },
       64);
-  for (std::size_t level = leaves / 2; level > 0; level /= 2)
+  for (std::size_t level = 1; level + 1 < level_begin.size(); level++) {
+    const std::size_t below = level_begin[level - 1], begin = level_begin[level];
     parallel_for(
-        exec, level,
-        [&](std::size_t n) { boxes[level + n] = around(boxes[2 * (level + n)], boxes[2 * (level + n) + 1]); },
+        exec, level_begin[level + 1] - begin,
+        [&](std::size_t n) {
+          const std::size_t first = below + 2 * n;
+          boxes[begin + n] = first + 1 < begin ? around(boxes[first], boxes[first + 1]) : boxes[first];
+        },
         256);
+  }
 }
 
 bool find_meetings(const Exec& exec, const Model& model, State& state, bool all) {
   Crossing& crossing = state.crossing;
-  const std::size_t count = batches_of(model), leaves = crossing.boxes.size() / 2;
-  crossing.found.resize((count + kBatches - 1) / kBatches);
+  const std::size_t count = leaves_of(model);
+  crossing.found.resize((count + kPiece - 1) / kPiece);
   parallel_for(exec, crossing.found.size(), [&](std::size_t piece) {
     crossing.found[piece].clear();
-    FindMeetings find{model, state, state.system, model.params.collision.thickness, crossing.found[piece]};
-    for (std::size_t a = piece * kBatches; a < std::min((piece + 1) * kBatches, count); a++) {
+    FindMeetings find{
+        model, state, state.system, model.params.collision.thickness, all, crossing.found[piece]};
+    for (std::size_t a = piece * kPiece; a < std::min((piece + 1) * kPiece, count); a++) {
       if (!all && !is_caught(crossing, a)) continue;
-      visit_boxes(crossing.boxes, a, all ? a : 0, count, [&](std::size_t b) {
+      visit_boxes(crossing, a, all ? a : 0, [&](std::size_t b) {
         if (!all && b < a && is_caught(crossing, b)) return;  // b looks at a
-        visit_pairs(model, state.system, a, b, crossing.boxes[leaves + b], [&](int i, int j) { find(i, j); });
+        visit_pairs(model, state.system, a, b, crossing.boxes[b], [&](int i, int j) { find(i, j); });
       });
     }
   });

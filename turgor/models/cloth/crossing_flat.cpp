@@ -9,7 +9,7 @@ namespace turgor::cloth {
 
 namespace {
 
-constexpr float kCone = 0.75f;  // cos² 30°
+constexpr float kNarrow = 0.75f, kWide = 0.5f;  // cos² of 30° and 45°
 
 Lanes3 cross(Lanes3 a, Lanes3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -57,7 +57,7 @@ struct MeasureChunk {
   void operator()(std::size_t chunk) const {
     const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, system.force.size());
     Vectors &up = system.inverse[1], &out = system.inverse[0];
-    for (std::size_t v = begin; v < end; v++) up.set(v, {}), out.x[v] = 0, out.y[v] = 1;
+    for (std::size_t v = begin; v < end; v++) up.set(v, {}), out.x[v] = 0, out.y[v] = 2;
     const auto is_mine = [&](int v) { return std::size_t(v) >= begin && std::size_t(v) < end; };
     for_sixteen(chunk, [&](const auto& corners, int count, const MovingTriangles& t) {
       for (int l = 0; l < count; l++)
@@ -73,14 +73,17 @@ struct MeasureChunk {
         int mine[kLanes];  // others write to the other chunks
         for (int l = 0; l < kLanes; l++) mine[l] = is_mine(corner[l]) ? corner[l] : int(begin);
         const Lanes3 u = gather(up, mine);
-        const Lanes u2 = dot(u, u) * kCone;
-        unsigned inside = 0xffff;
+        unsigned narrow = 0xffff, wide = 0xffff;
         for (const Lanes3& n : t.normal) {
-          const Lanes along = larger(dot(n, u), all_lanes(0));
-          inside &= lanes_below(u2 * dot(n, n) - along * along, 0);
+          const Lanes along = larger(dot(n, u), all_lanes(0)), both2 = dot(u, u) * dot(n, n);
+          narrow &= lanes_below(both2 * kNarrow - along * along, 0);
+          wide &= lanes_below(both2 * kWide - along * along, 0);
         }
         for (int l = 0; l < count; l++)
-          if ((inside >> l & 1) == 0 && is_mine(corner[l])) out.y[std::size_t(corner[l])] = 0;
+          if ((narrow >> l & 1) == 0 && is_mine(corner[l])) {
+            Real& flatness = out.y[std::size_t(corner[l])];
+            flatness = std::min(flatness, Real(wide >> l & 1));
+          }
       }
     });
   }
