@@ -33,7 +33,8 @@ TriMesh two_sided(TriMesh mesh) {
 }  // namespace
 
 void add_clothes(const World& world, SkinColor color, const ColorScale* scale, PictureParts& parts) {
-  const bool known = color == SkinColor::kDisplacement;
+  // Beside tissue, which moves by millimetres, cloth is drawn as cloth.
+  const bool known = color == SkinColor::kDisplacement && world.lattices.empty() && touched_count(world) == 0;
   for (const ClothBody& body : world.clothes) {
     TriMesh mesh = cloth::surface(body.model, body.state);
     if (known) mesh.scalars = displacements(body);

@@ -14,6 +14,7 @@
 #include "turgor/io/file.hpp"
 #include "turgor/sim/output_folder.hpp"
 #include "turgor/sim/recording.hpp"
+#include "turgor/sim/report_cloth.hpp"
 #include "turgor/sim/report_touch.hpp"
 
 namespace turgor {
@@ -221,6 +222,7 @@ void run(const Exec& exec, const RunOptions& options) {
   const Timer simulation;
   const Measures measures = simulate(exec, scene, world, outputs, recording, options);
   outputs.facts.simulation_seconds = simulation.seconds();
+  for (std::string& warning : cloth_warnings(world)) outputs.facts.warnings.push_back(std::move(warning));
   for (std::string& warning : touch_warnings(world)) outputs.facts.warnings.push_back(std::move(warning));
   Json report = simulation_report(exec, scene, world, measures, outputs.facts);
   if (recording) {

@@ -124,10 +124,11 @@ TEST(cloth_support, with_its_sides_held_the_block_sinks_by_the_oedometric_modulu
 }
 
 TEST(cloth_support, the_displacement_is_the_solution_of_k_u_equals_f) {
-  for (const char* how : {"body.pad.precision=double", "body.pad.rotations=true"}) {
+  for (const char* how : {"body.pad.precision=double", "body.pad.rotations=true", "body.pad.memory=0.004"}) {
     World world = must_load(std::string(kBlock) + kSheet, {"body.pad.poisson=0.3", how});
     run(world, 60);
     Organ& pad = world.organs[0];
+    EXPECT_EQ(pad.facts.on_demand, std::string_view(how).find("memory") != std::string_view::npos);
     ASSERT_TRUE(sfem::factorize(Exec(1), pad.model));
     std::vector<double> u(3 * pad.model.vertex.size());
     for (const auto& [vertex, force] : pad.press->load.force)

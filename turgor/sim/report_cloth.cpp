@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/json_numbers.hpp"
@@ -109,6 +111,17 @@ Json cloth_report(const Exec& exec, const World& world, const ClothBody& body) {
             {"state_hash", hash_text(cloth::state_hash(model, body.state))}};
   if (std::isfinite(self.smallest)) json["smallest_distance_mm"] = rounded(self.smallest * kMm);
   return json;
+}
+
+std::vector<std::string> cloth_warnings(const World& world) {
+  std::vector<std::string> warnings;
+  for (const ClothBody& body : world.clothes)
+    for (const ClothHold& hold : body.holds)
+      if (hold.scene.ball && hold.vertices.empty() && time_of(world) > hold.scene.start)
+        warnings.push_back(
+            fmt::format("{}: hold.{}: no vertex of the cloth was in its ball at {} s: it holds nothing",
+                        body.name, hold.scene.name, hold.scene.start));
+  return warnings;
 }
 
 std::uint64_t cloth_hash(const World& world, std::uint64_t seed) {

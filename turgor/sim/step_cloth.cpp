@@ -1,7 +1,5 @@
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "turgor/contact/cloth_obstacle.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/cloth_body.hpp"
@@ -25,15 +23,12 @@ Vec3d displacement_at(const std::vector<std::array<double, 4>>& path, double tim
 }
 
 /// The vertices in its ball, now that it takes hold.
-void seize(ClothBody& body, ClothHold& hold) {
+void seize(const ClothBody& body, ClothHold& hold) {
   hold.vertices.clear();
   for (std::size_t v = 0; v < body.model.place.size(); v++) {
     const Vec3d x(body.state.x[std::size_t(body.model.place[v])]);
     if (norm(x - hold.scene.ball->centre) <= hold.scene.ball->radius) hold.vertices.push_back(int(v));
   }
-  if (hold.vertices.empty())
-    body.notes.push_back(fmt::format("hold.{}: the ball was empty at {} s: nothing is held", hold.scene.name,
-                                     hold.scene.start));
 }
 
 /// Seizes, moves or lets go; `end` is the time at the end of this frame. The vertices are there.
