@@ -192,6 +192,21 @@ TEST(ClothCrossing, a_sheet_that_begins_crossed_is_left_alone) {
   EXPECT_EQ(caught, 0);
 }
 
+TEST(ClothCrossing, what_touches_at_rest_is_no_obstacle_to_itself) {
+  const TriMesh other = make_sheet(  // its first column is the last one of the other
+      {.corner = {0.09, 0, 0}, .side = {0.09, 0, 0}, .up = {0, 0.09, 0}, .columns = 9, .rows = 9});
+  Params params;
+  params.collision.thickness = kThickness;
+  const Model model = must_build(together(flat_sheet(10), other), params);
+  State state = make_state(model);
+  for (int v = 0; v < 100; v++) ASSERT_TRUE(hold(model, state, v));
+  int caught = 0;
+  for (int frame = 0; frame < 12; frame++) caught += step(Exec(1), model, state, in_vacuum(), kFrame).caught;
+  EXPECT_EQ(caught, 0);
+  const Real fallen = state.x.z[std::size_t(model.place[155])];
+  EXPECT_NEAR(fallen, -9.81 * 0.2 * 0.2 / 2, 0.03) << "it was not sewn to the other";
+}
+
 /// Folded by hand, corners above each other, which balls on balls do not carry: the stack slides apart.
 TEST(ClothCrossing, ten_folds_that_slide_apart_never_cross) {
   constexpr int kAlong = 12, kWidth = 9, kLength = 10 * kAlong;

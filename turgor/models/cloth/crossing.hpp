@@ -56,7 +56,9 @@ void place_boxes(const Exec& exec, const Model& model, State& state);
 /// that were caught. False: nothing does, but for what moves as one already.
 bool find_meetings(const Exec& exec, const Model& model, State& state, bool all);
 
-/// Whether a vertex and a triangle or two edges come too near on the straight way from x to x + d [m].
+/// Of a vertex and a triangle or of two edges [m].
+double gap_between(const std::array<Vec3d, 4>& x, bool are_edges);
+/// Whether these come too near on the straight way from x to x + d [m].
 bool comes_too_near(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& d, bool are_edges,
                     double thickness);
 

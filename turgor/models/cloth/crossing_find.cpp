@@ -204,6 +204,13 @@ struct FindMeetings {
     return false;
   }
 
+  /// Seams that are not closed: nothing keeps them apart.
+  bool touch_at_rest(const std::array<int, 4>& v, bool are_edges) const {
+    std::array<Vec3d, 4> x;
+    for (std::size_t k = 0; k < 4; k++) x[k] = Vec3d(model.x_rest[std::size_t(v[k])]);
+    return gap_between(x, are_edges) < kClosest * thickness / 16;
+  }
+
   void test(const std::array<int, 4>& v, bool are_edges) {
     std::array<Vec3d, 4> x, d;
     bool moves_as_one = true;
@@ -213,7 +220,7 @@ struct FindMeetings {
     }
     if (moves_as_one || are_parted_by_axis(x, d, are_edges ? 2 : 1, kClosest * thickness)) return;
     if (!found.empty() && joined.are_one(v)) return;
-    if (!comes_too_near(x, d, are_edges, thickness)) return;
+    if (!comes_too_near(x, d, are_edges, thickness) || touch_at_rest(v, are_edges)) return;
     found.push_back({v, are_edges});
     joined.join(v);
   }

@@ -30,6 +30,8 @@ Vec3d between(const std::array<Vec3d, 4>& x, bool are_edges) {
 
 }  // namespace
 
+double gap_between(const std::array<Vec3d, 4>& x, bool are_edges) { return norm(between(x, are_edges)); }
+
 bool comes_too_near(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& d, bool are_edges,
                     double thickness) {
   constexpr int kSteps = 64;
