@@ -1,5 +1,7 @@
 #include "turgor/sim/keep_label.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace turgor {

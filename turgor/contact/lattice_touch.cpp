@@ -1,6 +1,7 @@
 #include "turgor/contact/lattice_touch.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "turgor/core/assert.hpp"
 

@@ -1,5 +1,7 @@
 #include "turgor/sim/report_compare.hpp"
 
+#include <algorithm>
+
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/json_numbers.hpp"
 

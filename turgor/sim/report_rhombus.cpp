@@ -1,10 +1,6 @@
 #include "turgor/sim/report_rhombus.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
-
-#include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"

@@ -6,10 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/io/ct.hpp"
-#include "turgor/sim/load_ct.hpp"
 
 namespace turgor {
 
