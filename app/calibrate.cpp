@@ -11,8 +11,8 @@
 #include "turgor/io/file.hpp"
 #include "turgor/sim/force_curve.hpp"
 #include "turgor/sim/output_folder.hpp"
-#include "turgor/sim/plot.hpp"
-#include "turgor/sim/report.hpp"
+#include "turgor/sim/report/plot.hpp"
+#include "turgor/sim/report/report.hpp"
 
 namespace turgor {
 

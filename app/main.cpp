@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "app/commands.hpp"
-#include "turgor/sim/nearest_name.hpp"
 #include "turgor/sim/output_folder.hpp"
-#include "turgor/sim/report.hpp"
+#include "turgor/sim/report/report.hpp"
+#include "turgor/sim/scene/nearest_name.hpp"
 
 namespace {
 

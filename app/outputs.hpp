@@ -10,8 +10,8 @@
 #include "turgor/core/exec.hpp"
 #include "turgor/io/mesh_files.hpp"
 #include "turgor/models/lattice/surface.hpp"
-#include "turgor/sim/report.hpp"
-#include "turgor/sim/scene.hpp"
+#include "turgor/sim/report/report.hpp"
+#include "turgor/sim/scene/scene.hpp"
 #include "turgor/sim/world.hpp"
 #include "turgor/view/draw.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "app/outputs.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/sim/forces_csv.hpp"
+#include "turgor/sim/report/forces_csv.hpp"
 
 namespace turgor {
 

@@ -13,9 +13,9 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/io/file.hpp"
 #include "turgor/sim/output_folder.hpp"
-#include "turgor/sim/recording.hpp"
-#include "turgor/sim/report_cloth.hpp"
-#include "turgor/sim/report_touch.hpp"
+#include "turgor/sim/recording/recording.hpp"
+#include "turgor/sim/report/report_cloth.hpp"
+#include "turgor/sim/report/report_touch.hpp"
 
 namespace turgor {
 

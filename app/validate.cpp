@@ -10,7 +10,7 @@
 #include "app/validate_sfem.hpp"
 #include "turgor/io/file.hpp"
 #include "turgor/sim/output_folder.hpp"
-#include "turgor/sim/plot.hpp"
+#include "turgor/sim/report/plot.hpp"
 #include "turgor/view/annotate.hpp"
 
 namespace turgor {

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "turgor/sim/scene.hpp"
+#include "turgor/sim/scene/scene.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace turgor;

@@ -9,7 +9,7 @@
 
 #include "folders.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/sim/scene.hpp"
+#include "turgor/sim/scene/scene.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor::test {

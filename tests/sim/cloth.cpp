@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "turgor/sim/report_cloth.hpp"
+#include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "sim/block_scene.hpp"
-#include "turgor/sim/report.hpp"
+#include "turgor/sim/report/report.hpp"
 
 namespace turgor {
 namespace {

@@ -4,12 +4,12 @@
 #include "sim/organ_scene.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/io/file.hpp"
-#include "turgor/sim/forces_csv.hpp"
 #include "turgor/sim/organ_patch.hpp"
-#include "turgor/sim/recording.hpp"
-#include "turgor/sim/recording_organs.hpp"
-#include "turgor/sim/report.hpp"
-#include "turgor/sim/report_touch.hpp"
+#include "turgor/sim/recording/recording.hpp"
+#include "turgor/sim/recording/recording_organs.hpp"
+#include "turgor/sim/report/forces_csv.hpp"
+#include "turgor/sim/report/report.hpp"
+#include "turgor/sim/report/report_touch.hpp"
 
 namespace turgor {
 namespace {

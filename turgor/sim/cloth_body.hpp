@@ -12,8 +12,8 @@
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/measure.hpp"
 #include "turgor/models/cloth/obstacle.hpp"
-#include "turgor/sim/cloth_scene.hpp"
 #include "turgor/sim/cloth_support.hpp"
+#include "turgor/sim/scene/cloth_scene.hpp"
 
 namespace turgor {
 

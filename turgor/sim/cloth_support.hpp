@@ -8,7 +8,7 @@
 #include "turgor/models/cloth/obstacle.hpp"
 #include "turgor/models/lattice/surface.hpp"
 #include "turgor/sim/cloth_load.hpp"
-#include "turgor/sim/cloth_scene.hpp"
+#include "turgor/sim/scene/cloth_scene.hpp"
 
 namespace turgor {
 

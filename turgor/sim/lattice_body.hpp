@@ -12,7 +12,7 @@
 #include "turgor/sim/cloth_load.hpp"
 #include "turgor/sim/load_organ.hpp"
 #include "turgor/sim/organ.hpp"
-#include "turgor/sim/scene.hpp"
+#include "turgor/sim/scene/scene.hpp"
 
 namespace turgor {
 

@@ -10,7 +10,7 @@
 #include "turgor/core/progress.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/volume.hpp"
-#include "turgor/sim/scene.hpp"
+#include "turgor/sim/scene/scene.hpp"
 
 namespace turgor {
 

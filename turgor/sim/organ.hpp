@@ -15,7 +15,7 @@
 #include "turgor/models/sfem/rotation.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/cloth_load.hpp"
-#include "turgor/sim/sfem_scene.hpp"
+#include "turgor/sim/scene/sfem_scene.hpp"
 #include "turgor/sim/tool_path.hpp"
 
 namespace turgor {

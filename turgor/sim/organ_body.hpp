@@ -7,7 +7,7 @@
 
 #include "turgor/core/result.hpp"
 #include "turgor/models/sfem/sfem.hpp"
-#include "turgor/sim/sfem_scene.hpp"
+#include "turgor/sim/scene/sfem_scene.hpp"
 
 namespace turgor {
 

@@ -7,7 +7,7 @@
 #include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/sim/load_organ.hpp"
 #include "turgor/sim/organ.hpp"
-#include "turgor/sim/rhombus_scene.hpp"
+#include "turgor/sim/scene/rhombus_scene.hpp"
 
 namespace turgor {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "turgor/core/result.hpp"
-#include "turgor/sim/sfem_scene.hpp"
+#include "turgor/sim/scene/sfem_scene.hpp"
 
 namespace turgor {
 

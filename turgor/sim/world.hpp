@@ -17,7 +17,7 @@
 #include "turgor/sim/load_organ.hpp"
 #include "turgor/sim/organ.hpp"
 #include "turgor/sim/rhombus_organ.hpp"
-#include "turgor/sim/scene.hpp"
+#include "turgor/sim/scene/scene.hpp"
 
 namespace turgor {
 

@@ -1,0 +1,165 @@
+#include "turgor/sim/recording/recording.hpp"
+
+#include <algorithm>
+#include <fstream>
+
+#include "sim/block_scene.hpp"
+#include "turgor/io/file.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Runs the block and records it; returns the world at the end.
+World record_block(const fs::path& folder, const Scene& scene) {
+  const Exec exec(1);
+  World world = test::block_world(exec, scene);
+  Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
+  EXPECT_TRUE(writer) << writer.error().message;
+  EXPECT_TRUE(writer->add_snapshot(world));
+  for (int frame = 0; frame < 10; frame++) EXPECT_TRUE(step(exec, world));
+  EXPECT_TRUE(writer->add_snapshot(world));
+  EXPECT_TRUE(writer->finish(world, "{\"a\": 1}"));
+  return world;
+}
+
+TEST(Recording, RestoresPositionsCutsAndPathsToTheBit) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::block_scene(folder);
+  const World world = record_block(folder, scene);
+  const Result<Recording> recording = Recording::open(folder / "r.h5");
+  ASSERT_TRUE(recording) << recording.error().message;
+  EXPECT_EQ(recording->snapshot_count(), 2);
+  EXPECT_EQ(recording->report(), "{\"a\": 1}");
+  const Result<Scene> again = recording->scene({});
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->text, scene.text);
+
+  World drawn = test::block_world(Exec(1), *again);
+  ASSERT_TRUE(recording->check_world(drawn));
+  ASSERT_TRUE(recording->restore(1, drawn));
+  const lattice::State &a = world.lattices[0].state, &b = drawn.lattices[0].state;
+  EXPECT_EQ(drawn.frame, 10);
+  EXPECT_EQ(a.u.x, b.u.x);
+  EXPECT_EQ(a.u.y, b.u.y);
+  EXPECT_EQ(a.u.z, b.u.z);
+  EXPECT_EQ(a.cut, b.cut);
+  EXPECT_EQ(a.removed, b.removed);
+  EXPECT_EQ(a.skin_cut, b.skin_cut);
+  EXPECT_EQ(a.row_cut, b.row_cut);
+  ASSERT_EQ(a.cut_edges.size(), b.cut_edges.size());
+  EXPECT_GT(a.cut_edges.size(), 0u);
+  const double gape = lattice::measure_wound(world.lattices[0].model, a, *world.cuts[0].path, 0).gape_max;
+  EXPECT_EQ(lattice::measure_wound(drawn.lattices[0].model, b, *drawn.cuts[0].path, 0).gape_max, gape);
+  ASSERT_TRUE(recording->restore(0, drawn));
+  EXPECT_TRUE(drawn.lattices[0].state.cut_edges.empty());
+  EXPECT_FALSE(drawn.cuts[0].path);
+}
+
+TEST(Recording, RestoresRegionsThatLeftTheBody) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::block_scene(folder, {"incision.cut.width=0.02"});
+  const World world = record_block(folder, scene);
+  const Result<Recording> recording = Recording::open(folder / "r.h5");
+  ASSERT_TRUE(recording) << recording.error().message;
+  World drawn = test::block_world(Exec(1), scene);
+  const Status restored = recording->restore(1, drawn);
+  ASSERT_TRUE(restored) << restored.error().message;
+  const lattice::State &a = world.lattices[0].state, &b = drawn.lattices[0].state;
+  EXPECT_GT(std::count(a.removed.begin(), a.removed.end(), 1), 0);
+  EXPECT_EQ(a.removed, b.removed);
+  EXPECT_EQ(a.cut, b.cut);
+}
+
+TEST(Recording, RefusesAnotherCt) {
+  const fs::path folder = test::fresh_folder();
+  record_block(folder, test::block_scene(folder));
+  CtVolume other = test::block_ct();
+  other.at(20, 10, 20) = 7;
+  ASSERT_TRUE(write_ct(folder / "other.nii", other));
+  const Result<Recording> recording = Recording::open(folder / "r.h5");
+  ASSERT_TRUE(recording);
+  const Result<Scene> scene = recording->scene({"body.block.ct=" + (folder / "other.nii").string()});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const Status status = recording->check_world(test::block_world(Exec(1), *scene));
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("body.block was recorded on another CT: expected content "),
+            std::string::npos)
+      << status.error().message;
+}
+
+TEST(Recording, OnlyOutputAndFilesMayChangeInAReplay) {
+  const fs::path folder = test::fresh_folder();
+  record_block(folder, test::block_scene(folder));
+  const Result<Recording> recording = Recording::open(folder / "r.h5");
+  ASSERT_TRUE(recording);
+  EXPECT_TRUE(recording->scene({"output.color=stretch"}));
+  EXPECT_EQ(recording->scene({"body.block.block=4"}).error().message,
+            "--set body.block.block: a replay may only change output.* and where a body's files are");
+}
+
+TEST(Recording, FilesThatAreNoneAreNamed) {
+  const fs::path folder = test::fresh_folder();
+  const std::string path = (folder / "r.h5").string();
+  const auto error = [&] { return Recording::open(path).error().message; };
+  EXPECT_EQ(error(), path + ": expected an HDF5 file, found nothing there");
+  ASSERT_TRUE(write_file(path, "not at all"));
+  EXPECT_EQ(error(), path + ": expected an HDF5 file, found something else");
+  {
+    Result<Hdf5File> foreign = Hdf5File::create(path);
+    ASSERT_TRUE(foreign);
+    ASSERT_TRUE(foreign->write_text("/title", "weather of 1987"));
+  }
+  EXPECT_EQ(error(), path + ": expected a recording of turgor run, found another HDF5 file");
+  {
+    Result<Hdf5File> old = Hdf5File::create(path);
+    ASSERT_TRUE(old);
+    ASSERT_TRUE(old->write_text("/format", "turgor recording 0"));
+  }
+  EXPECT_EQ(error(),
+            path +
+                ": expected \"turgor recording 2\", found \"turgor recording 0\", of another version of this "
+                "program");
+  {
+    Result<Hdf5File> half = Hdf5File::create(path);
+    ASSERT_TRUE(half);
+    ASSERT_TRUE(half->write_text("/format", "turgor recording 2"));
+  }
+  EXPECT_EQ(error(), path + ": the recording was never finished");
+}
+
+TEST(Recording, DamagedFilesAreErrorsAndNeverCrashes) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::block_scene(folder);
+  record_block(folder, scene);
+  const std::string whole = read_file(folder / "r.h5").value();
+  World world = test::block_world(Exec(1), scene);
+  const auto read_all = [&] {
+    const Result<Recording> recording = Recording::open(folder / "r.h5");
+    if (!recording) return false;
+    const Result<Scene> again = recording->scene({});
+    if (!again || !recording->check_world(world)) return false;
+    for (int s = 0; s < std::min(recording->snapshot_count(), 4); s++)
+      if (!recording->restore(s, world)) return false;
+    return true;
+  };
+  EXPECT_TRUE(read_all());
+  int errors = 0;
+  for (int n = 1; n < 20; n++) {  // cut short
+    ASSERT_TRUE(write_file(folder / "r.h5", whole.substr(0, whole.size() * std::size_t(n) / 20)));
+    errors += !read_all();
+  }
+  EXPECT_EQ(errors, 19);
+  for (int n = 0; n < 200; n++) {  // a byte of noise every 2 kB, elsewhere each time
+    std::string damaged = whole;
+    for (std::size_t i = std::size_t(n) * 37 % 2048; i < damaged.size(); i += 2048)
+      damaged[i] = char(damaged[i] ^ 0x55);
+    ASSERT_TRUE(write_file(folder / "r.h5", damaged));
+    errors += !read_all();
+  }
+  EXPECT_GE(errors, 19 + 190);
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,81 @@
+#include "turgor/sim/report/report.hpp"
+
+#include "sim/block_scene.hpp"
+#include "turgor/core/hash.hpp"
+#include "turgor/io/image.hpp"
+
+namespace turgor {
+namespace {
+
+struct BlockRun {
+  std::filesystem::path folder = test::fresh_folder();
+  Json report;
+};
+
+/// A short run of the block with one picture.
+BlockRun block_run() {
+  BlockRun run;
+  const Exec exec(1);
+  const Scene scene = test::block_scene(run.folder, {"output.window=bone"});
+  World world = test::block_world(exec, scene);
+  Measures measures = make_measures(world);
+  for (int frame = 1; frame <= 10; frame++)
+    measure_frame(exec, world, step(exec, world, true).value(), true, measures);
+  RunFacts facts;
+  facts.simulation_seconds = 1.25;
+  run.report = simulation_report(exec, scene, world, measures, facts);
+  EXPECT_TRUE(write_png(run.folder / "a.png", make_image(8, 8, {255, 0, 0})));
+  facts.pictures = {{"a.png", "red <square>", false}};
+  facts.warnings = {"something & else"};
+  facts.deformed = {{"block", "d.nii", {1, 2, 3}, 0.5, 0.01, 0}};
+  add_outputs(run.report, facts);
+  EXPECT_EQ(run.report["bodies"][0]["state_hash"],
+            hash_text(lattice::state_hash(world.lattices[0].model, world.lattices[0].state)));
+  return run;
+}
+
+TEST(Report, HoldsWhatWasMeasuredWithUnits) {
+  const Json report = block_run().report;
+  EXPECT_EQ(report["scene"]["overrides"][0], "output.window=bone");
+  EXPECT_EQ(report["bodies"][0]["lattice_step_mm"], Json::array({8.0, 8.0, 8.0}));
+  EXPECT_GT(report["bodies"][0]["body_nodes"].get<int>(), 1000);
+  const Json& wound = report["wounds"][0];
+  EXPECT_EQ(wound["name"], "cut");
+  EXPECT_GT(wound["gape_max_mm"].get<double>(), 0.1);
+  EXPECT_EQ(wound["series"].size(), 8u);
+  EXPECT_EQ(wound["series"][7][1], wound["gape_max_mm"]);
+  EXPECT_NEAR(wound["angle_to_lines_deg"].get<double>(), 90, 0.1);
+  EXPECT_EQ(report["timing"]["frames"], 10);
+  EXPECT_EQ(report["timing"]["simulation_s"], 1.25);
+  EXPECT_EQ(report["state_hash"].get<std::string>().size(), 16u);
+  EXPECT_EQ(report["warnings"][0], "something & else");
+  EXPECT_EQ(Json::parse(report.dump()), report);
+}
+
+TEST(Report, ThePageIsOneFileWithPicturesAndCurvesInside) {
+  const BlockRun run = block_run();
+  const std::string html = report_html(run.report, run.folder);
+  EXPECT_NE(html.find("src=\"data:image/png;base64,iVBORw0KGgo"), std::string::npos);  // how every PNG starts
+  EXPECT_NE(html.find("red &lt;square>"), std::string::npos);
+  EXPECT_NE(html.find("something &amp; else"), std::string::npos);
+  EXPECT_NE(html.find("gape, largest [mm]"), std::string::npos);
+  EXPECT_NE(html.find("Gape over time"), std::string::npos);
+  EXPECT_NE(html.find("prefers-color-scheme: dark"), std::string::npos);
+  EXPECT_EQ(html.find("src=\"http"), std::string::npos);
+  EXPECT_EQ(html.find("href=\"http"), std::string::npos);
+  EXPECT_EQ(html.find("url(http"), std::string::npos);
+}
+
+TEST(Report, WithoutGnuplotCurvesAreTables) {
+  const BlockRun run = block_run();
+  const std::string path = getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  const std::string html = report_html(run.report, run.folder);
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(html.find("<svg"), std::string::npos);
+  EXPECT_NE(html.find("<h3>Gape over time</h3>"), std::string::npos);
+  EXPECT_EQ(html.find("nan"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace turgor

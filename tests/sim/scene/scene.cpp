@@ -1,0 +1,283 @@
+#include "turgor/sim/scene/scene.hpp"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "folders.hpp"
+
+namespace turgor {
+namespace {
+
+const std::string kScene = R"(
+[world]
+gravity = [0, 9.81, 0]
+duration = 1.5
+frame_rate = 30
+
+[body.torso]
+model = "lattice"
+ct = "ct/patient.nii.gz"
+labels = "/seg.nii.gz"
+block = [2, 2, 1]
+fixed = ["bone", "ends"]
+tissue = { fat = 4e3, muscle = 1.5e4, volume = 2, labels = { liver = 4e3, 77 = 5e3 } }
+skin = { law = "fibre", tension = [60, 30], stiffness = 250, shear = 90, amplification = 1, direction = [0, 0, 1] }
+solver = { method = "descent", sweeps = 7, damping = 2 }
+
+[incision.first]
+body = "torso"
+from = [0.01, -0.1, 0.02]
+to = [0.01, -0.1, 0.12]
+depth = 0.012
+start = 0.25
+duration = 0.5
+
+[incision.second]
+body = "torso"
+from_fraction = [0.2, 0.0, 0.5]
+to_fraction = [0.4, 0.0, 0.5]
+width = 0.01
+
+[output]
+snapshots = { every = 0.25, size = [320, 240] }
+color = "stretch"
+volume_rendering = false
+window = "bone"
+deformed_ct = "deformed.nrrd"
+deformed_size = [64, 64, 32]
+obj = false
+)";
+
+/// The smallest scene, with lines added to its body and at its end.
+std::string small_scene(const std::string& body = "", const std::string& rest = "") {
+  return "[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"torso\" }\n" + body + "\n" + rest;
+}
+
+std::string error_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const Result<Scene> scene = parse_scene(text, "s.toml", overrides);
+  return scene ? "no error" : scene.error().message;
+}
+
+TEST(Scene, EveryKeyReachesItsField) {
+  const Result<Scene> parsed = parse_scene(kScene, "/scenes/s.toml");
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  const Scene& scene = *parsed;
+  EXPECT_EQ(scene.gravity, (Vec3d{0, 9.81, 0}));
+  EXPECT_EQ(scene.duration, 1.5);
+  EXPECT_EQ(frame_count(scene), 45);
+  ASSERT_EQ(scene.lattices.size(), 1u);
+  const LatticeScene& torso = scene.lattices[0];
+  EXPECT_EQ(torso.name, "torso");
+  EXPECT_EQ(torso.ct.file, "/scenes/ct/patient.nii.gz");
+  EXPECT_EQ(torso.labels, "/seg.nii.gz");
+  EXPECT_EQ(torso.params.block, (Int3{2, 2, 1}));
+  EXPECT_TRUE(torso.params.fix_bone);
+  EXPECT_TRUE(torso.params.fix_ends);
+  EXPECT_EQ(torso.params.tissue.fat, 4e3);
+  EXPECT_EQ(torso.params.tissue.volume, 2);
+  EXPECT_EQ(torso.params.tissue.young_of_label, (std::map<int, double>{{5, 4e3}, {77, 5e3}}));
+  EXPECT_EQ(torso.params.skin.tension_along, 60);
+  EXPECT_EQ(torso.params.skin.tension_across, 30);
+  EXPECT_EQ(torso.params.skin.stiffness, 250);
+  EXPECT_EQ(torso.params.skin.direction, (Vec3d{0, 0, 1}));
+  EXPECT_EQ(torso.params.solver.sweeps, 7);
+  ASSERT_EQ(scene.incisions.size(), 2u);
+  EXPECT_EQ(scene.incisions[0].blade.name, "first");
+  EXPECT_EQ(scene.incisions[0].blade.from, (Vec3d{0.01, -0.1, 0.02}));
+  EXPECT_EQ(scene.incisions[0].blade.depth, 0.012);
+  EXPECT_EQ(scene.incisions[0].blade.start, 0.25);
+  EXPECT_FALSE(scene.incisions[0].by_fraction);
+  EXPECT_TRUE(scene.incisions[1].by_fraction);
+  EXPECT_EQ(scene.incisions[1].blade.width, 0.01);
+  EXPECT_EQ(scene.output.width, 320);
+  EXPECT_EQ(scene.output.color, SkinColor::kStretch);
+  EXPECT_EQ(scene.output.volume_rendering, "");
+  EXPECT_EQ(scene.output.window, "bone");
+  EXPECT_EQ(scene.output.deformed_size, (Int3{64, 64, 32}));
+  EXPECT_FALSE(scene.output.obj);
+}
+
+TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
+  struct Case {
+    std::string text, error;
+  };
+  const std::vector<Case> cases = {
+      {"", "s.toml:1:1: body is missing: a scene needs at least one body, as in [body.torso]"},
+      {"[body]\n", "s.toml:1:1: body: a scene needs at least one body, as in [body.torso]"},
+      {"[world\n", "s.toml:1:7: not TOML: "},
+      {small_scene("", "[wrold]\n"), "s.toml:5:2: wrold is not a key of a scene; did you mean world?"},
+      {small_scene("skin = { tensoin = 3 }"),
+       "s.toml:4:10: body.torso.skin.tensoin is not a key of a scene; did you mean tension?"},
+      {small_scene("", "[world]\nduration = 0"),
+       "s.toml:6:12: world.duration: expected a number between 0 and 3600 [s], found 0"},
+      {small_scene("", "[world]\nduration = nan"),
+       "world.duration: expected a number between 0 and 3600 [s], found nan"},
+      {small_scene("", "[world]\nframe_rate = 2000"),
+       "world.frame_rate: expected a number from 1 to 1000 [1/s], found 2000"},
+      {small_scene("", "[world]\ngravity = [0, 1]"),
+       "world.gravity: expected three numbers from -1000 to 1000 [m/s²], found [ 0, 1 ]"},
+      {small_scene("", "[world]\ngravity = \"down\""),
+       "world.gravity: expected three numbers from -1000 to 1000 [m/s²], found \"down\""},
+      {"[body.torso]\nct = \"x\"\n", "s.toml:1:1: body.torso: model is missing: \"lattice\""},
+      {"[body.torso]\nmodel = \"latice\"\nct = \"x\"\n",
+       "s.toml:2:9: body.torso.model: expected \"lattice\", \"sfem\", \"rhombus\", \"cloth\", found "
+       "\"latice\"; did you "
+       "mean "
+       "\"lattice\"?"},
+      {"[body.torso]\nmodel = \"lattice\"\n",
+       "body.torso: ct is missing: a CT file or DICOM folder, or { phantom = \"torso\" }"},
+      {"[body.torso]\nmodel = \"lattice\"\nct = \"\"\n",
+       "body.torso.ct: expected the name of a file or folder, found \"\""},
+      {"[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"foot\" }\n",
+       "body.torso.ct.phantom: expected \"torso\", \"head\", \"leg\", found \"foot\""},
+      {"[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"leg\", size = [2, 9, 9] }\n",
+       "body.torso.ct.size: expected numbers from 8 to 2048 [voxels], found 2"},
+      {small_scene("block = 0"), "body.torso.block: expected a whole number from 1 to 64 [voxels], found 0"},
+      {small_scene("block = 2\nstep = 0.004"), "body.torso.step: a body has either step or block, not both"},
+      {small_scene("block = 2.5"),
+       "body.torso.block: expected a whole number from 1 to 64 [voxels], found 2.5"},
+      {small_scene("fixed = \"bones\""),
+       "body.torso.fixed: expected \"bone\", \"ends\", [\"bone\", \"ends\"], \"none\", or { sides = "
+       "\"back\", "
+       "depth = 0.3 }, found \"bones\""},
+      {small_scene("fixed = { sides = \"behind\" }"), "body.torso.fixed.sides: expected \"right\", \"left\""},
+      {small_scene("only = \"livre\""),
+       "body.torso.only: expected a label's number (1 to 65535) or an organ's name, found \"livre\"; did you "
+       "mean "
+       "liver?"},
+      {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\nonly = 5",
+       "body.torso.only: one label alone needs a segmentation: add labels = \"seg.nii.gz\""},
+      {small_scene(
+           "skin = false\nsolver = { method = \"pbd\" }",
+           "[tool.a]\nbody = \"torso\"\nshape = { sphere = 0.01 }\npress = { at_fraction = [0.5, 0, 0.5] }"),
+       "tool.a.body: torso has solver.method = \"pbd\", which knows no forces in newtons"},
+      {small_scene("tissue = { fat = -1 }"),
+       "body.torso.tissue.fat: expected a number above 0 [Pa], found -1"},
+      {small_scene("tissue = { fat_max = -500 }"),
+       "expected air_max < fat_max < bone_min, found -449 < -500 < 200 HU"},
+      {small_scene("labels = \"s.nii\"\ntissue = { labels = { livre = 3e3 } }"),
+       "body.torso.tissue.labels.livre: expected a label's number (1 to 65535) or an organ's name; did you "
+       "mean liver?"},
+      {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\ntissue = { labels = { liver = 3e3 } }",
+       "stiffness by label needs a segmentation"},
+      {small_scene("skin = { tension = 400 }"),
+       "body.torso.skin.tension: expected less than the skin's stiffness, 300 N/m, found 400 N/m"},
+      {small_scene("skin = { tension = [1, 2, 3] }"),
+       "expected a number or [along, across] Langer's lines [N/m], found [ 1, 2, 3 ]"},
+      {small_scene("skin = { law = \"fibre\" }\nsolver = { method = \"pbd\" }"),
+       "solver.method = \"pbd\" offers the area law only"},
+      {small_scene("skin = { direction = [0, 0, 0] }"),
+       "body.torso.skin.direction: expected a vector that is not zero"},
+      {small_scene("solver = { method = \"xpbd\" }"),
+       "solver.method: expected \"pbd\", \"descent\", found \"xpbd\"; did you mean \"pbd\"?"},
+      {small_scene("solver = { sweeps = 1001 }"),
+       "solver.sweeps: expected a whole number from 1 to 1000, found 1001"},
+      {small_scene("", "[incision.a]\nfrom = [0,0,0]\nto = [1,0,0]"),
+       "incision.a: body is missing: the name of the body that is cut"},
+      {small_scene("", "[incision.a]\nbody = \"torsi\"\nfrom = [0,0,0]\nto = [1,0,0]"),
+       "s.toml:6:8: incision.a.body: the scene has no body torsi; did you mean torso?"},
+      {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]"),
+       "incision.a: to or to_fraction is missing: where the cut ends"},
+      {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]\nto = [0,0,0]"),
+       "incision.a.to: the cut has no length"},
+      {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]\nto = [0,0,1]\ndepth = 0"),
+       "incision.a.depth: expected a number between 0 and 1 [m], found 0"},
+      {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]\nto = [0,0,1]\nstart = 2"),
+       "incision.a.start: the cut starts at 2 s, when the run of 2 s is over"},
+      {small_scene("", "[output]\ndeformed_ct = \"../x.nii\""),
+       "output.deformed_ct: expected a file name without folders"},
+      {small_scene("", "[output]\nwindow = \"abdomne\""), "did you mean \"abdomen\"?"},
+      {small_scene("", "[output]\nsnapshots = { every = 0 }"),
+       "output.snapshots.every: expected a number above 0 [s], found 0"},
+      {small_scene("", "[output]\nsnapshots = { size = [10, 10] }"),
+       "output.snapshots.size: expected numbers from 64 to 8192 [pixels], found 10"},
+      {small_scene("", "[output]\nobj = 1"), "output.obj: expected true or false, found 1"},
+  };
+  for (const Case& c : cases)
+    EXPECT_NE(error_of(c.text).find(c.error), std::string::npos) << error_of(c.text) << "\n  but expected\n"
+                                                                 << c.error;
+}
+
+TEST(Scene, AllMistakesOfAFileAreListedInItsOrder) {
+  EXPECT_EQ(error_of(small_scene("block = 0", "[output]\nobj = 1")),
+            "s.toml:4:9: body.torso.block: expected a whole number from 1 to 64 [voxels], found 0\n"
+            "s.toml:6:7: output.obj: expected true or false, found 1");
+}
+
+TEST(Scene, OverridesReplaceAnyKeyAndTakeBareWordsAsText) {
+  const Result<Scene> scene = parse_scene(kScene, "/scenes/s.toml",
+                                          {"body.torso.ct=other/ct.nii.gz", "body.torso.skin.tension=20",
+                                           "world.duration=3", "output.window=lung"});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->lattices[0].ct.file,
+            "other/ct.nii.gz");  // relative to the current folder, not to the scene's
+  EXPECT_EQ(scene->lattices[0].params.skin.tension_across, 20);
+  EXPECT_EQ(scene->duration, 3);
+  EXPECT_EQ(scene->output.window, "lung");
+}
+
+TEST(Scene, OverridesMayReplaceAPhantomByAFileAndAFileByAPhantom) {
+  const Result<Scene> file = parse_scene(small_scene(), "s.toml", {"body.torso.ct=2024"});
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->lattices[0].ct.file, "2024");
+  EXPECT_FALSE(file->lattices[0].ct.phantom);
+  const Result<Scene> phantom =
+      parse_scene(kScene, "s.toml", {"body.torso.ct={ phantom = \"leg\", seed = 3 }"});
+  ASSERT_TRUE(phantom) << phantom.error().message;
+  EXPECT_EQ(phantom->lattices[0].ct.phantom->kind, PhantomKind::kLeg);
+  EXPECT_EQ(phantom->lattices[0].ct.phantom->seed, 3);
+}
+
+TEST(Scene, WrongOverridesAreRefusedByName) {
+  const auto error = [](const std::string& text) { return error_of(kScene, {text}); };
+  EXPECT_EQ(error("world.duration"),
+            "--set world.duration: expected key=value, as in --set body.torso.block=2");
+  EXPECT_EQ(error("=3"), "--set =3: expected key=value, as in --set body.torso.block=2");
+  EXPECT_EQ(error("world..duration=3"),
+            "--set world..duration: expected a key of names with dots between them");
+  EXPECT_EQ(error("world.duratoin=3"),
+            "--set world.duratoin: world.duratoin is not a key of a scene; did you mean duration?");
+  EXPECT_EQ(error("body.torsso.block=3"),
+            "--set body.torsso.block: the scene has no body torsso; did you mean torso?");
+  EXPECT_EQ(error("body.torso.ct.seed=3"),
+            "--set body.torso.ct.seed: body.torso.ct is \"ct/patient.nii.gz\" in the scene, not a table");
+  EXPECT_EQ(error("world.duration=long"),
+            "--set world.duration: world.duration: expected a number between 0 and 3600 [s], found \"long\"");
+  EXPECT_EQ(error("world.duration=3\nworld.x=4"),
+            "--set world.duration: world.duration: expected a number between 0 and 3600 [s], found "
+            "\"3\nworld.x=4\"");
+}
+
+TEST(Scene, SnapshotsAreTheFirstTheLastAndEveryOneBetween) {
+  const Result<Scene> scene = parse_scene(
+      small_scene("", "[world]\nduration = 1.1\n[output]\nsnapshots = { every = 0.5 }"), "s.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  std::vector<int> frames;
+  for (int frame = 0; frame <= frame_count(*scene); frame++)
+    if (is_snapshot(*scene, frame)) frames.push_back(frame);
+  EXPECT_EQ(frames, (std::vector<int>{0, 30, 60, 66}));
+}
+
+TEST(Scene, FilesThatAreNoScenesAreNamed) {
+  const auto error = [](const std::string& path) { return read_scene(path).error().message; };
+  EXPECT_EQ(error("/nowhere/s.toml"), "/nowhere/s.toml: does not exist; neither does the folder /nowhere");
+  EXPECT_EQ(error("/tmp"), "/tmp: expected a scene file (.toml), found a folder");
+  const std::string big = test::fresh_folder() / "big.toml";
+  std::ofstream(big) << std::string(2 << 20, '#');
+  EXPECT_EQ(error(big), big + ": expected a scene file (.toml), found more than 1 MiB");
+}
+
+TEST(Scene, ScenesOfTheProjectAreRight) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(TURGOR_SOURCE_DIR "/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    const Result<Scene> scene = read_scene(entry.path());
+    EXPECT_TRUE(scene) << scene.error().message;
+    count++;
+  }
+  EXPECT_GE(count, 3);
+}
+
+}  // namespace
+}  // namespace turgor

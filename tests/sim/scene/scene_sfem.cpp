@@ -1,0 +1,152 @@
+#include "turgor/sim/scene/scene_sfem.hpp"
+
+#include <gtest/gtest.h>
+
+#include "turgor/sim/scene/scene.hpp"
+
+namespace turgor {
+namespace {
+
+const std::string kScene = R"(
+[body.liver]
+model = "sfem"
+labels = "seg.nii.gz"
+label = "liver"
+resolution = 0.01
+young = 5e3
+poisson = 0.4
+inside = { nodule = { label = 77, young = 4e4 } }
+inclusion.cyst = { centre_fraction = [0.5, 0.5, 0.5], radius = 0.02, young = 500, poisson = 0.3 }
+fixed = { sides = ["back", "head"], depth = 0.2 }
+formulation = "averaged"
+patch = { radius = 0.03, refinement = 3, hysteresis = 0.5 }
+viscosity = { ratio = 0.5, time = 0.3 }
+precision = "double"
+memory = 2
+cache = "kept"
+seen = "fine.obj"
+seen_scale = 0.001
+
+[body.pad]
+model = "sfem"
+block = { size = [0.1, 0.2, 0.3], count = [1, 2, 3] }
+fixed = "bottom"
+patch = false
+cache = false
+
+[tool.finger]
+body = "pad"
+shape = { sphere = 0.007 }
+friction = 0.5
+press = { at_fraction = [0.2, 0, 0.5], to_fraction = [0.8, 0, 0.5], depth = 0.01, start = 1, duration = 2, hold = 3, slide = 4 }
+
+[tool.rod]
+body = "liver"
+shape = { capsule = [0.002, 0.03] }
+path = [[0, 0, 0, 0], [1, 0.1, 0, 0, 1]]
+interpolation = "linear"
+
+[output]
+color = "pressure"
+)";
+
+std::string small(const std::string& body = "block = { size = [1, 1, 1], count = [1, 1, 1] }",
+                  const std::string& rest = "") {
+  return "[body.b]\nmodel = \"sfem\"\n" + body + "\n" + rest;
+}
+
+std::string tool(const std::string& keys) { return small() + "\n[body.b.viscosity]\n[tool.t]\n" + keys; }
+
+std::string error_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const Result<Scene> scene = parse_scene(text, "s.toml", overrides);
+  return scene ? "no error" : scene.error().message;
+}
+
+TEST(SceneSfem, EveryKeyReachesItsField) {
+  const Result<Scene> scene = parse_scene(kScene, "/data/s.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_EQ(scene->organs.size(), 2u);
+  const SfemScene& liver = scene->organs[0];
+  const auto& labels = std::get<LabelledOrgan>(liver.source);
+  EXPECT_EQ(labels.file, "/data/seg.nii.gz");
+  EXPECT_EQ(labels.label, 5);
+  EXPECT_EQ(labels.resolution, 0.01);
+  EXPECT_EQ(liver.material.young, 5e3);
+  EXPECT_EQ(liver.inside[0].label, 77);
+  EXPECT_EQ(liver.inside[0].material.young, 4e4);
+  EXPECT_EQ(liver.inside[0].material.poisson, 0.4) << "what is not given is the body's";
+  EXPECT_TRUE(liver.inclusions[0].by_fraction);
+  EXPECT_EQ(liver.inclusions[0].material.poisson, 0.3);
+  EXPECT_EQ(liver.fixed.sides, (std::vector<Side>{Side::kBack, Side::kHead}));
+  EXPECT_EQ(liver.fixed.depth, 0.2);
+  EXPECT_EQ(liver.formulation, sfem::Formulation::kAveraged);
+  EXPECT_EQ(liver.precision, sfem::Precision::kDouble);
+  EXPECT_EQ(liver.patch.radius, 0.03);
+  EXPECT_EQ(liver.patch.refinement, 3);
+  EXPECT_EQ(liver.viscosity, 0.5);
+  EXPECT_EQ(liver.viscous_time, 0.3);
+  EXPECT_EQ(liver.memory, 2);
+  EXPECT_EQ(liver.cache, "/data/kept");
+  EXPECT_EQ(liver.seen, "/data/fine.obj");
+  EXPECT_EQ(liver.seen_scale, 0.001);
+  const SfemScene& pad = scene->organs[1];
+  EXPECT_EQ(std::get<HexBlock>(pad.source).count, (Int3{1, 2, 3}));
+  EXPECT_EQ(pad.patch.refinement, 1);
+  EXPECT_FALSE(pad.cached);
+  const ToolScene& finger = scene->tools[0];
+  EXPECT_EQ(finger.body, 1);
+  EXPECT_EQ(std::get<BallTool>(finger.shape).radius, 0.007);
+  const Press& press = std::get<Press>(finger.motion);
+  EXPECT_EQ(press.to.x, 0.8);
+  EXPECT_EQ(press.start + press.duration + press.hold + press.slide, 10);
+  const ToolScene& rod = scene->tools[1];
+  EXPECT_EQ(rod.body, 0);
+  EXPECT_EQ(std::get<RodTool>(rod.shape).half_length, 0.03);
+  EXPECT_TRUE(std::get<GivenPath>(rod.motion).rows[1].hold);
+  EXPECT_FALSE(std::get<GivenPath>(rod.motion).smooth);
+  EXPECT_EQ(scene->output.color, SkinColor::kPressure);
+}
+
+TEST(SceneSfem, MistakesAreNamedWithTheirPlace) {
+  const struct {
+    std::string text, words;
+  } cases[] = {
+      {small("young = 1"), "s.toml:1:1: body.b: mesh or surface or labels or block is missing"},
+      {small("mesh = \"a.msh\"\nsurface = \"b.obj\""), "a body has one shape: either mesh or surface"},
+      {small("labels = \"s.nii\""), "label is missing: which label is the organ"},
+      {small("labels = \"s.nii\"\nlabel = \"livre\""),
+       "s.toml:4:9: body.b.label: expected a label's number (1 to 65535) or an organ's name, found "
+       "\"livre\"; did "
+       "you mean liver?"},
+      {small("mesh = \"a.msh\"\nscale = 0"), "body.b.scale: expected a number between 0 and"},
+      {small("mesh = \"a.msh\"\npoisson = 0.5"), "body.b.poisson: expected below 0.5"},
+      {small("mesh = \"a.msh\"\npoisson = -1.2"), "between -1 and 0.5, found -1.2"},
+      {small("mesh = \"a.msh\"\nfixed = \"below\""), "body.b.fixed: expected \"right\", \"left\""},
+      {small("mesh = \"a.msh\"\nfixed = { box = [[0, 0, 0]] }"), "two corners, [[x, y, z], [x, y, z]]"},
+      {small("mesh = \"a.msh\"\npatch = { refinement = 5 }"), "from 1 to 4, found 5"},
+      {small("mesh = \"a.msh\"\ncolour = 1"), "body.b.colour is not a key of a scene"},
+      {small("mesh = \"a.msh\"\n[output]\ncolor = \"stretch\""), "stretch is known of the skin of a lattice"},
+      {tool("body = \"c\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0]]"), "the scene has no body c"},
+      {tool("body = \"b\"\npath = [[0, 0, 0, 0]]"), "shape is missing: as in { sphere = 0.006 } [m]"},
+      {tool("body = \"b\"\nshape = { cube = 1 }\npath = [[0, 0, 0, 0]]"), "tool.t.shape.cube is not a key"},
+      {tool("body = \"b\"\nshape = { sphere = 1 }"), "path or press or grasp is missing: how the tool moves"},
+      {tool("body = \"b\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0], [1, nan, 0, 0]]"),
+       "s.toml:9:27: tool.t.path: expected numbers [s and m], found nan"},
+      {tool("body = \"b\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0], [0, 1, 0, 0]]"),
+       "row 2 of the path: expected a time after that of the row before"},
+      {tool("body = \"b\"\nshape = { sphere = 1 }\npress = { depth = 0.1 }"), "at or at_fraction is missing"},
+      {tool("body = \"b\"\nshape = { sphere = 1 }\npress = { at = [0, 0, 0], to_fraction = [0, 0, 0] }"),
+       "either in metres or in fractions"},
+  };
+  for (const auto& c : cases)
+    EXPECT_NE(error_of(c.text).find(c.words), std::string::npos)
+        << c.text << "\nfound:    " << error_of(c.text) << "\nexpected: " << c.words;
+}
+
+TEST(SceneSfem, ToolsAreNotMadeByOverrides) {
+  EXPECT_NE(error_of(kScene, {"tool.fingr.friction=1"}).find("has no tool fingr; did you mean finger?"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace turgor

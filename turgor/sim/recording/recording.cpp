@@ -1,0 +1,329 @@
+#include "turgor/sim/recording/recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "turgor/core/hash.hpp"
+#include "turgor/sim/recording/recording_arrays.hpp"
+#include "turgor/sim/recording/recording_clothes.hpp"
+#include "turgor/sim/recording/recording_organs.hpp"
+
+namespace turgor {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFormat = "turgor recording 2";
+constexpr std::size_t kMostSnapshots = 1000000, kMostCutEdges = std::size_t(1) << 31,
+                      kMostPathPoints = 1 << 24;
+
+std::vector<int> body_slots(const lattice::Model& model) {
+  std::vector<int> slots;
+  for (std::size_t s = 0; s < model.tissue.size(); s++)
+    if (lattice::is_body(model.tissue[s])) slots.push_back(int(s));
+  return slots;
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  return fmt::format("{}", fmt::join(lines, "\n"));
+}
+
+std::vector<std::string> split_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+std::vector<double> flat(const std::vector<Vec3d>& points) {
+  std::vector<double> values;
+  for (const Vec3d p : points) values.insert(values.end(), {p.x, p.y, p.z});
+  return values;
+}
+
+Status write_body(Hdf5File& file, const LatticeBody& body) {
+  const lattice::Model& model = body.model;
+  const Grid& grid = model.grid;
+  std::vector<float> rest;
+  for (const int slot : body_slots(model)) {
+    const Int3 node = slot_node(model.lattice, slot);
+    const Vec3 p(point_at(grid, {double(node.x), double(node.y), double(node.z)}));
+    rest.insert(rest.end(), {p.x, p.y, p.z});
+  }
+  return Writing(file, fmt::format("/bodies/{}/", body.name))
+      .array<std::uint64_t>("ct_hash", {body.ct_hash})
+      .array<std::int32_t>("lattice_size", {grid.size.x, grid.size.y, grid.size.z})
+      .array("lattice_origin", flat({grid.origin}))
+      .array("lattice_spacing", flat({grid.spacing}))
+      .array("lattice_axes", flat({grid.axes.column[0], grid.axes.column[1], grid.axes.column[2]}), 3)
+      .array<std::uint64_t>("skin_triangles", {model.skin.triangles.size()})
+      .array("rest_points", rest, 3)
+      .status();
+}
+
+Status write_state(Hdf5File& file, const std::string& group, const LatticeBody& body) {
+  std::vector<float> displacement;
+  std::vector<std::uint8_t> cut, removed, family, incision;
+  for (const int s : body_slots(body.model)) {
+    const Vec3 u = body.state.u[std::size_t(s)];
+    displacement.insert(displacement.end(), {u.x, u.y, u.z});
+    cut.push_back(body.state.cut[std::size_t(s)]);
+    removed.push_back(body.state.removed[std::size_t(s)]);
+  }
+  std::vector<std::int32_t> slot;
+  std::vector<float> fraction;
+  for (const lattice::CutEdge& edge : body.state.cut_edges) {
+    slot.push_back(edge.slot);
+    family.push_back(edge.family);
+    incision.push_back(edge.incision);
+    fraction.push_back(edge.fraction);
+  }
+  return Writing(file, fmt::format("{}/bodies/{}/", group, body.name))
+      .array("displacement", displacement, 3)
+      .array("cut", cut)
+      .array("removed", removed)
+      .array("skin_cut", body.state.skin_cut)
+      .array("row_cut", body.state.row_cut)
+      .array("cut_edge_slot", slot)
+      .array("cut_edge_family", family)
+      .array("cut_edge_incision", incision)
+      .array("cut_edge_fraction", fraction)
+      .status();
+}
+
+Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
+  const lattice::BladePath path = cut.path.value_or(lattice::BladePath{});
+  return Writing(file, fmt::format("{}/cuts/{}/", group, cut.blade.name))
+      .array("path", flat(path.skin), 3)
+      .array("frame", flat({path.into, path.across}), 3)
+      .array<double>("progress", {path.depth, cut.done, double(cut.edges)})
+      .status();
+}
+
+/// Is there such an edge in the lattice?
+bool is_edge(const World& world, const lattice::Model& model, const lattice::CutEdge& edge) {
+  if (edge.slot < 0 || edge.slot >= slot_count(model.lattice) || edge.family >= kFamilyCount) return false;
+  if (edge.incision >= world.cuts.size() || !(edge.fraction >= 0 && edge.fraction <= 1)) return false;
+  const Int3 node = slot_node(model.lattice, edge.slot);
+  return contains(model.lattice, node) && node_slot(model.lattice, node) == edge.slot &&
+         contains(model.lattice, node + kFamilies[edge.family]);
+}
+
+std::string snapshot_group(int snapshot) { return fmt::format("/snapshots/{:05}", snapshot); }
+
+}  // namespace
+
+Result<RecordingWriter> RecordingWriter::create(const fs::path& path, const Scene& scene,
+                                                const World& world) {
+  Result<Hdf5File> file = Hdf5File::create(path);
+  if (!file) return file.error();
+  std::error_code ignored;
+  const Status scene_written = Writing(*file, "/")
+                                   .text("format", kFormat)
+                                   .text("scene/file", fs::absolute(scene.file, ignored).string())
+                                   .text("scene/text", scene.text)
+                                   .text("scene/overrides", joined(scene.overrides))
+                                   .text("scene/folder", fs::current_path(ignored).string())
+                                   .status();
+  if (!scene_written) return scene_written.error();
+  for (const LatticeBody& body : world.lattices)
+    if (const Status status = write_body(*file, body); !status) return status.error();
+  return RecordingWriter(std::move(*file));
+}
+
+Status RecordingWriter::add_snapshot(const World& world) {
+  const std::string group = snapshot_group(snapshots_++);
+  if (const Status status = Writing(file_, group + "/")
+                                .array<double>("time", {time_of(world)})
+                                .array<std::int32_t>("frame", {world.frame})
+                                .status();
+      !status)
+    return status;
+  for (const LatticeBody& body : world.lattices)
+    if (const Status status = write_state(file_, group, body); !status) return status;
+  for (const Cut& cut : world.cuts)
+    if (const Status status = write_cut(file_, group, cut); !status) return status;
+  for (std::size_t o = 0; o < touched_count(world); o++) {
+    if (!keeps_surface(world, o)) continue;
+    const TouchedOrgan& organ = touched_organ(world, o);
+    const Status status = write_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.shown);
+    if (!status) return status;
+  }
+  for (const ClothBody& body : world.clothes)
+    if (const Status status = write_cloth(file_, fmt::format("{}/clothes/{}/", group, body.name), body);
+        !status)
+      return status;
+  return file_.flush();
+}
+
+Status RecordingWriter::finish(const World& world, const std::string& report) {
+  if (const Status status = write_touch(file_, world); !status) return status;
+  const Status status =
+      Writing(file_, "/").array<std::int32_t>("snapshot_count", {snapshots_}).text("report", report).status();
+  return status ? file_.flush() : status;
+}
+
+Result<Recording> Recording::open(const fs::path& path) {
+  Result<Hdf5File> file = Hdf5File::open(path);
+  if (!file) return file.error();
+  const Result<std::string> format = file->read_text("/format");
+  if (!format || !format->starts_with("turgor recording"))
+    return Error{
+        fmt::format("{}: expected a recording of turgor run, found another HDF5 file", path.string())};
+  if (*format != kFormat)
+    return Error{fmt::format("{}: expected \"{}\", found \"{}\", of another version of this program",
+                             path.string(), kFormat, *format)};
+  Recording recording(std::move(*file), path);
+  const Result<std::vector<std::int32_t>> count = recording.file_.read<std::int32_t>("/snapshot_count", 1);
+  const Result<std::string> report = recording.file_.read_text("/report");
+  if (!count || !report || (*count)[0] < 1 || std::size_t((*count)[0]) > kMostSnapshots)
+    return Error{fmt::format("{}: the recording was never finished", path.string())};
+  recording.snapshots_ = (*count)[0];
+  recording.report_ = *report;
+  return recording;
+}
+
+Result<Scene> Recording::scene(const std::vector<std::string>& more_overrides) const {
+  std::string parts[4];
+  const char* names[4] = {"/scene/file", "/scene/text", "/scene/overrides", "/scene/folder"};
+  for (int i = 0; i < 4; i++) {
+    Result<std::string> text = file_.read_text(names[i]);
+    if (!text) return text.error();
+    parts[i] = *text;
+  }
+  for (const std::string& more : more_overrides) {
+    const std::string key = more.substr(0, more.find('='));
+    const auto ends_with = [&](const char* ending) { return key.ends_with(ending); };
+    if (!key.starts_with("output.") && !ends_with(".ct") && !ends_with(".labels") &&
+        !ends_with(".direction_field"))
+      return Error{
+          fmt::format("--set {}: a replay may only change output.* and where a body's files are", key)};
+  }
+  std::vector<std::string> overrides = split_lines(parts[2]);
+  overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
+  Result<Scene> scene = parse_scene(parts[1], parts[0], overrides);
+  if (!scene)
+    return Error{fmt::format("{}: the recorded scene is not one: {}", path_.string(), scene.error().message)};
+  // A file that --set named was relative to the folder of the recorded run.
+  const auto reset = [&](fs::path& file) {
+    std::error_code ignored;
+    if (file.is_relative() && !file.empty() && !fs::exists(file, ignored)) file = fs::path(parts[3]) / file;
+  };
+  for (LatticeScene& body : scene->lattices)
+    reset(body.ct.file), reset(body.labels), reset(body.direction_field);
+  return scene;
+}
+
+Status Recording::check_world(const World& world) const {
+  for (const LatticeBody& body : world.lattices) {
+    Reading reading(file_, fmt::format("/bodies/{}/", body.name));
+    const auto hash = reading.array<std::uint64_t>("ct_hash", 1);
+    const auto triangles = reading.array<std::uint64_t>("skin_triangles", 1);
+    const auto size = reading.array<std::int32_t>("lattice_size", 3);
+    if (!reading.status()) return reading.status();
+    if (hash[0] != body.ct_hash)
+      return Error{
+          fmt::format("{}: body.{} was recorded on another CT: expected content {}, found {}; name the right "
+                      "one by --set body.{}.ct=FILE",
+                      path_.string(), body.name, hash_text(hash[0]), hash_text(body.ct_hash), body.name)};
+    if (triangles[0] != body.model.skin.triangles.size() ||
+        Int3{size[0], size[1], size[2]} != body.model.grid.size)
+      return Error{
+          fmt::format("{}: body.{} is built in another way than it was recorded: expected {} skin triangles, "
+                      "found {}",
+                      path_.string(), body.name, triangles[0], body.model.skin.triangles.size())};
+  }
+  return Done{};
+}
+
+Status Recording::restore_body(const std::string& group, const World& world, LatticeBody& body) const {
+  const std::vector<int> slots = body_slots(body.model);
+  lattice::State state = lattice::make_state(body.model);
+  Reading reading(file_, fmt::format("{}/bodies/{}/", group, body.name));
+  const auto u = reading.array<float>("displacement", 3 * slots.size());
+  const auto cut = reading.array<std::uint8_t>("cut", slots.size());
+  const auto removed = reading.array<std::uint8_t>("removed", slots.size());
+  state.skin_cut = reading.array<std::uint8_t>("skin_cut", state.skin_cut.size());
+  state.row_cut = reading.array<std::uint8_t>("row_cut", state.row_cut.size());
+  const std::size_t edges = reading.count("cut_edge_slot", kFamilyCount * slots.size());
+  const auto slot = reading.array<std::int32_t>("cut_edge_slot", edges);
+  const auto family = reading.array<std::uint8_t>("cut_edge_family", edges);
+  const auto incision = reading.array<std::uint8_t>("cut_edge_incision", edges);
+  const auto fraction = reading.array<float>("cut_edge_fraction", edges);
+  if (!reading.status()) return reading.status();
+  for (std::size_t n = 0; n < slots.size(); n++) {
+    const auto s = std::size_t(slots[n]);
+    const Vec3 moved{u[3 * n], u[3 * n + 1], u[3 * n + 2]};
+    if (!std::isfinite(dot(moved, moved)))
+      return Error{fmt::format("{}: {}: a displacement is not a number", path_.string(), group)};
+    state.u.set(s, moved);
+    state.u_before.set(s, moved);
+    state.cut[s] = cut[n];
+    state.removed[s] = removed[n];
+  }
+  for (std::size_t e = 0; e < edges; e++) {
+    state.cut_edges.push_back({slot[e], family[e], incision[e], fraction[e]});
+    if (!is_edge(world, body.model, state.cut_edges.back()))
+      return Error{fmt::format("{}: {}: a cut edge is not one of the body's", path_.string(), group)};
+    state.cut[std::size_t(slot[e])] |=
+        std::uint8_t(1u << family[e]);  // also where the lower end is outside the body
+  }
+  body.state = std::move(state);
+  return Done{};
+}
+
+Status Recording::restore_cut(const std::string& group, Cut& cut) const {
+  Reading reading(file_, fmt::format("{}/cuts/{}/", group, cut.blade.name));
+  const std::size_t values = reading.count("path", kMostPathPoints);
+  const auto points = reading.array<double>("path", values);
+  const auto frame = reading.array<double>("frame", 6);
+  const auto progress = reading.array<double>("progress", 3);
+  if (!reading.status()) return reading.status();
+  cut.path.reset();
+  cut.done = progress[1], cut.edges = int(std::clamp(progress[2], 0.0, 2e9));
+  if (values < 6) return Done{};  // the blade had not started
+  lattice::BladePath path;
+  for (std::size_t i = 0; i + 2 < values; i += 3)
+    path.skin.push_back({points[i], points[i + 1], points[i + 2]});
+  path.into = {frame[0], frame[1], frame[2]};
+  path.across = {frame[3], frame[4], frame[5]};
+  path.depth = progress[0];
+  cut.path = std::move(path);
+  return Done{};
+}
+
+Status Recording::restore(int snapshot, World& world) const {
+  const std::string group = snapshot_group(snapshot);
+  const Result<std::vector<std::int32_t>> frame = file_.read<std::int32_t>(group + "/frame", 1);
+  if (!frame) return frame.error();
+  world.frame = (*frame)[0];
+  for (LatticeBody& body : world.lattices) {
+    if (const Status status = restore_body(group, world, body); !status) return status;
+    body.state.time = time_of(world);
+  }
+  for (Cut& cut : world.cuts)
+    if (const Status status = restore_cut(group, cut); !status) return status;
+  for (std::size_t o = 0; o < touched_count(world); o++) {
+    if (!keeps_surface(world, o)) continue;
+    TouchedOrgan& organ = touched_organ(world, o);
+    Result<OrganSurface> surface =
+        read_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.tool_indices.size());
+    if (!surface) return surface.error();
+    organ.shown = std::move(*surface);
+  }
+  for (ClothBody& body : world.clothes)
+    if (const Status status = read_cloth(file_, fmt::format("{}/clothes/{}/", group, body.name), body);
+        !status)
+      return status;
+  return Done{};
+}
+
+Status Recording::restore_touch(World& world) const { return read_touch(file_, world); }
+
+}  // namespace turgor

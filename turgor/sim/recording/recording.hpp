@@ -1,0 +1,62 @@
+// recording.h5: the scene, which CT it ran on, and the state of every body at each snapshot. Enough to draw
+// all pictures again without simulating, and plain enough to be read from Python or MATLAB (the layout is
+// described in docs/recording.md).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "turgor/core/result.hpp"
+#include "turgor/io/hdf5_file.hpp"
+#include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+/// Written while the simulation runs.
+class RecordingWriter {
+ public:
+  static Result<RecordingWriter> create(const std::filesystem::path& path, const Scene& scene,
+                                        const World& world);
+  Status add_snapshot(const World& world);
+  /// What every tool felt, organs when they were pressed most, and the run's report, as JSON; last.
+  Status finish(const World& world, const std::string& report);
+
+ private:
+  explicit RecordingWriter(Hdf5File file) : file_(std::move(file)) {}
+
+  Hdf5File file_;
+  int snapshots_ = 0;
+};
+
+/// Read to be drawn again.
+class Recording {
+ public:
+  /// Error: no recording, from another version, damaged, or never finished.
+  static Result<Recording> open(const std::filesystem::path& path);
+
+  /// The scene as it ran; more overrides may say where the CT is now, and what to draw.
+  Result<Scene> scene(const std::vector<std::string>& more_overrides) const;
+  /// Error: the world is made of other CTs, or of other parameters, than the recording.
+  Status check_world(const World& world) const;
+  int snapshot_count() const { return snapshots_; }
+  /// Puts the world into the state of a snapshot: organs show the recorded surface.
+  Status restore(int snapshot, World& world) const;
+  /// What every tool felt in the whole run, and organs when they were pressed most.
+  Status restore_touch(World& world) const;
+  const std::string& report() const { return report_; }
+
+ private:
+  explicit Recording(Hdf5File file, std::filesystem::path path)
+      : file_(std::move(file)), path_(std::move(path)) {}
+  Status restore_body(const std::string& group, const World& world, LatticeBody& body) const;
+  Status restore_cut(const std::string& group, Cut& cut) const;
+
+  Hdf5File file_;
+  std::filesystem::path path_;
+  int snapshots_ = 0;
+  std::string report_;
+};
+
+}  // namespace turgor

@@ -1,0 +1,57 @@
+// What a run says about itself: report.json for programs, and report.html, one file with its pictures and
+// curves inside, for people. Keys carry their units.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/sim/report/measures.hpp"
+#include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+using Json = nlohmann::ordered_json;
+
+/// "0.1.0"
+std::string program_version();
+
+/// A file of the output folder, for the report.
+struct ReportPicture {
+  std::string file, caption;
+  bool large = false;  // over the whole width
+};
+
+/// How a CT was resampled.
+struct DeformedCtReport {
+  std::string body, file;
+  Int3 size;
+  double seconds = 0;
+  double mass_error = 0;  // of Σ (HU + 1000) · volume [1]
+  long folds = 0;         // tetrahedra turned inside out
+};
+
+/// What a run knows besides scene, world and measures.
+struct RunFacts {
+  double load_seconds = 0, simulation_seconds = 0, output_seconds = 0, total_seconds = 0;
+  std::vector<ReportPicture> pictures;
+  std::vector<std::string> files;  // others that were written
+  std::vector<DeformedCtReport> deformed;
+  std::vector<std::string> warnings;
+};
+
+/// The part of the report that the simulation decides.
+Json simulation_report(const Exec& exec, const Scene& scene, const World& world, const Measures& measures,
+                       const RunFacts& facts);
+/// Adds what was written: pictures, files, the deformed CT, warnings.
+void add_outputs(Json& report, const RunFacts& facts);
+
+/// A page with the pictures of `folder` and curves inside; needs nothing else.
+std::string report_html(const Json& report, const std::filesystem::path& folder);
+
+}  // namespace turgor

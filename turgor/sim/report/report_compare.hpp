@@ -1,0 +1,16 @@
+// Touched bodies of all models side by side: the dents under their largest forces, and what they cost.
+#pragma once
+
+#include "turgor/sim/report/report.hpp"
+
+namespace turgor {
+
+/// From one force to the next: organs answer every tick, lattices every frame [s].
+double force_interval(const World& world, std::size_t index);
+
+/// Displacement over distance from the place that moved most, when the force was largest.
+Json profile_report(const World& world);
+/// Building, one force, one surface; the largest force and how deep it was.
+Json cost_report(const World& world);
+
+}  // namespace turgor

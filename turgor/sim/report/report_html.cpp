@@ -1,0 +1,189 @@
+// report.html: everything from report.json, so that a replay writes the same page as the run did.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+#include "turgor/io/file.hpp"
+#include "turgor/sim/report/page.hpp"
+#include "turgor/sim/report/report.hpp"
+#include "turgor/sim/report/report_cloth.hpp"
+
+namespace turgor {
+
+namespace {
+
+namespace fs = std::filesystem;
+using page::curve_of, page::drawn, page::escaped, page::key_figure, page::quantity_table, page::shown,
+    page::table_row;
+
+constexpr const char* kHead = R"(<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>Turgor: {0}</title>
+<style>
+:root {{ color-scheme: light dark; --ground: #fbfaf8; --card: #ffffff; --ink: #22262b; --soft: #6b737d; --line: #e3e1dc; --accent: #b4502f; }}
+@media (prefers-color-scheme: dark) {{
+  :root {{ --ground: #14171a; --card: #1c2024; --ink: #e8e6e1; --soft: #98a1ab; --line: #2f353b; --accent: #f0936f; }} }}
+* {{ box-sizing: border-box; }}
+body {{ margin: 0; background: var(--ground); color: var(--ink); font: 16px/1.55 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }}
+main {{ max-width: 1080px; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }}
+h1 {{ font-size: 1.9rem; margin: 0; letter-spacing: -0.01em; }} h2 {{ font-size: 1.2rem; margin: 2.6rem 0 0.8rem; }}
+.soft {{ color: var(--soft); }} .warning {{ border-left: 4px solid var(--accent); padding: 0.4rem 0.9rem; background: var(--card); }}
+.figures {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 0.8rem; margin: 1.6rem 0; }}
+.figures div, figure, .plot {{ background: var(--card); border: 1px solid var(--line); border-radius: 10px; }}
+.figures div {{ padding: 0.8rem 1rem; }} .figures b {{ display: block; font-size: 1.5rem; font-variant-numeric: tabular-nums; }}
+.figures span {{ color: var(--soft); font-size: 0.85rem; }}
+.grid {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(320px, 1fr)); gap: 1rem; }}
+figure {{ margin: 0; overflow: hidden; }} figure.large {{ grid-column: 1 / -1; }} figure img {{ display: block; width: 100%; height: auto; }}
+figcaption {{ padding: 0.55rem 0.9rem; font-size: 0.88rem; color: var(--soft); }}
+.plot {{ padding: 0.6rem; }} .plot svg {{ width: 100%; height: auto; display: block; }}
+.scroll {{ overflow-x: auto; }}
+table {{ border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; font-size: 0.93rem; }}
+th, td {{ text-align: right; padding: 0.4rem 0.7rem; border-bottom: 1px solid var(--line); }} th:first-child, td:first-child {{ text-align: left; }}
+th {{ font-weight: 600; color: var(--soft); }}
+pre {{ background: var(--card); border: 1px solid var(--line); border-radius: 10px; padding: 1rem; overflow-x: auto; font-size: 0.85rem; }}
+code {{ font-family: ui-monospace, "DejaVu Sans Mono", monospace; }}
+</style></head><body><main>
+)";
+
+std::string base64(std::string_view bytes) {
+  constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](std::size_t n) { return i + n < bytes.size() ? std::uint8_t(bytes[i + n]) : 0u; };
+    const unsigned three = byte(0) << 16 | byte(1) << 8 | byte(2);
+    for (int n = 0; n < 4; n++)
+      text += i + std::size_t(n) > bytes.size() ? '=' : kLetters[three >> (18 - 6 * n) & 63];
+  }
+  return text;
+}
+
+std::string wound_table(const Json& wounds) {
+  return quantity_table(wounds, "wound",
+                        {{"angle_to_lines_deg", "angle to Langer's lines [°]"},
+                         {"tension_across_cut_N_per_m", "skin tension across the cut [N/m]"},
+                         {"tension_along_cut_N_per_m", "skin tension along the cut [N/m]"},
+                         {"depth_mm", "depth [mm]"},
+                         {"length_mm", "length of the cut skin [mm]"},
+                         {"gape_max_mm", "gape, largest [mm]"},
+                         {"gape_mean_mm", "gape, mean [mm]"},
+                         {"opening_area_mm2", "opening area [mm²]"},
+                         {"edge_displacement_mm", "displacement of the lips [mm]"},
+                         {"edges_cut", "lattice edges cut"},
+                         {"nodes_removed", "lattice nodes removed"}});
+}
+
+std::string body_table(const Json& bodies) {
+  return quantity_table(bodies, "body",
+                        {{"body_nodes", "nodes of the body"},
+                         {"free_nodes", "of these, free to move"},
+                         {"skin_triangles", "skin triangles"},
+                         {"memory_bytes_per_node", "memory [bytes/node]"},
+                         {"read_s", "reading the CT [s]"},
+                         {"build_s", "building the body [s]"},
+                         {"state_hash", "state hash"}});
+}
+
+std::string pictures(const Json& report, const fs::path& folder) {
+  std::string html = "<div class=\"grid\">\n";
+  for (const Json& picture : report.at("pictures")) {
+    const std::string caption = escaped(picture.at("caption").get<std::string>());
+    const Result<std::string> bytes = read_file(folder / picture.at("file").get<std::string>());
+    if (!bytes) continue;
+    html += fmt::format(
+        "<figure{}><img alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption>{}</figcaption></figure>\n",
+        picture.at("large").get<bool>() ? " class=\"large\"" : "", caption, base64(*bytes), caption);
+  }
+  return html + "</div>\n";
+}
+
+std::string curves(const Json& report, const fs::path& folder) {
+  Plot gape{"Gape over time", "time [s]", "largest gape [mm]", {}},
+      profile{"Gape along the cut at the end", "along the cut [mm]", "gape [mm]", {}};
+  for (const Json& wound : report.at("wounds")) {
+    const std::string name = wound.at("name").get<std::string>();
+    gape.curves.push_back(curve_of(name, wound.at("series"), 0, 1));
+    profile.curves.push_back(curve_of(name, wound.at("profile"), 0, 1));
+  }
+  const Json& samples = report.at("solver").at("samples");
+  Plot residual{"Forces that the solver left over",
+                "time [s]",
+                "force [N]",
+                {curve_of("largest", samples, 0, 1), curve_of("root mean square", samples, 0, 2)},
+                true};
+  for (Curve& curve : residual.curves)
+    std::erase_if(curve.points, [](const auto& p) { return !(p.second > 0); });
+  Plot frames{"Wall time of a frame", "frame", "time [ms]", {{"frame", {}}}};
+  const Json& times = report.at("timing").at("frame_ms");
+  for (std::size_t f = 0; f < times.size(); f++)
+    frames.curves[0].points.emplace_back(double(f + 1), times[f].get<double>());
+  std::string html;
+  if (!report.at("wounds").empty())
+    html += "<h2>The wound</h2>\n<div class=\"grid\">" + drawn(gape, folder) + drawn(profile, folder) +
+            "</div>\n";
+  html += touch_curves(report, folder) + page::cloth_curves(report, folder);
+  if (report.at("bodies").empty()) return html;
+  return html + "<h2>The solver</h2>\n<div class=\"grid\">" + drawn(residual, folder) +
+         drawn(frames, folder) + "</div>\n";
+}
+
+std::string key_figures(const Json& report) {
+  std::string html = "<div class=\"figures\">";
+  const auto figure = [&](const std::string& value, const std::string& label) {
+    html += key_figure(value, label);
+  };
+  html += touch_figures(report) + page::cloth_figures(report);
+  for (const Json& wound : report.at("wounds"))
+    figure(shown(wound.at("gape_max_mm")) + " mm", "gape of " + shown(wound.at("name")));
+  const Json& timing = report.at("timing");
+  figure(shown(timing.at("frame_p50_ms")) + " ms", "a frame (median)");
+  figure(shown(timing.at("frame_p99_ms")) + " ms", "a frame (99 of 100)");
+  figure(shown(report.at("simulated_s")) + " s",
+         fmt::format("simulated in {} s", shown(timing.at("simulation_s"))));
+  return html + "</div>\n";
+}
+
+std::string deformed_table(const Json& report) {
+  if (report.at("deformed_ct").empty()) return "";
+  std::string html =
+      "<h2>The deformed CT</h2>\n<div class=\"scroll\"><table>" +
+      table_row({"body", "file", "resampling [s]", "error of mass [%]", "folded tetrahedra"}, "th");
+  for (const Json& d : report.at("deformed_ct"))
+    html += table_row(
+        {shown(d.at("body")), shown(d.at("file")), shown(d.at("resample_s")),
+         fmt::format("{:.3f}", 100 * d.at("mass_error").get<double>()), shown(d.at("folded_tetrahedra"))},
+        "td");
+  return html + "</table></div>\n";
+}
+
+}  // namespace
+
+std::string report_html(const Json& report, const fs::path& folder) {
+  const Json &scene = report.at("scene"), &machine = report.at("machine");
+  const std::string name = escaped(fs::path(scene.at("file").get<std::string>()).stem().string());
+  std::string html = fmt::format(fmt::runtime(kHead), name);
+  html += fmt::format(
+      "<h1>{}</h1>\n<p class=\"soft\">{}{} frames a second; {} threads on {}; turgor {}</p>\n", name,
+      scene.contains("method")
+          ? shown(scene.at("method")) + " with " + shown(scene.at("sweeps")) + " sweeps, "
+          : std::string(),
+      shown(scene.at("frame_rate_per_s")), shown(machine.at("threads")), shown(machine.at("processor")),
+      shown(report.at("version")));
+  for (const Json& warning : report.at("warnings"))
+    html += "<p class=\"warning\">" + shown(warning) + "</p>\n";
+  html += key_figures(report);
+  html += pictures(report, folder);
+  if (!report.at("wounds").empty()) html += "<h2>Measures</h2>\n" + wound_table(report.at("wounds"));
+  html += curves(report, folder);
+  html += deformed_table(report);
+  if (!report.at("bodies").empty()) html += "<h2>Bodies</h2>\n" + body_table(report.at("bodies"));
+  html += touch_tables(report) + page::cloth_tables(report);
+  html +=
+      "<h2>Scene</h2>\n<pre><code>" + escaped(report.at("scene_text").get<std::string>()) + "</code></pre>\n";
+  for (const Json& text : scene.at("overrides")) html += "<p><code>--set " + shown(text) + "</code></p>\n";
+  return html + "</main></body></html>\n";
+}
+
+}  // namespace turgor

@@ -1,0 +1,57 @@
+#include "turgor/sim/report/report_rhombus.hpp"
+
+#include <numbers>
+
+#include "turgor/core/hash.hpp"
+#include "turgor/core/timing.hpp"
+#include "turgor/models/rhombus/tissues.hpp"
+#include "turgor/sim/report/json_numbers.hpp"
+
+namespace turgor {
+
+namespace {
+
+struct SourceText {
+  std::string operator()(const SurfaceFile& s) const { return s.file.string(); }
+  std::string operator()(const PhantomLiverSurface&) const { return "phantom liver"; }
+  std::string operator()(const SurfaceOfBody&) const { return "the surface of another body"; }
+};
+
+}  // namespace
+
+Json rhombus_report(const RhombusScene& scene, const RhombusOrgan& organ) {
+  const rhombus::ChainParams& chain = scene.params.chain;
+  const rhombus::Tissue* tissue = rhombus::find_tissue(scene.tissue);
+  return {{"name", organ.name},
+          {"model", "rhombus"},
+          {"source", std::visit(SourceText{}, scene.source)},
+          {"tissue", scene.tissue},
+          {"tissue_source", tissue ? tissue->source : ""},
+          {"vertices", organ.model.surface.vertices.size()},
+          {"triangles", organ.model.surface.triangles.size()},
+          {"volume_ml", rounded(organ.volume * 1e6)},
+          {"normal_N_per_m", rounded(chain.normal)},
+          {"tangential_N_per_m", rounded(chain.tangential)},
+          {"decay", rounded(chain.decay)},
+          {"angle_deg", rounded(chain.angle * 180 / std::numbers::pi)},
+          {"side_mm", rounded(chain.side * kMm)},
+          {"bulge", rounded(scene.params.bulge)},
+          {"build_s", rounded(organ.build_seconds)},
+          {"surface_p50_ms", rounded(percentile(organ.surface_seconds, 0.5) * kMs)},
+          {"pressed_volume_ml", rounded(organ.pressed_volume * 1e6)},
+          {"force_max_N", rounded(organ.largest_force)},
+          {"force_max_at_s", rounded(organ.deepest.time)},
+          {"jump_per_10_um_N", rounded(organ.jump)},
+          {"jump_at_s", rounded(organ.jump_at)}};
+}
+
+std::uint64_t rhombus_hash(const World& world) {
+  std::uint64_t hash = kHashSeed;
+  for (const RhombusOrgan& organ : world.rhombi) {
+    const std::uint64_t one = rhombus::state_hash(organ.state);
+    hash = hash_bytes(&one, sizeof one, hash);
+  }
+  return hash;
+}
+
+}  // namespace turgor

@@ -1,0 +1,346 @@
+#include "turgor/sim/scene/scene.hpp"
+
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "turgor/io/names.hpp"
+#include "turgor/sim/scene/scene_cloth.hpp"
+#include "turgor/sim/scene/scene_lattice.hpp"
+#include "turgor/sim/scene/scene_rhombus.hpp"
+#include "turgor/sim/scene/scene_sfem.hpp"
+#include "turgor/sim/scene/scene_table.hpp"
+#include "turgor/sim/scene/scene_tool.hpp"
+
+namespace turgor {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLongestScene = 1 << 20;  // bytes; a CT given by mistake is not worth parsing
+
+bool is_name(std::string_view name) {
+  const auto allowed = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
+  };
+  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), allowed);
+}
+
+/// The value of an override as TOML; a bare word, which is not TOML, is text.
+toml::table parse_override_value(const std::string& text) {
+  try {
+    toml::table parsed = toml::parse("value = " + text);
+    if (parsed.size() == 1) return parsed;
+  } catch (const toml::parse_error&) {
+  }
+  return toml::table{{"value", text}};
+}
+
+std::vector<std::string> split_key(std::string_view key) {
+  std::vector<std::string> parts(1);
+  for (const char c : key) {
+    if (c == '.')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
+std::vector<std::string> keys_of(const toml::table& table) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : table) keys.emplace_back(key.str());
+  return keys;
+}
+
+/// Puts `key=value` into the table. Error: no key, or a key that leads through something that is no table.
+Status apply_override(toml::table& root, const std::string& text, SceneProblems& problems) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    return Error{fmt::format("--set {}: expected key=value, as in --set body.torso.block=2", text)};
+  const std::string key = text.substr(0, equals), value = text.substr(equals + 1);
+  const std::vector<std::string> parts = split_key(key);
+  if (!std::all_of(parts.begin(), parts.end(), is_name))
+    return Error{fmt::format("--set {}: expected a key of names with dots between them", key)};
+  toml::table* table = &root;
+  std::string path;
+  for (std::size_t i = 0; i + 1 < parts.size(); i++) {
+    // Bodies, incisions and tools are not made by naming them: a misspelt one would be silently alone.
+    const bool names_one = i == 1 && (parts[0] == "body" || parts[0] == "incision" || parts[0] == "tool");
+    if (names_one && !table->contains(parts[i]))
+      return Error{fmt::format("--set {}: the scene has no {} {}{}", key, parts[0], parts[i],
+                               suggestion(parts[i], keys_of(*table)))};
+    path += (i ? "." : "") + parts[i];
+    toml::node* next = table->get(parts[i]);
+    if (!next) next = &table->insert(parts[i], toml::table{}).first->second;
+    if (!next->is_table())
+      return Error{fmt::format("--set {}: {} is {} in the scene, not a table", key, path, describe(*next))};
+    table = next->as_table();
+  }
+  table->insert_or_assign(parts.back(), std::move(*parse_override_value(value).get("value")));
+  problems.overrides[key] = value;
+  return Done{};
+}
+
+void read_world(SceneTable world, Scene& scene) {
+  world.read("gravity", scene.gravity, within(-1000, 1000, "m/s²"));
+  world.read("duration", scene.duration, inside(0, 3600, "s"));
+  world.read("frame_rate", scene.frame_rate, within(1, 1000, "1/s"));
+  world.finish();
+}
+
+void read_bodies(SceneTable bodies, Scene& scene) {
+  std::vector<std::pair<std::string, SceneTable>> rhombi,
+      clothes;  // read last: they may refer to other bodies
+  for (const std::string& name : bodies.names()) {
+    if (!is_name(name)) bodies.fail(name, "expected a name of letters, digits, _ and -");
+    SceneTable body = bodies.table(name);
+    std::string model = "lattice";
+    body.require({"model"}, "\"lattice\", \"sfem\", \"rhombus\" or \"cloth\"");
+    body.read_choice("model", model, {"lattice", "sfem", "rhombus", "cloth"});
+    if (model == "sfem")
+      scene.organs.push_back(read_sfem_scene(body, name));
+    else if (model == "rhombus")
+      rhombi.emplace_back(name, body);
+    else if (model == "cloth")
+      clothes.emplace_back(name, body);
+    else
+      scene.lattices.push_back(read_lattice_scene(body, name));
+  }
+  for (const auto& [name, body] : rhombi) scene.rhombi.push_back(read_rhombus_scene(body, name, scene));
+  for (const auto& [name, body] : clothes) scene.clothes.push_back(read_cloth_scene(body, name, scene));
+  bodies.finish();
+}
+
+int read_body_name(SceneTable& incision, const Scene& scene) {
+  std::string name;
+  incision.require({"body"}, "the name of the body that is cut");
+  incision.read("body", name);
+  std::vector<std::string> names;
+  for (const LatticeScene& body : scene.lattices) names.push_back(body.name);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return int(found - names.begin());
+  if (!name.empty())
+    incision.fail("body", fmt::format("the scene has no body {}{}", name, suggestion(name, names)));
+  return 0;
+}
+
+IncisionScene read_incision(SceneTable table, const std::string& name, const Scene& scene) {
+  IncisionScene incision;
+  incision.place = table.place();
+  lattice::Incision& blade = incision.blade;
+  blade.name = name;
+  incision.body = read_body_name(table, scene);
+  incision.by_fraction = table.has("from_fraction") || table.has("to_fraction");
+  Vec3d from, to;
+  if (incision.by_fraction) {
+    table.require({"from_fraction"}, "where the cut starts, 0 to 1 along the body's box");
+    table.require({"to_fraction"}, "where the cut ends, 0 to 1 along the body's box");
+    table.read("from_fraction", from, within(0, 1));
+    table.read("to_fraction", to, within(0, 1));
+  } else {
+    table.require({"from", "from_fraction"}, "where the cut starts");
+    table.require({"to", "to_fraction"}, "where the cut ends");
+    table.read("from", from, within(-100, 100, "m"));
+    table.read("to", to, within(-100, 100, "m"));
+  }
+  if (incision.by_fraction && (table.has("from") || table.has("to")))
+    table.fail(table.has("from") ? "from" : "to",
+               "a cut is given either in metres or in fractions, not in both");
+  blade.from = from, blade.to = to;
+  const bool both = table.has(incision.by_fraction ? "from_fraction" : "from") &&
+                    table.has(incision.by_fraction ? "to_fraction" : "to");
+  if (both && from == to) table.fail("to", "the cut has no length: it ends where it starts");
+  table.read("depth", blade.depth, inside(0, 1, "m"));
+  table.read("start", blade.start, not_negative("s"));
+  table.read("duration", blade.duration, not_negative("s"));
+  table.read("width", blade.width, within(0, 1, "m"));
+  if (blade.start >= scene.duration)
+    table.fail("start", fmt::format("the cut starts at {} s, when the run of {} s is over", blade.start,
+                                    scene.duration));
+  table.finish();
+  return incision;
+}
+
+void read_incisions(SceneTable incisions, Scene& scene) {
+  constexpr std::size_t kMostIncisions = 255;  // a cut edge remembers its incision in a byte
+  for (const std::string& name : incisions.names()) {
+    if (!is_name(name)) incisions.fail(name, "expected a name of letters, digits, _ and -");
+    if (scene.incisions.size() == kMostIncisions)
+      return incisions.fail(name, "a scene holds at most 255 incisions");
+    scene.incisions.push_back(read_incision(incisions.table(name), name, scene));
+  }
+  incisions.finish();
+}
+
+void read_tools(SceneTable tools, Scene& scene) {
+  for (const std::string& name : tools.names()) {
+    if (!is_name(name)) tools.fail(name, "expected a name of letters, digits, _ and -");
+    scene.tools.push_back(read_tool_scene(tools.table(name), name, scene));
+  }
+  tools.finish();
+}
+
+/// The name of a volume file inside the output folder.
+void read_volume_name(SceneTable& output, std::string_view key, std::string& name) {
+  output.read(key, name);
+  if (name.empty()) return;
+  const bool plain = name.find('/') == std::string::npos && name.front() != '.';
+  const auto ends_with = [&](std::string_view ending) {
+    return name.ends_with(ending) && name.size() > ending.size();
+  };
+  if (plain && (ends_with(".nii") || ends_with(".nii.gz") || ends_with(".nrrd") || ends_with(".mha"))) return;
+  output.fail(key,
+              fmt::format("expected a file name without folders that ends in .nii, .nii.gz, .nrrd or .mha, "
+                          "found \"{}\"",
+                          name));
+}
+
+/// `key = false` turns it off, `key = NAME` chooses.
+void read_choice_or_off(SceneTable& table, std::string_view key, std::string& value,
+                        const std::vector<std::string>& choices) {
+  const toml::node* node = table.find(key);
+  if (node && node->is_boolean() && !node->as_boolean()->get())
+    value.clear();
+  else
+    table.read_choice(key, value, choices);
+}
+
+void read_output(SceneTable output, Scene& scene) {
+  OutputScene& out = scene.output;
+  SceneTable snapshots = output.table("snapshots");
+  snapshots.read("every", out.every, positive("s"));
+  if (const toml::node* size = snapshots.find("size")) {
+    const std::vector<double> pixels = snapshots.numbers("size", *size, within(64, 8192, "pixels"));
+    if (pixels.size() == 2)
+      out.width = int(pixels[0]), out.height = int(pixels[1]);
+    else
+      snapshots.fail_value("size", *size, "[width, height] [pixels]");
+  }
+  snapshots.finish();
+  output.read_choice<SkinColor>("color", out.color,
+                                {{"none", SkinColor::kNone},
+                                 {"displacement", SkinColor::kDisplacement},
+                                 {"stretch", SkinColor::kStretch},
+                                 {"pressure", SkinColor::kPressure}});
+  if (out.color == SkinColor::kStretch && scene.lattices.empty())
+    output.fail("color", "stretch is known of the skin of a lattice, and the scene has none");
+  if (out.color == SkinColor::kPressure && scene.organs.empty())
+    output.fail("color", "pressure is known of bodies with model = \"sfem\", and the scene has none");
+  if (const toml::node* range = output.find("color_range")) {
+    const std::vector<double> ends = output.numbers("color_range", *range, any_number("m, 1 or Pa"));
+    if (ends.size() == 2 && ends[0] < ends[1])
+      out.color_range = {ends[0], ends[1]};
+    else
+      output.fail_value("color_range", *range,
+                        "[low, high] of the displacement [m], the stretch [1] or the pressure [Pa]");
+  }
+  read_choice_or_off(output, "volume_rendering", out.volume_rendering, known_volume_presets());
+  output.read("sections", out.sections);
+  output.read_choice("window", out.window, known_windows());
+  read_volume_name(output, "deformed_ct", out.deformed_ct);
+  read_volume_name(output, "displacement", out.displacement);
+  read_volume_name(output, "jacobian", out.jacobian);
+  if (output.has("deformed_size")) {
+    Int3 size{1, 1, 1};
+    output.read("deformed_size", size, within(1, 4096, "voxels"));
+    out.deformed_size = size;
+  }
+  output.read("conserve_mass", out.conserve_mass);
+  output.read("meshes", out.meshes);
+  output.read("obj", out.obj);
+  output.read("recording", out.recording);
+  output.read("video", out.video);
+  output.finish();
+}
+
+void read_scene_table(SceneTable root, Scene& scene) {
+  root.require({"body"}, "a scene needs at least one body, as in [body.torso]");
+  read_world(root.table("world"), scene);
+  read_bodies(root.table("body"), scene);
+  read_incisions(root.table("incision"), scene);
+  read_tools(root.table("tool"), scene);
+  read_output(root.table("output"), scene);
+  if (root.has("body") && root.table("body").names().empty())
+    root.fail("body", "a scene needs at least one body, as in [body.torso]");
+  root.finish();
+}
+
+Error all_of(const SceneProblems& problems) {
+  constexpr std::size_t kShown = 20;
+  std::string text;
+  std::size_t shown = 0;
+  for (const auto& [line, message] : problems.problems) {
+    if (shown == kShown) {
+      text += fmt::format("\nand {} more", problems.problems.size() - kShown);
+      break;
+    }
+    text += (shown++ ? "\n" : "") + message;
+  }
+  return {text};
+}
+
+}  // namespace
+
+int frame_count(const Scene& scene) {
+  return std::max(1, int(std::lround(scene.duration * scene.frame_rate)));
+}
+
+bool is_snapshot(const Scene& scene, int frame) {
+  const int interval = std::max(1, int(std::min(1e9, std::round(scene.output.every * scene.frame_rate))));
+  return frame % interval == 0 || frame == frame_count(scene);
+}
+
+const std::vector<std::string>& known_volume_presets() {
+  static const std::vector<std::string> kPresets = {"skin", "soft tissue", "muscle", "bone", "lung"};
+  return kPresets;
+}
+
+const std::vector<std::string>& known_windows() {
+  static const std::vector<std::string> kWindows = {"abdomen", "bone", "lung", "brain", "air"};
+  return kWindows;
+}
+
+Result<Scene> parse_scene(std::string_view text, const fs::path& file,
+                          const std::vector<std::string>& overrides) {
+  Scene scene;
+  scene.file = file, scene.text = text, scene.overrides = overrides;
+  SceneProblems problems;
+  problems.file = file.string(), problems.folder = file.parent_path();
+  toml::table root;
+  try {
+    root = toml::parse(text, file.string());
+  } catch (const toml::parse_error& error) {
+    const auto& begin = error.source().begin;
+    return Error{
+        fmt::format("{}:{}:{}: not TOML: {}", file.string(), begin.line, begin.column, error.description())};
+  }
+  for (const std::string& override_text : overrides)
+    if (const Status applied = apply_override(root, override_text, problems); !applied)
+      return applied.error();
+  read_scene_table(SceneTable(root, "", problems), scene);
+  if (!problems.problems.empty()) return all_of(problems);
+  return scene;
+}
+
+Result<Scene> read_scene(const fs::path& file, const std::vector<std::string>& overrides) {
+  std::error_code error;
+  if (!fs::exists(file, error)) return Error{io::not_found(file)};
+  if (fs::is_directory(file, error))
+    return Error{fmt::format("{}: expected a scene file (.toml), found a folder", file.string())};
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream)
+    return Error{fmt::format("{}: cannot read the scene: {}", file.string(), std::strerror(errno))};
+  std::string text(kLongestScene + 1, '\0');
+  stream.read(text.data(), std::streamsize(text.size()));
+  text.resize(std::size_t(stream.gcount()));
+  if (text.size() > kLongestScene)
+    return Error{fmt::format("{}: expected a scene file (.toml), found more than 1 MiB", file.string())};
+  return parse_scene(text, file, overrides);
+}
+
+}  // namespace turgor

@@ -1,0 +1,59 @@
+#include "turgor/sim/scene/scene_held.hpp"
+
+#include <string_view>
+
+namespace turgor {
+
+namespace {
+
+const std::vector<std::pair<std::string, Side>>& side_names() {
+  static const std::vector<std::pair<std::string, Side>> kNames = {
+      {"right", Side::kRight}, {"left", Side::kLeft}, {"front", Side::kFront}, {"back", Side::kBack},
+      {"feet", Side::kFeet},   {"head", Side::kHead}, {"bottom", Side::kFeet}, {"top", Side::kHead}};
+  return kNames;
+}
+
+void read_sides(SceneTable& table, const std::string& key, std::vector<Side>& sides) {
+  const toml::node* node = table.find(key);
+  if (!node) return;
+  sides.clear();
+  const auto add = [&](const toml::node& name) {
+    for (const auto& [known, side] : side_names())
+      if (name.value_or(std::string()) == known) return sides.push_back(side);
+    table.fail_value(
+        key, name,
+        "\"right\", \"left\", \"front\", \"back\", \"feet\" (or \"bottom\") or \"head\" (or \"top\")");
+  };
+  if (!node->is_array()) return add(*node);
+  for (const toml::node& name : *node->as_array()) add(name);
+}
+
+}  // namespace
+
+HeldBy read_held(SceneTable& body) {
+  HeldBy held;
+  const toml::node* node = body.find("fixed");
+  if (!node || !node->is_table()) return read_sides(body, "fixed", held.sides), held;
+  SceneTable table = body.table("fixed");
+  table.require({"sides", "box", "box_fraction"}, "what holds the body");
+  read_sides(table, "sides", held.sides);
+  table.read("depth", held.depth, within(0, 1));
+  for (const char* key : {"box", "box_fraction"}) {
+    const toml::node* corners = table.find(key);
+    if (!corners) continue;
+    std::vector<double> v;
+    if (corners->is_array())
+      for (const toml::node& corner : *corners->as_array())
+        for (const double x : table.numbers(key, corner, any_number("m"))) v.push_back(x);
+    if (v.size() != 6) {
+      table.fail_value(key, *corners, "two corners, [[x, y, z], [x, y, z]]");
+      continue;
+    }
+    held.box = {{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}};
+    held.by_fraction = std::string_view(key) == "box_fraction";
+  }
+  table.finish();
+  return held;
+}
+
+}  // namespace turgor

@@ -1,0 +1,169 @@
+#include "turgor/sim/scene/scene_lattice.hpp"
+
+#include <cmath>
+
+#include "turgor/sim/scene/label_number.hpp"
+#include "turgor/sim/scene/scene_ct.hpp"
+#include "turgor/sim/scene/scene_held.hpp"
+#include "turgor/sim/scene/scene_label.hpp"
+
+namespace turgor {
+
+namespace {
+
+using lattice::Method;
+using lattice::SkinLaw;
+
+/// Do labels come with the body: a file of them, or a phantom's?
+bool has_labels(SceneTable& body) {
+  const toml::node* ct = body.find("ct");
+  return body.has("labels") || (ct && ct->is_table());
+}
+
+void read_only(SceneTable& body, LatticeScene& scene) {
+  read_label(body, "only", scene.only);
+  if (scene.only > 0 && !has_labels(body))
+    body.fail("only", "one label alone needs a segmentation: add labels = \"seg.nii.gz\" to the body");
+}
+
+void read_block(SceneTable& body, Int3& block, double& step) {
+  body.read("step", step, within(1e-4, 0.1, "m"));
+  if (body.has("step") && body.has("block")) body.fail("step", "a body has either step or block, not both");
+  const toml::node* node = body.find("block");
+  if (node && node->is_array()) return body.read("block", block, within(1, 64, "voxels"));
+  int side = block.x;
+  body.read("block", side, within(1, 64, "voxels"));
+  block = {side, side, side};
+}
+
+void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>& held) {
+  const toml::node* node = body.find("fixed");
+  if (!node) return;
+  if (node->is_table()) {
+    params.fix_bone = params.fix_ends = false;
+    held = read_held(body);
+    return;
+  }
+  const std::string expected =
+      "\"bone\", \"ends\", [\"bone\", \"ends\"], \"none\", or { sides = \"back\", depth = 0.3 }";
+  std::vector<std::string> parts;
+  if (node->is_string()) {
+    parts.push_back(node->as_string()->get());
+  } else if (node->is_array()) {
+    for (const toml::node& part : *node->as_array()) parts.push_back(part.value_or(std::string("?")));
+  } else {
+    return body.fail_value("fixed", *node, expected);
+  }
+  params.fix_bone = params.fix_ends = false;
+  for (const std::string& part : parts) {
+    if (part == "bone")
+      params.fix_bone = true;
+    else if (part == "ends")
+      params.fix_ends = true;
+    else if (part != "none" || parts.size() > 1)
+      return body.fail_value("fixed", *node, expected);
+  }
+}
+
+void read_young_of_labels(SceneTable& tissue, lattice::TissueParams& params) {
+  SceneTable labels = tissue.table("labels");
+  for (const std::string& name : labels.names()) {
+    double young = 0;
+    labels.read(name, young, positive("Pa"));
+    const int label = label_number(name);
+    if (label < 0)
+      labels.fail(name, "expected a label's number (1 to 65535) or an organ's name" + label_suggestion(name));
+    else if (young > 0)
+      params.young_of_label[label] = young;
+  }
+}
+
+void read_tissue(SceneTable& body, lattice::TissueParams& params) {
+  SceneTable tissue = body.table("tissue");
+  tissue.read("gas", params.gas, positive("Pa"));
+  tissue.read("fat", params.fat, positive("Pa"));
+  tissue.read("muscle", params.muscle, positive("Pa"));
+  tissue.read("bone", params.bone, positive("Pa"));
+  tissue.read("air_max", params.air_max, within(-1024, 3071, "HU"));
+  tissue.read("fat_max", params.fat_max, within(-1024, 3071, "HU"));
+  tissue.read("bone_min", params.bone_min, within(-1024, 3071, "HU"));
+  tissue.read("volume", params.volume, within(0, 100));
+  read_young_of_labels(tissue, params);
+  if (params.air_max >= params.fat_max || params.fat_max >= params.bone_min)
+    tissue.fail("", fmt::format("expected air_max < fat_max < bone_min, found {} < {} < {} HU",
+                                params.air_max, params.fat_max, params.bone_min));
+  if (!params.young_of_label.empty() && !has_labels(body))
+    tissue.fail("labels", "stiffness by label needs a segmentation: add labels = \"seg.nii.gz\" to the body");
+  tissue.finish();
+}
+
+void read_tension(SceneTable& table, lattice::SkinParams& skin) {
+  const toml::node* node = table.find("tension");
+  if (!node) return;
+  if (!node->is_array()) {
+    table.read("tension", skin.tension_along, not_negative("N/m"));
+    skin.tension_across = skin.tension_along;
+    return;
+  }
+  if (node->as_array()->size() != 2)
+    return table.fail_value("tension", *node, "a number or [along, across] Langer's lines [N/m]");
+  const std::vector<double> tension = table.numbers("tension", *node, not_negative("N/m"));
+  if (tension.size() == 2) skin.tension_along = tension[0], skin.tension_across = tension[1];
+}
+
+void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::path& field) {
+  const toml::node* node = body.find("skin");
+  if (node && node->is_boolean()) {
+    skin.enabled = node->as_boolean()->get();
+    return;
+  }
+  SceneTable table = body.table("skin");
+  table.read_choice<SkinLaw>("law", skin.law, {{"area", SkinLaw::kArea}, {"fibre", SkinLaw::kFibre}});
+  read_tension(table, skin);
+  table.read("stiffness", skin.stiffness, positive("N/m"));
+  table.read("shear", skin.shear, not_negative("N/m"));
+  table.read("amplification", skin.amplification, not_negative("1"));
+  table.read("direction", skin.direction, any_number("1"));
+  table.read_path("direction_field", field);
+  if (norm(skin.direction) == 0) table.fail("direction", "expected a vector that is not zero");
+  if (const double most = std::max(skin.tension_along, skin.tension_across); most >= skin.stiffness)
+    table.fail("tension", fmt::format("expected less than the skin's stiffness, {} N/m, found {} N/m",
+                                      skin.stiffness, most));
+  table.finish();
+}
+
+void read_solver(SceneTable& body, lattice::SolverParams& solver) {
+  SceneTable table = body.table("solver");
+  table.read_choice<Method>("method", solver.method, {{"pbd", Method::kPbd}, {"descent", Method::kDescent}});
+  table.read("sweeps", solver.sweeps, within(1, 1000));
+  table.read("damping", solver.damping, not_negative("1/s"));
+  table.read("pbd_stiffness", solver.pbd_stiffness, within(0, 1));
+  table.read("pbd_volume", solver.pbd_volume);
+  table.finish();
+}
+
+}  // namespace
+
+LatticeScene read_lattice_scene(SceneTable body, const std::string& name) {
+  LatticeScene scene;
+  scene.name = name, scene.place = body.place();
+  scene.ct = read_ct_source(body);
+  body.read_path("labels", scene.labels);
+  read_block(body, scene.params.block, scene.step);
+  read_only(body, scene);
+  read_fixed(body, scene.params, scene.held);
+  body.read("gravity", scene.has_gravity);
+  read_tissue(body, scene.params.tissue);
+  read_skin(body, scene.params.skin, scene.direction_field);
+  read_solver(body, scene.params.solver);
+  const bool fibre = scene.params.skin.enabled && scene.params.skin.law == SkinLaw::kFibre;
+  if (scene.params.solver.method == Method::kPbd && fibre)
+    body.fail(body.has("skin") ? "skin" : "solver",
+              "solver.method = \"pbd\" offers the area law only (a projection has no forces along and across "
+              "the lines); "
+              "set skin.law = \"area\" or solver.method = \"descent\"");
+  body.finish();
+  return scene;
+}
+
+}  // namespace turgor

@@ -1,0 +1,145 @@
+#include "turgor/sim/scene/scene_rhombus.hpp"
+
+#include <numbers>
+
+#include "turgor/models/rhombus/tissues.hpp"
+#include "turgor/sim/scene/label_number.hpp"
+#include "turgor/sim/scene/scene_ct.hpp"
+
+namespace turgor {
+
+namespace {
+
+SurfaceOfBody read_surface_of(SceneTable& body, const Scene& scene) {
+  std::string name;
+  body.read("surface_of", name);
+  std::vector<std::string> names;
+  for (std::size_t b = 0; b < scene.organs.size(); b++) {
+    names.push_back(scene.organs[b].name);
+    if (names.back() == name) return {int(b)};
+  }
+  if (!name.empty())
+    body.fail("surface_of",
+              fmt::format("the scene has no body {} with model = \"sfem\"{}", name, suggestion(name, names)));
+  return {};
+}
+
+RhombusSource read_source(SceneTable& body, const Scene& scene) {
+  const std::vector<std::string> kinds = {"surface", "surface_of"};
+  body.require(kinds, "the organ's surface: a file, { phantom = \"liver\" }, or that of another body");
+  if (body.has("surface") && body.has("surface_of"))
+    body.fail("surface_of", "a body has one surface: either surface or surface_of");
+  if (body.has("surface_of")) return read_surface_of(body, scene);
+  const toml::node* node = body.find("surface");
+  if (node && node->is_table()) {
+    SceneTable table = body.table("surface");
+    std::string phantom;
+    PhantomLiverSurface liver;
+    table.require({"phantom"}, "\"liver\"");
+    table.read_choice("phantom", phantom, {"liver"});
+    table.read("detail", liver.detail, within(0.2, 20));
+    table.finish();
+    return liver;
+  }
+  SurfaceFile surface;
+  body.read_path("surface", surface.file);
+  body.read("scale", surface.scale, inside(0, 1e6, "m"));
+  return surface;
+}
+
+void read_tissue(SceneTable& body, RhombusScene& scene) {
+  std::vector<std::string> names;
+  for (const rhombus::Tissue& tissue : rhombus::tissues()) names.push_back(tissue.name);
+  scene.tissue = names[0];
+  body.read_choice("tissue", scene.tissue, names);
+  if (const rhombus::Tissue* tissue = rhombus::find_tissue(scene.tissue)) scene.params.chain = tissue->chain;
+}
+
+/// Replaces what the tissue says, key by key.
+void read_chain(SceneTable table, rhombus::ChainParams& chain) {
+  table.read("normal", chain.normal, positive("N/m"));
+  table.read("tangential", chain.tangential, positive("N/m"));
+  table.read("decay", chain.decay, positive(""));
+  double degrees = chain.angle * 180 / std::numbers::pi;
+  table.read("angle", degrees, inside(0, 90, "degrees"));
+  chain.angle = degrees * std::numbers::pi / 180;
+  table.read("side", chain.side, inside(0, 1, "m"));
+  table.read("boundary", chain.boundary, inside(0, 0.5));
+  table.finish();
+}
+
+LabelStiffness read_label_stiffness(SceneTable& table) {
+  LabelStiffness stiffness;
+  const toml::node* labels = table.find("labels");
+  if (labels && labels->is_table())
+    stiffness.phantom = read_phantom(table.table("labels"));
+  else
+    table.read_path("labels", stiffness.labels);
+  SceneTable factors = table.table("factors");
+  for (const std::string& name : factors.names()) {
+    double factor = 1;
+    factors.read(name, factor, positive(""));
+    const int label = label_number(name);
+    if (label <= 0 || label > 65535)
+      factors.fail(
+          name, fmt::format("expected a label's number (1 to 65535) or an organ's name, found \"{}\"{}", name,
+                            label_suggestion(name)));
+    stiffness.factors[label] = factor;
+  }
+  factors.finish();
+  return stiffness;
+}
+
+CtStiffness read_ct_stiffness(SceneTable& table) {
+  const std::string expected = "pairs [HU, factor above 0], ascending, as [[-100, 0.5], [40, 1]]";
+  CtStiffness stiffness{read_ct_source(table), {}};
+  const toml::node* pairs = table.find("factors");
+  if (!pairs) return stiffness;
+  if (!pairs->is_array() || pairs->as_array()->empty())
+    return table.fail_value("factors", *pairs, expected), stiffness;
+  for (const toml::node& pair : *pairs->as_array()) {
+    if (!pair.is_array()) return table.fail_value("factors", pair, expected), stiffness;
+    const std::vector<double> v = table.numbers("factors", pair, any_number("HU or 1"));
+    if (v.empty()) return stiffness;  // and a note of what was wrong
+    const bool ascends = stiffness.factors.empty() || v[0] > stiffness.factors.rbegin()->first;
+    if (v.size() != 2 || !ascends || v[1] <= 0) return table.fail_value("factors", pair, expected), stiffness;
+    stiffness.factors[v[0]] = v[1];
+  }
+  return stiffness;
+}
+
+StiffnessScene read_stiffness(SceneTable table) {
+  StiffnessScene stiffness;
+  table.require({"labels", "ct"}, "a segmentation or a CT, or a phantom");
+  table.require({"factors"},
+                "how many times as stiff: { nodule = 8 } of labels, [[40, 1], [300, 8]] of a CT's HU");
+  if (table.has("labels") && table.has("ct"))
+    table.fail("ct", "stiffness is of labels or of a CT, not of both");
+  if (table.has("ct"))
+    stiffness.source = read_ct_stiffness(table);
+  else
+    stiffness.source = read_label_stiffness(table);
+  table.read("depth", stiffness.depth, inside(0, 1, "m"));
+  table.finish();
+  return stiffness;
+}
+
+}  // namespace
+
+RhombusScene read_rhombus_scene(SceneTable body, const std::string& name, const Scene& scene) {
+  RhombusScene made;
+  made.name = name, made.place = body.place();
+  made.source = read_source(body, scene);
+  read_tissue(body, made);
+  read_chain(body.table("chain"), made.params.chain);
+  body.read("bulge", made.params.bulge, within(0, 1));
+  SceneTable viscosity = body.table("viscosity");
+  viscosity.read("ratio", made.params.viscosity.stiffening, within(0, 100));
+  viscosity.read("time", made.params.viscosity.time, inside(0, 1000, "s"));
+  viscosity.finish();
+  if (body.has("stiffness")) made.stiffness = read_stiffness(body.table("stiffness"));
+  body.finish();
+  return made;
+}
+
+}  // namespace turgor

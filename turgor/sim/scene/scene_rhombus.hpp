@@ -1,0 +1,13 @@
+// [body.NAME] of a scene, when its model is "rhombus".
+#pragma once
+
+#include "turgor/sim/scene/rhombus_scene.hpp"
+#include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/scene/scene_table.hpp"
+
+namespace turgor {
+
+/// The bodies with model = "sfem" were read before.
+RhombusScene read_rhombus_scene(SceneTable body, const std::string& name, const Scene& scene);
+
+}  // namespace turgor

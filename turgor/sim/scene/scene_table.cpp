@@ -1,0 +1,220 @@
+#include "turgor/sim/scene/scene_table.hpp"
+
+#include <cmath>
+#include <sstream>
+
+namespace turgor {
+
+namespace {
+
+std::string limits_text(const Allowed& allowed) {
+  constexpr double kNone = std::numeric_limits<double>::max();
+  std::string text;
+  if (allowed.low > -kNone && allowed.high < kNone)
+    text = allowed.open ? fmt::format(" between {} and {}", allowed.low, allowed.high)
+                        : fmt::format(" from {} to {}", allowed.low, allowed.high);
+  else if (allowed.low > -kNone)
+    text = fmt::format("{} {}", allowed.open ? " above" : " of at least", allowed.low);
+  return *allowed.unit ? fmt::format("{} [{}]", text, allowed.unit) : text;
+}
+
+bool allows(const Allowed& allowed, double value) {
+  if (!std::isfinite(value)) return false;
+  return allowed.open ? value > allowed.low && value < allowed.high
+                      : value >= allowed.low && value <= allowed.high;
+}
+
+}  // namespace
+
+std::string SceneProblems::override_of(const std::string& path) const {
+  for (const auto& [key, text] : overrides)
+    if (path == key || path.starts_with(key + ".")) return key;
+  return "";
+}
+
+std::string SceneProblems::place_of(const std::string& path, const toml::node& node) const {
+  if (const std::string key = override_of(path); !key.empty()) return "--set " + key;
+  const auto& begin = node.source().begin;
+  return begin.line ? fmt::format("{}:{}:{}", file, begin.line, begin.column) : file;
+}
+
+void SceneProblems::add(const std::string& path, const toml::node& node, const std::string& what) {
+  const std::string place = place_of(path, node);
+  const bool in_file = place.starts_with(file);
+  const std::string shown = path.empty() ? what : fmt::format("{}: {}", path, what);
+  problems.insert({in_file ? node.source().begin.line : 0, fmt::format("{}: {}", place, shown)});
+}
+
+std::string describe(const toml::node& node) {
+  if (node.is_table()) return "a table";
+  if (const auto* text = node.as_string()) return fmt::format("\"{}\"", text->get().substr(0, 60));
+  if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+  std::ostringstream text;
+  if (node.is_array())
+    text << *node.as_array();
+  else if (const auto* number = node.as_floating_point())
+    return fmt::format("{}", number->get());
+  else
+    text << toml::node_view(node);
+  const std::string shown = text.str();
+  return shown.size() > 60 || shown.find('\n') != std::string::npos ? "an array" : shown;
+}
+
+std::string SceneTable::path_of(std::string_view key) const {
+  return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+}
+
+const toml::node* SceneTable::find(std::string_view key) {
+  known_.emplace_back(key);
+  return table_.get(key);
+}
+
+void SceneTable::fail(std::string_view key, const std::string& what) {
+  if (const toml::node* node = table_.get(key))
+    problems_.add(path_of(key), *node, what);
+  else
+    problems_.add(path_, table_, what);
+}
+
+void SceneTable::fail_value(std::string_view key, const toml::node& node, const std::string& expected) {
+  problems_.add(path_of(key), node, fmt::format("expected {}, found {}", expected, describe(node)));
+}
+
+void SceneTable::read(std::string_view key, double& value, const Allowed& allowed) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  const auto number = node->is_number() ? node->value<double>() : std::nullopt;
+  if (!number || !allows(allowed, *number)) return fail_value(key, *node, "a number" + limits_text(allowed));
+  value = *number;
+}
+
+void SceneTable::read(std::string_view key, int& value, const Allowed& allowed) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  const auto number = node->is_integer() ? node->value<std::int64_t>() : std::nullopt;
+  if (!number || !allows(allowed, double(*number)))
+    return fail_value(key, *node, "a whole number" + limits_text(allowed));
+  value = int(*number);
+}
+
+void SceneTable::read(std::string_view key, bool& value) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  if (!node->is_boolean()) return fail_value(key, *node, "true or false");
+  value = node->as_boolean()->get();
+}
+
+void SceneTable::read(std::string_view key, std::string& value) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  if (!node->is_string()) return fail_value(key, *node, "text");
+  value = node->as_string()->get();
+}
+
+std::vector<double> SceneTable::numbers(std::string_view key, const toml::node& node,
+                                        const Allowed& allowed) {
+  const std::string expected = "numbers" + limits_text(allowed);
+  std::vector<double> values;
+  if (!node.is_array()) return fail_value(key, node, expected), values;
+  for (const toml::node& element : *node.as_array()) {
+    const auto number = element.is_number() ? element.value<double>() : std::nullopt;
+    if (!number || !allows(allowed, *number))
+      return fail_value(key, element, expected), std::vector<double>{};
+    values.push_back(*number);
+  }
+  return values;
+}
+
+void SceneTable::read(std::string_view key, Vec3d& value, const Allowed& allowed) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  if (!node->is_array() || node->as_array()->size() != 3)
+    return fail_value(key, *node, "three numbers" + limits_text(allowed));
+  const std::vector<double> v = numbers(key, *node, allowed);
+  if (v.size() == 3) value = {v[0], v[1], v[2]};
+}
+
+void SceneTable::read(std::string_view key, Int3& value, const Allowed& allowed) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  const auto* array = node->as_array();
+  const bool whole = array && array->size() == 3 && array->is_homogeneous<std::int64_t>();
+  if (!whole) return fail_value(key, *node, "three whole numbers" + limits_text(allowed));
+  const std::vector<double> v = numbers(key, *node, allowed);
+  if (v.size() == 3) value = {int(v[0]), int(v[1]), int(v[2])};
+}
+
+void SceneTable::read_path(std::string_view key, std::filesystem::path& value) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  const auto given = problems_.overrides.find(path_of(key));
+  const bool overridden = !problems_.override_of(path_of(key)).empty();
+  std::string text;
+  if (node->is_string())
+    text = node->as_string()->get();
+  else if (given != problems_.overrides.end())
+    text = given->second;  // a folder may well be called 2024
+  if (text.empty() || text.find('\0') != std::string::npos)
+    return fail_value(key, *node, "the name of a file or folder");
+  value = overridden ? std::filesystem::path(text) : problems_.folder / text;
+}
+
+void SceneTable::read_choice(std::string_view key, std::string& value,
+                             const std::vector<std::string>& choices) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  const auto* text = node->as_string();
+  if (text && std::find(choices.begin(), choices.end(), text->get()) != choices.end()) {
+    value = text->get();
+    return;
+  }
+  const std::string nearest = text ? nearest_name(text->get(), choices) : "";
+  const std::string hint = nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest);
+  problems_.add(path_of(key), *node,
+                fmt::format("expected {}, found {}{}", fmt::format("\"{}\"", fmt::join(choices, "\", \"")),
+                            describe(*node), hint));
+}
+
+SceneTable SceneTable::table(std::string_view key) {
+  static const toml::table kEmpty;
+  const toml::node* node = find(key);
+  if (node && !node->is_table()) fail_value(key, *node, "a table");
+  const bool found = node && node->is_table();
+  return SceneTable(found ? *node->as_table() : kEmpty, path_of(key), problems_);
+}
+
+std::vector<std::string> SceneTable::names() const {
+  std::vector<std::pair<toml::source_position, std::string>> found;
+  for (const auto& [key, node] : table_) found.emplace_back(key.source().begin, std::string(key.str()));
+  std::sort(found.begin(), found.end());
+  std::vector<std::string> names;
+  for (auto& [position, name] : found) names.push_back(std::move(name));
+  return names;
+}
+
+void SceneTable::require(const std::vector<std::string>& keys, const std::string& what_for) {
+  const bool found =
+      std::any_of(keys.begin(), keys.end(), [this](const auto& key) { return table_.contains(key); });
+  if (!found) missing_.push_back(fmt::format("{} is missing: {}", fmt::join(keys, " or "), what_for));
+}
+
+void SceneTable::finish() {
+  bool unknown = false;
+  for (const auto& [key, node] : table_) {
+    if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
+    const std::string name(key.str());
+    const std::string place =
+        problems_.override_of(path_of(name)).empty() && key.source().begin.line
+            ? fmt::format("{}:{}:{}", problems_.file, key.source().begin.line, key.source().begin.column)
+            : problems_.place_of(path_of(name), node);
+    problems_.problems.insert(
+        {key.source().begin.line,
+         fmt::format("{}: {} is not a key of a scene{}", place, path_of(name), suggestion(name, known_))});
+    unknown = true;
+  }
+  // A misspelt key explains a missing one.
+  if (unknown) return;
+  for (const std::string& what : missing_) problems_.add(path_, table_, what);
+}
+
+}  // namespace turgor

@@ -1,0 +1,176 @@
+#include "turgor/sim/scene/scene_tool.hpp"
+
+#include "turgor/sim/tool_path.hpp"
+
+namespace turgor {
+
+namespace {
+
+int read_body_name(SceneTable& tool, const Scene& scene) {
+  std::string name;
+  tool.require({"body"}, "the name of the body that is touched");
+  tool.read("body", name);
+  std::vector<std::string> names;
+  for (std::size_t b = 0; b < scene.organs.size(); b++) {
+    names.push_back(scene.organs[b].name);
+    if (names.back() == name) return int(b);
+  }
+  for (std::size_t b = 0; b < scene.rhombi.size(); b++) {
+    names.push_back(scene.rhombi[b].name);
+    if (names.back() == name) return int(scene.organs.size() + b);
+  }
+  for (std::size_t b = 0; b < scene.lattices.size(); b++) {
+    names.push_back(scene.lattices[b].name);
+    if (names.back() != name) continue;
+    if (scene.lattices[b].params.solver.method == lattice::Method::kPbd)
+      tool.fail("body", fmt::format("{} has solver.method = \"pbd\", which knows no forces in newtons; tools "
+                                    "touch lattices with \"descent\"",
+                                    name));
+    return int(scene.organs.size() + scene.rhombi.size() + b);
+  }
+  if (!name.empty())
+    tool.fail("body", fmt::format("the scene has no body {}{}", name, suggestion(name, names)));
+  return 0;
+}
+
+/// Of a phantom, or of a file with both jaws.
+ForcepsTool read_forceps(SceneTable& shape) {
+  ForcepsTool forceps;
+  const toml::node* node = shape.find("forceps");
+  if (!node || node->value_or(std::string()) != "phantom") shape.read_path("forceps", forceps.file);
+  shape.read("scale", forceps.scale, inside(0, 1e6, "m"));
+  shape.read("opening", forceps.opening, inside(0, 1, "m"));
+  shape.read("closing", forceps.closing, inside(0, 60, "s"));
+  return forceps;
+}
+
+ToolShape read_shape(SceneTable& tool) {
+  tool.require({"shape"}, "as in { sphere = 0.006 } [m]");
+  SceneTable shape = tool.table("shape");
+  const Allowed length = inside(0, 10, "m");
+  ToolShape made = BallTool{};
+  if (shape.has("capsule")) {
+    RodTool rod;
+    const toml::node* node = shape.find("capsule");
+    const std::vector<double> lengths = shape.numbers("capsule", *node, length);
+    if (lengths.size() == 2)
+      rod = {lengths[0], lengths[1]};
+    else
+      shape.fail_value("capsule", *node, "[radius, half length] [m]");
+    made = rod;
+  } else if (shape.has("forceps")) {
+    made = read_forceps(shape);
+  } else if (shape.has("mesh")) {
+    MeshTool mesh;
+    shape.read_path("mesh", mesh.file);
+    shape.read("scale", mesh.scale, inside(0, 1e6, "m"));
+    made = mesh;
+  } else {
+    BallTool ball;
+    if (tool.has("shape")) shape.require({"sphere", "capsule", "mesh", "forceps"}, "a shape for the tool");
+    shape.read("sphere", ball.radius, length);
+    made = ball;
+  }
+  shape.finish();
+  return made;
+}
+
+bool read_smooth(SceneTable& tool) {
+  bool smooth = true;
+  tool.read_choice<bool>("interpolation", smooth, {{"smooth", true}, {"linear", false}});
+  return smooth;
+}
+
+GivenPath read_rows(SceneTable& tool, const toml::array& array) {
+  GivenPath path;
+  std::vector<std::vector<double>> rows;
+  for (const toml::node& row : array) {
+    rows.push_back(tool.numbers("path", row, any_number("s and m")));
+    if (rows.back().empty()) return path;  // was complained about
+  }
+  Result<std::vector<PathRow>> made = path_rows(rows);
+  if (!made) return tool.fail("path", made.error().message), path;
+  path.rows = std::move(*made);
+  path.smooth = read_smooth(tool);
+  return path;
+}
+
+Vec3d read_place(SceneTable& press, const char* key, const char* key_fraction) {
+  Vec3d place;
+  press.read(key, place, within(-100, 100, "m"));
+  press.read(key_fraction, place, within(0, 1));
+  return place;
+}
+
+Press read_press(SceneTable table) {
+  Press press;
+  table.require({"at", "at_fraction"}, "where on the surface");
+  press.by_fraction = table.has("at_fraction");
+  press.at = press.to = read_place(table, "at", "at_fraction");
+  const bool slides = table.has("to") || table.has("to_fraction");
+  if (slides) {
+    press.to = read_place(table, "to", "to_fraction");
+    press.slide = 1;
+  }
+  if ((table.has("at") || table.has("to")) && (table.has("at_fraction") || table.has("to_fraction")))
+    table.fail(table.has("at") ? "at" : "to",
+               "a press is given either in metres or in fractions, not in both");
+  table.read("depth", press.depth, inside(0, 1, "m"));
+  table.read("start", press.start, not_negative("s"));
+  table.read("duration", press.duration, inside(0, 3600, "s"));
+  table.read("hold", press.hold, not_negative("s"));
+  if (slides) table.read("slide", press.slide, inside(0, 3600, "s"));
+  table.finish();
+  return press;
+}
+
+Grasp read_grasp(SceneTable table) {
+  Grasp grasp;
+  table.require({"at", "at_fraction"}, "where on the surface");
+  grasp.by_fraction = table.has("at_fraction");
+  if (table.has("at") && grasp.by_fraction)
+    table.fail("at", "a grasp is given either in metres or in fractions, not in both");
+  grasp.at = read_place(table, "at", "at_fraction");
+  table.read("depth", grasp.depth, inside(0, 1, "m"));
+  table.read("pull", grasp.pull, within(0, 1, "m"));
+  table.read("aside", grasp.aside, within(-1, 1, "m"));
+  table.read("start", grasp.start, not_negative("s"));
+  table.read("duration", grasp.duration, inside(0, 3600, "s"));
+  table.read("hold", grasp.hold, inside(0, 3600, "s"));
+  table.finish();
+  return grasp;
+}
+
+ToolMotion read_motion(SceneTable& tool) {
+  const std::vector<std::string> kinds = {"path", "press", "grasp"};
+  tool.require(kinds, "how the tool moves");
+  std::string given;
+  for (const std::string& kind : kinds) {
+    if (!tool.has(kind)) continue;
+    if (!given.empty()) tool.fail(kind, fmt::format("a tool has either a {} or a {}, not both", given, kind));
+    given = given.empty() ? kind : given;
+  }
+  if (given == "press") return read_press(tool.table("press"));
+  if (given == "grasp") return read_grasp(tool.table("grasp"));
+  const toml::node* node = tool.find("path");
+  if (node && node->is_array()) return read_rows(tool, *node->as_array());
+  PathFile file;
+  tool.read_path("path", file.file);
+  file.smooth = read_smooth(tool);
+  return file;
+}
+
+}  // namespace
+
+ToolScene read_tool_scene(SceneTable tool, const std::string& name, const Scene& scene) {
+  ToolScene made;
+  made.name = name, made.place = tool.place();
+  made.body = read_body_name(tool, scene);
+  made.shape = read_shape(tool);
+  tool.read("friction", made.friction, within(0, 10));
+  made.motion = read_motion(tool);
+  tool.finish();
+  return made;
+}
+
+}  // namespace turgor

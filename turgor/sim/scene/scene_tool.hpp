@@ -1,0 +1,11 @@
+// [tool.NAME] of a scene: what touches an organ, and along which path.
+#pragma once
+
+#include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/scene/scene_table.hpp"
+
+namespace turgor {
+
+ToolScene read_tool_scene(SceneTable tool, const std::string& name, const Scene& scene);
+
+}  // namespace turgor
