@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     if (!(organ.material.young > 0) || !(organ.material.poisson < 0.5) || organ.patch.refinement < 1)
       std::abort();
   for (const ToolScene& tool : scene->tools)
-    if (tool.body < 0 || std::size_t(tool.body) >= touched + scene->clothes.size()) std::abort();
+    if (tool.body < 0 || std::size_t(tool.body) >= touched + scene->lattices.size()) std::abort();
   const std::size_t counts[] = {scene->lattices.size(), scene->organs.size(), scene->rhombi.size()};
   for (const ClothScene& cloth : scene->clothes)
     for (const ObstacleScene& obstacle : cloth.obstacles)
