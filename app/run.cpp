@@ -130,9 +130,14 @@ void print_touch(const Json& report) {
               fmt::format("{:.3f} N at {:.2f} s", value(tool, "force_max_N"), value(tool, "force_max_at_s")));
     print_row("deepest below the surface at rest", fmt::format("{:.1f} mm", value(tool, "depth_max_mm")));
     const bool by_frame = tool.value("force_every_ms", 1.0) > 1;
-    print_row(by_frame ? "a frame, one force (median, …)" : "a tick (median, 99 of 100, longest)",
-              fmt::format("{:.1f} µs, {:.1f} µs, {:.1f} µs", value(tool, "tick_p50_us"),
-                          value(tool, "tick_p99_us"), value(tool, "tick_max_us")));
+    const double p50 = value(tool, "tick_p50_us"), p99 = value(tool, "tick_p99_us"),
+                 most = value(tool, "tick_max_us");
+    if (by_frame)
+      print_row("a frame, one force", fmt::format("{:.1f} ms, 99 of 100 {:.1f} ms, longest {:.1f} ms",
+                                                  p50 * 1e-3, p99 * 1e-3, most * 1e-3));
+    else
+      print_row("a tick, one force",
+                fmt::format("{:.1f} µs, 99 of 100 {:.1f} µs, longest {:.1f} µs", p50, p99, most));
   }
 }
 

@@ -51,8 +51,12 @@ std::string touch_figures(const Json& report) {
     html += key_figure(shown(tool.at("depth_max_mm")) + " mm", "deepest press of " + name);
     const bool by_frame = tool.value("force_every_ms", 1.0) > 1;
     const std::string what = by_frame ? "a frame of the body, one force (" : "a haptic tick (";
-    html += key_figure(shown(tool.at("tick_p50_us")) + " µs", what + "median)");
-    html += key_figure(shown(tool.at("tick_p99_us")) + " µs", what + "99 of 100)");
+    const auto time = [&](const char* key) {
+      const double us = tool.at(key).get<double>();
+      return us < 1000 ? fmt::format("{:.3g} µs", us) : fmt::format("{:.3g} ms", us * 1e-3);
+    };
+    html += key_figure(time("tick_p50_us"), what + "median)");
+    html += key_figure(time("tick_p99_us"), what + "99 of 100)");
   }
   return html;
 }
