@@ -207,7 +207,7 @@ TEST(ClothStep, random_steps_never_make_what_is_no_number) {
     return double(bits >> 40) / double(1 << 23) - 1;
   };
   state.crossing.steps_to_look = 20000;  // as if it crossed itself: tests of crossings look at the rest
-  for (int n = 0; n < 20000; n++) {
+  for (int n = 0; n < 100000; n++) {
     const int vertex = int(40 + 40 * next());
     if (next() > 0.95) (void)hold(model, state, vertex);
     if (next() > 0.95) (void)release(model, state, vertex);
