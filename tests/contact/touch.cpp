@@ -1,5 +1,6 @@
 #include "turgor/contact/touch.hpp"
 
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -11,7 +12,7 @@
 #include "contact/touched_half_space.hpp"
 
 namespace {
-std::size_t allocations = 0;
+std::atomic<std::size_t> allocations = 0;
 }
 #pragma GCC diagnostic ignored "-Wmismatched-new-delete"  // GCC 12 sees malloc through the replaced operator
 void* operator new(std::size_t size) {
