@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "tests/models/cloth_sheets.hpp"
+#include "tests/models/cloth_storm.hpp"
 #include "turgor/geometry/surface_check.hpp"
 #include "turgor/models/cloth/system.hpp"
 
@@ -64,20 +65,9 @@ void random_step(benchmark::State& bench) {
   const Model model = must_build(flat_sheet(9), params);
   State state = make_state(model);
   const Exec exec(1);
-  std::uint64_t bits = 7;
-  const auto next = [&bits] {
-    bits = bits * 6364136223846793005ull + 1442695040888963407ull;
-    return double(bits >> 40) / double(1 << 23) - 1;
-  };
+  RandomNumbers next{7};
   for (auto _ : bench) {
-    const int vertex = int(40 + 40 * next());
-    if (next() > 0.95) (void)hold(model, state, vertex);
-    if (next() > 0.95) (void)release(model, state, vertex);
-    (void)move_hold(model, state, vertex, Vec3(Vec3d{next(), next(), next()} * 0.2));
-    Inputs inputs{.gravity = Vec3d{next(), next(), next()} * 20.0};
-    inputs.air.velocity = Vec3d{next(), next(), next()} * 30.0;
-    inputs.air.gusts = 0.5 + 0.5 * next();
-    if (!step(exec, model, state, inputs, 0.017 + 0.016 * next()).finite) {
+    if (!storm_step(exec, model, state, next, true).finite) {
       bench.SkipWithError("a step was not finite");
       return;
     }

@@ -131,28 +131,15 @@ TEST(ClothCrossing, a_sheet_that_is_crushed_between_plates_never_crosses_itself)
   RecordProperty("smallest_mm", std::to_string(self_distance(exec, model, state).smallest * 1e3));
 }
 
-/// Holds anywhere, that jump by up to twice the length of the sheet in a frame, and storms.
 TEST(ClothCrossing, random_steps_never_make_a_crossing) {
   Params params;
   params.collision.thickness = kThickness;
   const Model model = must_build(flat_sheet(9), params);
   State state = make_state(model);
   const Exec exec(1);
-  std::uint64_t bits = 11;
-  const auto next = [&bits] {
-    bits = bits * 6364136223846793005ull + 1442695040888963407ull;
-    return double(bits >> 40) / double(1 << 23) - 1;
-  };
+  RandomNumbers next{11};
   Course course;
-  for (int n = 0; n < 600; n++) {
-    const int vertex = int(40 + 40 * next());
-    if (next() > 0.95) (void)hold(model, state, vertex);
-    if (next() > 0.95) (void)release(model, state, vertex);
-    (void)move_hold(model, state, vertex, Vec3(Vec3d{next(), next(), next()} * 0.2));
-    Inputs inputs{.gravity = Vec3d{next(), next(), next()} * 20.0};
-    inputs.air.velocity = Vec3d{next(), next(), next()} * 30.0;
-    look(exec, model, state, step(exec, model, state, inputs, 0.017 + 0.016 * next()), course);
-  }
+  for (int n = 0; n < 600; n++) look(exec, model, state, storm_step(exec, model, state, next, false), course);
   EXPECT_EQ(course.crossed_frames, 0);
   EXPECT_GT(course.caught, 600);
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/models/cloth_storm.hpp"
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/measure.hpp"
 #include "turgor/models/cloth/sheet.hpp"
@@ -31,14 +32,10 @@ inline Inputs in_vacuum(double g = 9.81) {
 
 /// Of every vertex by up to `size`, the same numbers each time.
 inline void shake(const Model& model, Vectors& field, double size, unsigned seed = 1) {
-  std::uint64_t bits = seed;
-  const auto next = [&] {
-    bits = bits * 6364136223846793005ull + 1442695040888963407ull;
-    return (double(bits >> 40) / double(1 << 23) - 1) * size;
-  };
+  RandomNumbers next{seed};
   for (std::size_t v = 0; v < std::size_t(model.count); v++) {
     const double x = next(), y = next(), z = next();
-    field.add(v, Vec3(Vec3d{x, y, z}));
+    field.add(v, Vec3(Vec3d{x, y, z} * size));
   }
 }
 

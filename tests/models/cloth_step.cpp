@@ -201,22 +201,10 @@ TEST(ClothStep, random_steps_never_make_what_is_no_number) {
   const Model model = must_build(flat_sheet(9), params);
   State state = make_state(model);
   const Exec exec(1);
-  std::uint64_t bits = 7;
-  const auto next = [&bits] {
-    bits = bits * 6364136223846793005ull + 1442695040888963407ull;
-    return double(bits >> 40) / double(1 << 23) - 1;
-  };
-  state.crossing.steps_to_look = 20000;  // as if it crossed itself: tests of crossings look at the rest
-  for (int n = 0; n < 100000; n++) {
-    const int vertex = int(40 + 40 * next());
-    if (next() > 0.95) (void)hold(model, state, vertex);
-    if (next() > 0.95) (void)release(model, state, vertex);
-    (void)move_hold(model, state, vertex, Vec3(Vec3d{next(), next(), next()} * 0.2));
-    Inputs inputs{.gravity = Vec3d{next(), next(), next()} * 20.0};
-    inputs.air.velocity = Vec3d{next(), next(), next()} * 30.0;
-    inputs.air.gusts = 0.5 + 0.5 * next();
-    ASSERT_TRUE(step(exec, model, state, inputs, 0.017 + 0.016 * next()).finite) << n;
-  }
+  RandomNumbers next{7};
+  constexpr int kSteps = 100000;
+  state.crossing.steps_to_look = kSteps;  // as if it crossed itself: tests of crossings look at the rest
+  for (int n = 0; n < kSteps; n++) ASSERT_TRUE(storm_step(exec, model, state, next, true).finite) << n;
 }
 
 TEST(ClothStep, what_holds_a_sheet_takes_its_weight_and_what_moves_it_its_inertia) {
