@@ -1,5 +1,6 @@
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -126,6 +127,53 @@ TEST(lattice_skin, a_field_of_lines_turns_the_fibres) {
     }
     EXPECT_NEAR(std::abs(centre.x < 0 ? along.x : along.y), 1, 1e-3) << "at x = " << centre.x;
   }
+}
+
+/// Force that holds the two halves of a flat sheet of skin together, per length of the line between them
+/// [N/m], across the x axis or the y axis: from energies alone, the work of a small stretch.
+double tension_of(const SkinParams& skin, bool along_x, double field_turn) {
+  constexpr int kN = 13;
+  constexpr double kStep = 0.002, kStretch = 2e-3;
+  Params params;
+  params.skin = skin;
+  params.skin.direction = {std::cos(field_turn), std::sin(field_turn), 0};
+  const Model model = block_model({.size = {kN, kN, 1}, .step = kStep, .young = 1e-3}, params);
+  double energies[2];
+  for (const int side : {0, 1}) {
+    State state = make_state(model);
+    for (int j = 0; j < kN; j++)
+      for (int i = 0; i < kN; i++) {
+        const Real shift = Real((side ? kStretch : -kStretch) * kStep * (along_x ? i : j));
+        state.u.set(std::size_t(node_slot(model.lattice, i, j, 0)),
+                    along_x ? Vec3{shift, 0, 0} : Vec3{0, shift, 0});
+      }
+    energies[side] = energy(kExec, model, state);
+  }
+  double pull = 0;  // the tissue's prestress has no part in the skin's own tension
+  for (std::size_t at = 0; at < model.skin.pull.size(); at++) {
+    const Int3 p = slot_node(model.lattice, model.skin.nodes[at]);
+    pull += double(along_x ? model.skin.pull[at].x : model.skin.pull[at].y) * kStep * (along_x ? p.x : p.y);
+  }
+  const double side = (kN - 1) * kStep;
+  return ((energies[1] - energies[0]) / (2 * kStretch) - pull) / (side * side);
+}
+
+TEST(lattice_skin, skin_in_the_ct_bears_the_tension_that_was_asked_for) {
+  for (const double amplification : {0.0, 0.5, 1.0, 2.0, 8.0})
+    for (const auto& [along, across] : {std::pair{45.0, 45.0}, {60.0, 30.0}, {10.0, 150.0}, {0.0, 20.0}}) {
+      const SkinParams fibre{
+          .tension_along = along, .tension_across = across, .amplification = amplification};
+      EXPECT_NEAR(tension_of(fibre, true, 0), along, 0.002 * along + 0.01)
+          << "N/m, amplification " << amplification;
+      EXPECT_NEAR(tension_of(fibre, false, 0), across, 0.002 * across + 0.01);
+      EXPECT_NEAR(tension_of(fibre, true, std::numbers::pi / 2), across, 0.002 * across + 0.01)
+          << "lines along y";
+      SkinParams area = fibre;
+      area.law = SkinLaw::kArea;
+      const double mean = (along + across) / 2;
+      EXPECT_NEAR(tension_of(area, true, 0), mean, 0.002 * mean + 0.01) << "N/m, area law";
+      EXPECT_NEAR(tension_of(area, false, 0), mean, 0.002 * mean + 0.01);
+    }
 }
 
 // A sheet under tension T with a slit of length 2a opens to an ellipse 4 T a / E wide in the middle, E the

@@ -1,3 +1,4 @@
+#include <Eigen/SparseCholesky>
 #include <cmath>
 #include <set>
 
@@ -136,9 +137,11 @@ TEST(lattice_step, equal_bits_on_1_2_and_8_threads_and_again) {
 TEST(lattice_step, numbers_that_are_not_finite_undo_the_step) {
   auto [model, state] = pushed_block({});
   const State good = state;
+  const Real* view = state.u.x.data();
   const StepReport report = step(kOne, model, state, {.gravity = {0, 0, std::nan("")}}, kDt);
   EXPECT_FALSE(report.finite);
   EXPECT_EQ(state.u.x, good.u.x);
+  EXPECT_EQ(state.u.x.data(), view) << "who looks at it still does";
   EXPECT_EQ(state.time, good.time);
   EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite) << "and the simulation goes on";
 }
@@ -234,6 +237,109 @@ TEST(lattice_step, a_clamped_bar_under_an_end_load_stretches_by_hooke) {
   EXPECT_NEAR(stretch, force * length / (1e4 * area), 0.1 * 0.01 * length) << "m, F L / (E A)";
   const Residual residual = measure_residual(kOne, model, state, {.loads = loads}, kDt);
   EXPECT_LT(state.v[std::size_t(loads[0].slot)].x, 1e-3) << "at rest; left over " << residual.largest << " N";
+}
+
+// ------------------------------------------------------------ weight
+
+/// A bar that lies along x, held at its left end.
+Model cantilever(int sweeps, Int3 size) {
+  Params params;
+  params.skin.enabled = false;
+  params.solver = {.sweeps = sweeps, .damping = 8};
+  return block_model(
+      {.size = size, .young = 2e5, .skin_on_top = false, .is_fixed = [](Int3 p) { return p.x == 0; }},
+      params);
+}
+
+/// Mean displacement of the right end along an axis after `seconds` [m].
+double settled_end(const Model& model, const Inputs& inputs, double rate, double seconds, int axis) {
+  State state = make_state(model);
+  for (int n = 0; n < seconds * rate; n++) step(Exec(2), model, state, inputs, 1 / rate);
+  const Int3 size = model.lattice.size;
+  double sum = 0;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      sum += double(state.u[std::size_t(node_slot(model.lattice, size.x - 1, j, k))][axis]);
+  return sum / (size.y * size.z);
+}
+
+/// The same by the stiffness matrix of the springs for small displacements, solved directly.
+double linear_end(const Model& model, Vec3d gravity, int axis) {
+  const Lattice& l = model.lattice;
+  const auto index = [&](Int3 p) { return 3 * (p.x + l.size.x * (p.y + l.size.y * p.z)); };
+  std::vector<Eigen::Triplet<double>> entries;
+  const int count = 3 * l.size.x * l.size.y * l.size.z;
+  Eigen::VectorXd weight = Eigen::VectorXd::Zero(count);
+  for (int k = 0; k < l.size.z; k++)
+    for (int j = 0; j < l.size.y; j++)
+      for (int i = 0; i < l.size.x; i++) {
+        const Int3 a{i, j, k};
+        const auto slot = std::size_t(node_slot(l, a));
+        const double w = double(model.inverse_mass[slot]), root = double(model.root_stiffness[slot]);
+        for (int r = 0; r < 3; r++) {
+          weight[index(a) + r] = w > 0 ? gravity[r] / w : 0;
+          if (w == 0) entries.emplace_back(index(a) + r, index(a) + r, 1e12);  // held
+        }
+        for (std::size_t f = 0; f < kFamilyCount; f++) {
+          const Int3 b = a + kFamilies[f];
+          if (!contains(l, b)) continue;
+          const Vec3d n = normalized(Vec3d(rest_position(l, b) - rest_position(l, a)));
+          const double stiffness = double(model.spring_scale[f]) * root *
+                                   double(model.root_stiffness[std::size_t(node_slot(l, b))]);
+          for (int r = 0; r < 3; r++)
+            for (int c = 0; c < 3; c++)
+              for (const auto& [p, q, sign] : {std::tuple{a, a, 1}, {b, b, 1}, {a, b, -1}, {b, a, -1}})
+                entries.emplace_back(index(p) + r, index(q) + c, sign * stiffness * n[r] * n[c]);
+        }
+      }
+  Eigen::SparseMatrix<double> matrix(count, count);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::VectorXd u = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(weight);
+  double sum = 0;
+  for (int k = 0; k < l.size.z; k++)
+    for (int j = 0; j < l.size.y; j++) sum += u[index({l.size.x - 1, j, k}) + axis];
+  return sum / (l.size.y * l.size.z);
+}
+
+TEST(lattice_step, a_held_bar_sags_by_its_weight_whatever_the_sweeps_the_frame_rate_and_the_direction) {
+  struct Case {
+    int axis, sweeps;
+    double rate, seconds;
+  };
+  for (const auto& [axis, sweeps, rate, seconds] :
+       {Case{2, 5, 30, 25}, {2, 5, 60, 8}, {2, 20, 60, 3}, {2, 5, 120, 4}, {1, 5, 60, 8}, {0, 5, 60, 4}}) {
+    const Model model = cantilever(sweeps, {15, 5, 6});
+    Vec3d gravity;
+    gravity[axis] = -9.81;
+    const double expected = linear_end(model, gravity, axis);
+    EXPECT_NEAR(settled_end(model, {.gravity = gravity}, rate, seconds, axis), expected,
+                0.03 * std::abs(expected))
+        << "m along axis " << axis << ", " << sweeps << " sweeps at " << rate << " Hz";
+  }
+}
+
+TEST(lattice_step, gravity_bends_a_bar_as_the_same_weight_on_every_node_does) {
+  const Model model = cantilever(5, {25, 6, 6});
+  std::vector<NodeLoad> loads;
+  for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
+    if (const Real w = model.inverse_mass[s]; w > 0) loads.push_back({int(s), {0, 0, Real(-9.81) / w}});
+  const double weight = settled_end(model, {.gravity = {0, 0, -9.81}}, 60, 8, 2);
+  EXPECT_LT(weight, -5e-3) << "m: far from small";
+  EXPECT_NEAR(weight, settled_end(model, {.loads = loads}, 60, 8, 2), 0.001 * std::abs(weight));
+}
+
+TEST(lattice_step, what_nothing_holds_falls_freely) {
+  for (const int sweeps : {1, 5, 40}) {
+    Params params;
+    params.skin.enabled = false;
+    params.solver = {.sweeps = sweeps, .damping = 0};
+    const Model model = block_model({.size = {9, 8, 7}, .young = 2e5, .skin_on_top = false}, params);
+    State state = make_state(model);
+    for (int n = 0; n < 30; n++) step(kOne, model, state, {.gravity = {3, 0, -9.81}}, kDt);
+    const Vec3 v = state.v[std::size_t(node_slot(model.lattice, 4, 3, 3))];
+    EXPECT_NEAR(v.z, -9.81 * 30 * kDt, 1e-3) << "m/s, " << sweeps << " sweeps";
+    EXPECT_NEAR(v.x, 3 * 30 * kDt, 1e-3);
+  }
 }
 
 // ------------------------------------------------------------ stiffness in pascals

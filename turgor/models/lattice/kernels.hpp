@@ -118,7 +118,7 @@ TURGOR_HD inline void add_skin_area(NodeSystem& s, Vec3 a, Vec3 b, Vec3 c, Real 
   add_outer(s, u, k * positive(change) * dot(opposite, opposite) / (2 * twice_area));
 }
 
-/// What the fibre law needs besides the triangle; r = 1 − T/K is the stretch at which the skin would rest.
+/// What the fibre law needs besides the triangle; `rest` is the stretch at which the skin would rest.
 struct FibreLaw {
   Real rest_along, rest_across, stiffness, shear, amplification;  // [1] [1] [N/m] [N/m] [1]
 };
@@ -163,13 +163,21 @@ TURGOR_HD inline Vec3 newton_step(const NodeSystem& s, Vec3 to_inertial, Real c)
 // ---------------------------------------------------------------- what skin weighs in both solvers
 // -------------
 
-/// Rest area under pretension, relative to the area in the CT: 1 − T/K.
+/// Stretch of fibres at rest, 1 in the CT, such that they bear the tension T there: the root r of
+/// K (1 − r)(1 + β (1 − r)/r) = T.
+inline Real fibre_rest(double tension, const SkinParams& skin) {
+  const double t = tension / skin.stiffness, half = 1 + t;
+  return Real(1 - 2 * t / (half + std::sqrt(half * half + 4 * (skin.amplification - 1) * t)));
+}
+/// Rest area relative to that in the CT, likewise: with s = (1 − r)/r the root of K s (1 + β s) = T, the mean
+/// of both tensions.
 inline Real rest_area_ratio(const SkinParams& skin) {
-  return Real(1 - 0.5 * (skin.tension_along + skin.tension_across) / skin.stiffness);
+  const double t = 0.5 * (skin.tension_along + skin.tension_across) / skin.stiffness;
+  return Real(1 / (1 + 2 * t / (1 + std::sqrt(1 + 4 * skin.amplification * t))));
 }
 inline FibreLaw fibre_law(const SkinParams& skin) {
-  return {.rest_along = Real(1 - skin.tension_along / skin.stiffness),
-          .rest_across = Real(1 - skin.tension_across / skin.stiffness),
+  return {.rest_along = fibre_rest(skin.tension_along, skin),
+          .rest_across = fibre_rest(skin.tension_across, skin),
           .stiffness = Real(skin.stiffness),
           .shear = Real(skin.shear),
           .amplification = Real(skin.amplification)};

@@ -192,7 +192,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
 double energy(const Exec& exec, const Model& model, const State& state);
 /// Memory of a model and its state while it runs.
 std::size_t memory_bytes(const Model& model, const State& state);
-/// Equal for equal displacements, velocities and cuts, whatever the number of threads.
+/// Equal for equal displacements, velocities, cuts and removed nodes, whatever the number of threads.
 std::uint64_t state_hash(const Model& model, const State& state);
 
 /// Place of a node now, along the lattice axes from its first node [m].

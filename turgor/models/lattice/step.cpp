@@ -89,12 +89,13 @@ Vec3 lattice_gravity(const Model& model, const Inputs& inputs) {
 }
 
 void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
-  // Projections know forces by where they begin. Descent begins without the loads: a large one on a light
-  // node would carry it past its neighbours, from where springs do not lead back.
-  const bool pbd = model.params.solver.method == Method::kPbd;
+  // Projections know forces by where they begin. Descent has them in its energy and begins without: weight
+  // that few sweeps cannot carry back to the nodes that are held, or a large load on a light node, would turn
+  // cells inside out, from where springs do not lead back. A body that nothing holds falls as a whole.
+  const bool pbd = model.params.solver.method == Method::kPbd, held = model.free_nodes < model.body_nodes;
   if (pbd) add_loads(model, state, inputs.loads, Real(dt));
-  parallel_for(exec, std::size_t(model.lattice.size.z + 2),
-               PredictLayer{model, state, lattice_gravity(model, inputs), Real(dt)});
+  const Vec3 fall = pbd || !held ? lattice_gravity(model, inputs) : Vec3{};
+  parallel_for(exec, std::size_t(model.lattice.size.z + 2), PredictLayer{model, state, fall, Real(dt)});
   if (!pbd) add_loads(model, state, inputs.loads, Real(dt));
 }
 
@@ -107,7 +108,7 @@ StepReport finish(const Exec& exec, const Model& model, State& state, double dt)
     state.time += dt;
     return {.finite = true, .largest_speed = std::sqrt(speed2)};
   }
-  std::swap(state.u, state.u_before);  // the last good state, at rest
+  state.u = state.u_before;  // the last good state, at rest; copied, so that nobody's view of u moves
   for (auto* v : {&state.v.x, &state.v.y, &state.v.z}) std::fill(v->begin(), v->end(), Real(0));
   return {.finite = false};
 }
@@ -151,7 +152,8 @@ std::uint64_t state_hash(const Model& model, const State& state) {
         for (const VecField* field : {&state.u, &state.v})
           for (const auto* values : {&field->x, &field->y, &field->z})
             hash = hash_values(std::span<const Real>(values->data() + begin, count), hash);
-        hash = hash_values(std::span<const std::uint8_t>(state.cut.data() + begin, count), hash);
+        for (const auto* bytes : {&state.cut, &state.removed})
+          hash = hash_values(std::span<const std::uint8_t>(bytes->data() + begin, count), hash);
       }
   return hash;
 }

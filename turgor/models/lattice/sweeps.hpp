@@ -6,7 +6,8 @@
 
 namespace turgor::lattice {
 
-/// Remembers u and moves it to where inertia and gravity lead, y = u + h v + h² g. Loads become a part of v.
+/// Remembers u and moves it to where the sweeps begin: y = u + h v + h² g for pbd and for bodies that nothing
+/// holds. What is held begins without h² g, for few sweeps cannot carry it back. Loads become a part of v.
 void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
 /// One sweep of projections over springs, volumes and skin. [Müller 2007; STC]
 void sweep_pbd(const Exec& exec, const Model& model, State& state);
