@@ -70,7 +70,8 @@ TEST(File, OnAFullDiskADicomFolderIsRefusedWithASentenceAndNothingIsLeft) {
   const fs::path folder = fresh_folder();
   EXPECT_TRUE(on_a_small_disk(kFew, [&] {
     const Status status = write_dicom(Exec(1), folder / "ct", noise(), "Nobody");
-    return !status && status.error().message.find("cannot write the file: File too large") != std::string::npos;
+    return !status &&
+           status.error().message.find("cannot write the file: File too large") != std::string::npos;
   }));
   EXPECT_EQ(names_in(folder), std::set<std::string>{});
 }
@@ -94,7 +95,8 @@ TEST(File, DevicesAreWrittenIntoAndNeverReplaced) {
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
   const fs::path folder = fresh_folder();
   fs::create_symlink("/dev/full", folder / "a.mha");
-  EXPECT_REFUSED(write_ct(folder / "a.mha", noise()), "a.mha: cannot write the file: No space left on device");
+  EXPECT_REFUSED(write_ct(folder / "a.mha", noise()),
+                 "a.mha: cannot write the file: No space left on device");
   EXPECT_TRUE(fs::is_symlink(folder / "a.mha"));
 }
 
@@ -107,7 +109,8 @@ TEST(File, ALinkStaysAndWhatItNamesIsReplaced) {
   EXPECT_TRUE(fs::is_symlink(folder / "latest"));
   EXPECT_EQ(bytes_of(folder / "data" / "a.txt"), "new");
   fs::create_symlink("nowhere/a.txt", folder / "broken");
-  EXPECT_REFUSED(write_file(folder / "broken", "new"), "broken: is a link to nowhere/a.txt, where there is nothing");
+  EXPECT_REFUSED(write_file(folder / "broken", "new"),
+                 "broken: is a link to nowhere/a.txt, where there is nothing");
 }
 
 TEST(File, WhatIsReplacedStaysAsPrivateAsItWas) {

@@ -45,7 +45,8 @@ void deflate(std::initializer_list<std::string_view> parts, Deflate format,
     } while (stream.z.avail_out == 0);
   };
   for (std::string_view part : parts)
-    for (; !part.empty(); part.remove_prefix(std::min(kBlock, part.size()))) feed(part.substr(0, kBlock), Z_NO_FLUSH);
+    for (; !part.empty(); part.remove_prefix(std::min(kBlock, part.size())))
+      feed(part.substr(0, kBlock), Z_NO_FLUSH);
   feed({}, Z_FINISH);
 }
 

@@ -54,7 +54,8 @@ bool is_inside(const fs::path& path, const fs::path& folder) {
   std::error_code error;
   constexpr int kTries = 100;  // other threads may still be writing
   for (const fs::path& path : open.paths)
-    for (int i = 0; i < kTries && fs::exists(fs::symlink_status(path, error)); i++) fs::remove_all(path, error);
+    for (int i = 0; i < kTries && fs::exists(fs::symlink_status(path, error)); i++)
+      fs::remove_all(path, error);
   std::fputs("\nturgor: interrupted; nothing was left behind, earlier results are untouched\n", stderr);
   _exit(130);
 }
@@ -113,7 +114,8 @@ std::vector<fs::path> left_behind(const fs::path& goal, const std::string& kind)
   std::vector<fs::path> left;
   std::error_code ignored;
   for (fs::directory_iterator entry(folder, ignored), end; entry != end; entry.increment(ignored))
-    if (const pid_t owner = owner_of(entry->path().filename().string(), prefix); owner > 0 && !is_alive(owner))
+    if (const pid_t owner = owner_of(entry->path().filename().string(), prefix);
+        owner > 0 && !is_alive(owner))
       left.push_back(entry->path());
   return left;
 }

@@ -1,5 +1,5 @@
-// NRRD and MetaImage files out: a header of text, then compressed samples. Numbers are written so that they are read
-// back as they were.
+// NRRD and MetaImage files out: a header of text, then compressed samples. Numbers are written so that they
+// are read back as they were.
 #include <bit>
 #include <new>
 
