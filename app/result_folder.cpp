@@ -5,8 +5,9 @@
 namespace turgor {
 
 void add_force_option(CLI::App& command, bool& force) {
-  command.add_flag("--force", force,
-                   "Replace earlier results also where files were added or changed; they are named, and removed");
+  command.add_flag(
+      "--force", force,
+      "Replace earlier results also where files were added or changed; they are named, and removed");
 }
 
 OutputFolder open_result_folder(const std::filesystem::path& goal, bool force) {

@@ -209,6 +209,9 @@ void run(const Exec& exec, const RunOptions& options) {
   const Scene scene = required(read_scene(options.scene, options.overrides));
   OutputFolder folder =
       open_result_folder(options.out.empty() ? default_folder(scene, "") : options.out, options.force);
+  for (const LatticeScene& body : scene.lattices)
+    for (const fs::path& input : {body.ct.file, body.labels, body.direction_field})
+      required(folder.check_input(input));
   World world = load(exec, scene, options);
   show_organs(exec, world);
   Outputs outputs = required(make_outputs(exec, scene, world, folder.path()));

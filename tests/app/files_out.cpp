@@ -18,7 +18,8 @@ class FilesOut : public testing::Test {
     before = names_in(folder);
   }
   /// Ends with code 2, these words after "turgor: ", and nothing new in the folder.
-  void expect_refused(const std::string& arguments, const std::string& words, const std::string& first = "true") {
+  void expect_refused(const std::string& arguments, const std::string& words,
+                      const std::string& first = "true") {
     const Ended ended = run_program(arguments, folder, first);
     EXPECT_EQ(ended.code, 2) << arguments << "\n" << ended.printed;
     EXPECT_NE(ended.printed.find("turgor: "), std::string::npos) << arguments << "\n" << ended.printed;
@@ -89,7 +90,8 @@ TEST_F(FilesOut, StandardErrorThatCannotBeWrittenStopsNothing) {
 }
 
 TEST_F(FilesOut, AReaderThatWentAwayEndsTheProgramQuietly) {
-  const std::string command = "cd '" + folder.string() + "' && { '" TURGOR_PROGRAM
+  const std::string command = "cd '" + folder.string() +
+                              "' && { '" TURGOR_PROGRAM
                               "' info ct.nii 2>err; echo $? >code; } | true; sleep 0.1";
   ASSERT_EQ(system(command.c_str()), 0);
   EXPECT_EQ(bytes_of(folder / "code"), "141\n");
@@ -130,17 +132,22 @@ TEST_F(FilesOut, NotesInAnEarlierResultStopTheNextRunAndForceNamesThem) {
   EXPECT_EQ(names_in(folder), before);
 }
 
-TEST_F(FilesOut, AReplayDoesNotReplaceItsOwnRecording) {
+TEST_F(FilesOut, ARunDoesNotReplaceItsOwnCtNorAReplayItsRecording) {
   ASSERT_EQ(run_program("run s.toml -q --out out", folder).code, 0);
   before = names_in(folder);
   expect_refused("run --replay out/recording.h5 -q --out out", "out/recording.h5: lies in ");
   EXPECT_TRUE(fs::exists(folder / "out" / "recording.h5"));
+  expect_refused("run s.toml -q --out out --set body.torso.ct=out/deformed.nii.gz",
+                 "out/deformed.nii.gz: lies in ");
+  EXPECT_TRUE(fs::exists(folder / "out" / "deformed.nii.gz"));
 }
 
 TEST_F(FilesOut, ARunThatStoppedOnNumbersThatAreNotFiniteEndsWith3AndItsResultsAreThere) {
   write(folder / "stiff.toml",
-        "[world]\nduration = 0.5\nframe_rate = 20\n[body.flag]\nmodel = \"cloth\"\nsheet = { corner = [0, 0, 1], side = "
-        "[1.5, 0, 0], up = [0, 0, 1], columns = 10, rows = 8 }\nfabric = { density = 0.12, warp = 1e30, weft = 800, "
+        "[world]\nduration = 0.5\nframe_rate = 20\n[body.flag]\nmodel = \"cloth\"\nsheet = { corner = [0, 0, "
+        "1], side = "
+        "[1.5, 0, 0], up = [0, 0, 1], columns = 10, rows = 8 }\nfabric = { density = 0.12, warp = 1e30, weft "
+        "= 800, "
         "shear = 150, bend = 2 }\nwind = { velocity = [100, 0, 0] }\n[output]\nvideo = false\n");
   const Ended ended = run_program("run stiff.toml -q --out out", folder);
   EXPECT_EQ(ended.code, 3) << ended.printed;

@@ -53,8 +53,8 @@ Result<Stamps> read_manifest(const fs::path& folder) {
   if (!json.is_object() || !json.contains("files") || !json["files"].is_object()) return damaged;
   Stamps files;
   for (const auto& [name, stamp] : json["files"].items()) {
-    const bool sound = stamp.is_array() && stamp.size() == 2 && stamp[0].is_number_integer() &&
-                       stamp[1].is_number_integer();
+    const bool sound =
+        stamp.is_array() && stamp.size() == 2 && stamp[0].is_number_integer() && stamp[1].is_number_integer();
     if (!sound) return damaged;
     files[name] = {stamp[0].get<std::int64_t>(), stamp[1].get<std::int64_t>()};
   }
@@ -87,7 +87,8 @@ Result<std::vector<std::string>> foreign_files(const fs::path& folder) {
   if (!files) return files.error();
   std::vector<std::string> foreign;
   for (const auto& [name, stamp] : *files)
-    if (const auto found = ours->find(name); found == ours->end() || found->second != stamp) foreign.push_back(name);
+    if (const auto found = ours->find(name); found == ours->end() || found->second != stamp)
+      foreign.push_back(name);
   return foreign;
 }
 
