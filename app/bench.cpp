@@ -1,6 +1,4 @@
 // turgor bench: measures this machine and this engine, and prints the papers' tables beside ours.
-#include <fstream>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +7,7 @@
 #include "app/bench_sfem.hpp"
 #include "app/bench_skin_tension.hpp"
 #include "app/commands.hpp"
+#include "turgor/io/file.hpp"
 
 namespace turgor {
 
@@ -89,10 +88,14 @@ void print(const SkinTensionBench& bench) {
       bench.bar_tets, bench.bar_frame_one, bench.bar_frame, bench.threads);
 }
 
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  if (!file.flush()) throw Failure{2, fmt::format("{}: cannot write the figures", path)};
+void check_json(const std::string& path) {
+  if (path.empty()) return;
+  if (Status goal = check_file_goal(path); !goal) throw Failure{2, goal.error().message};
+}
+
+void write_json(const std::string& path, const std::string& text) {
+  if (path.empty()) return;
+  if (Status written = write_file(path, text); !written) throw Failure{2, written.error().message};
 }
 
 void add_cloth_bench(CLI::App& bench, Global& global) {
@@ -108,13 +111,14 @@ void add_cloth_bench(CLI::App& bench, Global& global) {
   cloth->add_option("--json", options->json, "Write the figures to a file too");
   cloth->footer("Example:\n  turgor bench cloth --largest 1000000 --json cloth.json");
   cloth->callback([options, &global] {
+    check_json(options->json);
     ClothBench result;
     {
       ProgressBar bar("measuring");
       result = bench_cloth(Exec(global.threads), options->largest, bar.callback());
     }
-    if (!options->json.empty()) write_text(options->json, to_json_text(result));
     print(result);
+    write_json(options->json, to_json_text(result));
   });
 }
 
@@ -131,13 +135,14 @@ void add_sfem_bench(CLI::App& bench, Global& global) {
   sfem->add_option("--json", options->json, "Write the figures to a file too");
   sfem->footer("Example:\n  turgor bench sfem --largest 3000\n10000 nodes need 4 GB of memory.");
   sfem->callback([options, &global] {
+    check_json(options->json);
     SfemBench result;
     {
       ProgressBar bar("measuring");
       result = bench_sfem(Exec(global.threads), options->largest, bar.callback());
     }
-    if (!options->json.empty()) write_text(options->json, to_json_text(result));
     print(result);
+    write_json(options->json, to_json_text(result));
   });
 }
 
@@ -147,13 +152,14 @@ void add_rhombus_bench(CLI::App& bench) {
   rhombus->add_option("--json", *json, "Write the figures to a file too");
   rhombus->footer("Example:\n  turgor bench rhombus");
   rhombus->callback([json] {
+    check_json(*json);
     std::vector<RhombusRow> rows;
     {
       ProgressBar bar("measuring");
       rows = bench_rhombus(bar.callback());
     }
-    if (!json->empty()) write_text(*json, to_json_text(rows));
     print(rows);
+    write_json(*json, to_json_text(rows));
   });
 }
 
@@ -177,12 +183,13 @@ void add_bench_command(CLI::App& program, Global& global) {
         "Example:\n  turgor bench skin-tension --only A --json a.json\nData C needs 4 GB of memory; all "
         "three take minutes.");
   table->callback([options, &global] {
+    check_json(options->json);
     const Exec exec(global.threads);
     ProgressBar bar("measuring");
     const auto only = options->only.empty() ? std::nullopt : std::optional(options->only);
     const SkinTensionBench result = bench_skin_tension(exec, options->shrink, only, bar.callback());
-    if (!options->json.empty()) write_text(options->json, to_json(result).dump(2) + "\n");
     print(result);
+    write_json(options->json, to_json(result).dump(2) + "\n");
   });
   add_sfem_bench(*bench, global);
   add_cloth_bench(*bench, global);

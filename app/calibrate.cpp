@@ -6,11 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "app/commands.hpp"
+#include "app/result_folder.hpp"
 #include "turgor/core/progress.hpp"
 #include "turgor/io/file.hpp"
 #include "turgor/sim/force_curve.hpp"
-#include "turgor/sim/output_folder.hpp"
 #include "turgor/sim/report/plot.hpp"
 #include "turgor/sim/report/report.hpp"
 
@@ -28,6 +27,7 @@ struct CalibrateOptions {
   fs::path input, out;
   std::vector<std::string> overrides;
   double side = 5;  // [mm]
+  bool force = false;
 };
 
 template <class T>
@@ -63,7 +63,9 @@ std::vector<CurvePoint> curve_of_scene(const Exec& exec, const CalibrateOptions&
   ProgressBar bar("pressing");
   const int frames = frame_count(scene);
   for (int frame = 0; frame < frames; frame++) {
-    required(step(exec, world));
+    if (!required(step(exec, world)).finite)
+      throw Failure{kNotFinite, fmt::format("{}: the numbers of the press were not finite after {:.3f} s",
+                                            options.input.string(), time_of(world))};
     bar.update(double(frame + 1) / frames);
   }
   return felt_curve(world, options.input);
@@ -123,8 +125,8 @@ void print(const rhombus::Fit& fit, const fs::path& out) {
 }
 
 void calibrate(const Exec& exec, const CalibrateOptions& options) {
-  OutputFolder folder = required(
-      OutputFolder::create(options.out.empty() ? fs::path("out") / options.input.stem() : options.out));
+  OutputFolder folder = open_result_folder(
+      options.out.empty() ? fs::path("out") / options.input.stem() : options.out, options.force);
   const bool measured = options.input.extension() != ".toml";
   const std::vector<CurvePoint> curve =
       measured ? required(read_force_curve(options.input)) : curve_of_scene(exec, options);
@@ -134,7 +136,7 @@ void calibrate(const Exec& exec, const CalibrateOptions& options) {
   if (!fit) throw Failure{2, options.input.string() + ": " + fit.error().message};
   write_curves(curve, *fit, folder.path());
   required(write_file(folder.path() / kReportFile, to_json(options, curve, *fit).dump(1) + "\n"));
-  required(folder.commit());
+  commit_results(folder);
   print(*fit, folder.goal());
 }
 
@@ -150,6 +152,7 @@ void add_calibrate_command(CLI::App& program, Global& global) {
   command->add_option("--side", options->side, "Side of the rhombi [mm]; the dent is some of them wide")
       ->check(CLI::Range(0.01, 1000.0));
   command->add_option("-o,--out", options->out, "Folder for the curves (default: out/INPUT)");
+  add_force_option(*command, options->force);
   command->add_option("--set", options->overrides, "key=value: overrides a key of the scene; may be repeated")
       ->type_size(1)
       ->allow_extra_args(false);

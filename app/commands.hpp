@@ -2,6 +2,7 @@
 // callback does the work when the command line names it, and throws Failure with a sentence when it cannot.
 #pragma once
 
+#include <cstdio>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +13,13 @@ namespace turgor {
 struct Global {
   int threads = 0;  // 0 = one per core
 };
+
+constexpr int kNotFinite = 3;  // exit code: numbers that were not finite ended a simulation early
+
+/// A remark on standard error; the work goes on, heard or not.
+inline void note(const std::string& sentence) {
+  std::fprintf(stderr, "turgor: note: %s\n", sentence.c_str());
+}
 
 /// Thrown by a command's callback; main prints the message after "turgor: " and exits with the code.
 struct Failure {

@@ -20,9 +20,10 @@ Result<CtFile> read_with_bar(const ImportOptions& options, const Exec& exec) {
 }
 
 void run_import(const ImportOptions& options, const Global& global) {
+  if (Status goal = check_volume_goal(options.output); !goal) throw Failure{2, goal.error().message};
   const Result<CtFile> file = read_with_bar(options, Exec(global.threads));
   if (!file) throw Failure{2, file.error().message};
-  for (const std::string& note : file->notes) fmt::print(stderr, "turgor: note: {}\n", note);
+  for (const std::string& note : file->notes) turgor::note(note);
   if (Status written = write_ct(options.output, file->ct); !written)
     throw Failure{2, written.error().message};
   const Int3 size = file->ct.grid.size;

@@ -1,5 +1,4 @@
 // `turgor info`: what a CT file holds, and what a segmentation says about it. Meshes are in info_mesh.cpp.
-#include <fstream>
 #include <memory>
 
 #include <fmt/format.h>
@@ -160,7 +159,17 @@ Json inform_about_mesh(const InfoOptions& options, const Exec& exec) {
   return json;
 }
 
+/// Said before what takes long.
+void check_json_goal(const InfoOptions& options) {
+  if (Status goal = check_file_goal(options.json); !goal) throw Failure{2, goal.error().message};
+  std::error_code ignored;
+  for (const std::string& input : {options.path, options.labels})
+    if (std::filesystem::equivalent(options.json, input, ignored))
+      throw Failure{2, fmt::format("--json {}: would replace what is read", options.json)};
+}
+
 void run_info(const InfoOptions& options, const Global& global) {
+  if (!options.json.empty()) check_json_goal(options);
   const Exec exec(global.threads);
   const Json json =
       is_mesh_file(options.path) ? inform_about_mesh(options, exec) : inform_about_ct(options, exec);

@@ -8,6 +8,7 @@
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/geometry/organ_mesh.hpp"
 #include "turgor/io/ct.hpp"
+#include "turgor/io/file.hpp"
 #include "turgor/io/mesh_files.hpp"
 #include "turgor/io/solid_files.hpp"
 #include "turgor/io/surface_files.hpp"
@@ -77,10 +78,11 @@ void run_mesh(const MeshOptions& options, const Global& global) {
   const std::string extension = std::filesystem::path(options.output).extension().string();
   if (extension != ".vtu" && extension != ".msh")
     throw Failure{2, fmt::format("{}: expected a name that ends in .vtu or .msh", options.output)};
+  if (Status goal = check_file_goal(options.output); !goal) throw Failure{2, goal.error().message};
   const Exec exec(global.threads);
   const OrganMesh organ =
       is_surface_file(options.input) ? mesh_surface(options, exec) : mesh_labels(options, exec);
-  for (const std::string& note : organ.notes) fmt::print(stderr, "turgor: note: {}\n", note);
+  for (const std::string& note : organ.notes) turgor::note(note);
   if (Status written = write_mesh(options.output, organ.mesh); !written)
     throw Failure{2, written.error().message};
   print_mesh(organ, options);

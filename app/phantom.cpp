@@ -1,6 +1,7 @@
 // `turgor phantom`: a synthetic CT as a DICOM folder or one file; surfaces of a liver and of forceps.
 #include "turgor/geometry/phantom.hpp"
 
+#include <filesystem>
 #include <map>
 #include <memory>
 
@@ -9,11 +10,14 @@
 #include "app/commands.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
 #include "turgor/io/ct.hpp"
+#include "turgor/io/file.hpp"
 #include "turgor/io/mesh_files.hpp"
 
 namespace turgor {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 struct PhantomOptions {
   std::string kind, labels, output;
@@ -46,6 +50,18 @@ bool is_file_name(const std::string& name) {
   return false;
 }
 
+/// Before what takes long: can all be written where it is wanted?
+Status check_goals(const PhantomOptions& options) {
+  const bool file = is_file_name(options.output);
+  if (Status goal = file ? check_volume_goal(options.output) : check_dicom_goal(options.output); !goal)
+    return goal;
+  if (options.labels.empty()) return Done{};
+  if (Status goal = check_volume_goal(options.labels); !goal) return goal;
+  const Result<fs::path> labels = resolved_goal(options.labels), output = resolved_goal(options.output);
+  if (!labels || !output || *labels != *output) return Done{};
+  return Error{fmt::format("{}: --labels and --output name the same file", options.labels)};
+}
+
 Status write_phantom(const PhantomOptions& options, const CtVolume& ct, const Exec& exec) {
   if (is_file_name(options.output)) return write_ct(options.output, ct);
   ProgressBar bar("writing");
@@ -63,6 +79,7 @@ void run_surface(const PhantomOptions& options) {
     throw Failure{2, fmt::format("--output: expected a file that ends in .obj, found {}", options.output)};
   if (!options.size.empty() || !options.spacing_mm.empty() || !options.labels.empty())
     throw Failure{2, fmt::format("phantom {}: a surface has no --size, --spacing or --labels", options.kind)};
+  if (Status goal = check_file_goal(options.output); !goal) throw Failure{2, goal.error().message};
   const TriMesh mesh = options.kind == "liver" ? phantom_liver(options.detail) : phantom_forceps();
   if (Status written = write_obj(options.output, mesh); !written) throw Failure{2, written.error().message};
   fmt::print("{}: {} of {} vertices and {} triangles\n", options.output, options.kind, mesh.vertices.size(),
@@ -76,6 +93,7 @@ void run_phantom(const PhantomOptions& options, const Global& global) {
   if (const double samples = double(params.size.x) * params.size.y * params.size.z;
       samples > double(1ull << 33))
     throw Failure{2, fmt::format("--size: {:.3g} samples; expected at most 2^33", samples)};
+  if (Status goals = check_goals(options); !goals) throw Failure{2, goals.error().message};
   LabelVolume labels;
   const CtVolume ct = make_with_bar(params, exec, options.labels.empty() ? nullptr : &labels);
   if (Status written = write_phantom(options, ct, exec); !written) throw Failure{2, written.error().message};

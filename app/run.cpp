@@ -9,10 +9,10 @@
 
 #include "app/commands.hpp"
 #include "app/outputs.hpp"
+#include "app/result_folder.hpp"
 #include "turgor/core/progress.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/io/file.hpp"
-#include "turgor/sim/output_folder.hpp"
 #include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/report/report_touch.hpp"
@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 struct RunOptions {
   fs::path scene, out, replay;
   std::vector<std::string> overrides;
-  bool quiet = false;
+  bool quiet = false, force = false;
 };
 
 /// The value, or the end of the command.
@@ -83,10 +83,11 @@ Measures simulate(const Exec& exec, const Scene& scene, World& world, Outputs& o
     const FrameReport report = required(step(exec, world, shown));
     measure_frame(exec, world, report, shown || !report.finite, measures);
     if (!report.finite) {
-      outputs.facts.warnings.push_back(fmt::format(
+      outputs.facts.stopped = fmt::format(
           "stopped after {:.3f} s of {} s: the numbers of the next step were not finite, the state before it "
           "was kept; a smaller skin tension or a higher frame rate may help",
-          time_of(world), scene.duration));
+          time_of(world), scene.duration);
+      outputs.facts.warnings.push_back(outputs.facts.stopped);
       snapshot(world, outputs, recording);
       break;
     }
@@ -195,7 +196,7 @@ void finish(const Timer& total, const Timer& output, const World& world, Outputs
   outputs.facts.total_seconds = total.seconds();
   add_outputs(report, outputs.facts);
   write_report(report, folder.path());
-  required(folder.commit());
+  commit_results(folder);
   if (!options.quiet) print_summary(report, folder.goal());
 }
 
@@ -207,7 +208,10 @@ void run(const Exec& exec, const RunOptions& options) {
   const Timer total;
   const Scene scene = required(read_scene(options.scene, options.overrides));
   OutputFolder folder =
-      required(OutputFolder::create(options.out.empty() ? default_folder(scene, "") : options.out));
+      open_result_folder(options.out.empty() ? default_folder(scene, "") : options.out, options.force);
+  for (const LatticeScene& body : scene.lattices)
+    for (const fs::path& input : {body.ct.file, body.labels, body.direction_field})
+      required(folder.check_input(input));
   World world = load(exec, scene, options);
   show_organs(exec, world);
   Outputs outputs = required(make_outputs(exec, scene, world, folder.path()));
@@ -236,6 +240,8 @@ void run(const Exec& exec, const RunOptions& options) {
     outputs.facts.files.push_back("recording.h5");
   }
   finish(total, Timer(), world, outputs, report, folder, options);
+  if (!outputs.facts.stopped.empty())
+    throw Failure{kNotFinite, fmt::format("{}: {}", options.scene.string(), outputs.facts.stopped)};
 }
 
 void replay(const Exec& exec, const RunOptions& options) {
@@ -243,7 +249,8 @@ void replay(const Exec& exec, const RunOptions& options) {
   const Recording recording = required(Recording::open(options.replay));
   const Scene scene = required(recording.scene(options.overrides));
   OutputFolder folder =
-      required(OutputFolder::create(options.out.empty() ? default_folder(scene, "-replay") : options.out));
+      open_result_folder(options.out.empty() ? default_folder(scene, "-replay") : options.out, options.force);
+  required(folder.check_input(options.replay));
   World world = load(exec, scene, options, Purpose::kDraw);
   required(recording.check_world(world));
   required(recording.restore(0, world));
@@ -281,6 +288,7 @@ void add_run_command(CLI::App& program, Global& global) {
       ->type_size(1)
       ->allow_extra_args(false);
   command->add_option("--replay", options->replay, "Draw this recording.h5 again instead of simulating");
+  add_force_option(*command, options->force);
   command->add_flag("-q,--quiet", options->quiet, "No progress bar and no table");
   command->callback([options, &global] {
     if (options->scene.empty() == options->replay.empty())

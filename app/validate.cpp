@@ -6,10 +6,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "app/commands.hpp"
+#include "app/result_folder.hpp"
 #include "app/validate_sfem.hpp"
 #include "turgor/io/file.hpp"
-#include "turgor/sim/output_folder.hpp"
 #include "turgor/sim/report/plot.hpp"
 #include "turgor/view/annotate.hpp"
 
@@ -22,7 +21,7 @@ using nlohmann::ordered_json;
 
 struct ValidateOptions {
   fs::path out = "out/validate-sfem";
-  bool quick = false;
+  bool quick = false, force = false;
 };
 
 template <class T>
@@ -199,7 +198,7 @@ ordered_json report_nodule(const NoduleResult& result, const fs::path& folder) {
 }
 
 void validate_all(const Exec& exec, const ValidateOptions& options) {
-  OutputFolder folder = required(OutputFolder::create(options.out));
+  OutputFolder folder = open_result_folder(options.out, options.force);
   ordered_json report;
   report["plate"] = report_plate(required(validate_plate(exec)));
   report["hertz"] = report_hertz(required(validate_hertz(exec)), folder.path());
@@ -214,7 +213,7 @@ void validate_all(const Exec& exec, const ValidateOptions& options) {
         report_nodule(required(validate_nodule(exec, options.quick ? 9 : 17, bar.callback())), folder.path());
   }
   required(write_file(folder.path() / kReportFile, report.dump(1) + "\n"));
-  required(folder.commit());
+  commit_results(folder);
   fmt::print("\ncurves, maps and numbers   {}\n", folder.goal().string());
 }
 
@@ -228,6 +227,7 @@ void add_validate_command(CLI::App& program, Global& global) {
   auto options = std::make_shared<ValidateOptions>();
   sfem->add_option("-o,--out", options->out, "Folder for curves, maps and numbers")->capture_default_str();
   sfem->add_flag("--quick", options->quick, "Without the finest meshes, with fewer places");
+  add_force_option(*sfem, options->force);
   for (CLI::App* app : {validate, sfem}) app->footer("Example:\n  turgor validate sfem --out out/validation");
   sfem->callback([options, &global] { validate_all(Exec(global.threads), *options); });
 }

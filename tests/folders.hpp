@@ -9,13 +9,17 @@
 #include <string>
 #include <vector>
 
+#include <unistd.h>
+
 namespace turgor::test {
 
 /// A new empty folder.
 inline std::filesystem::path fresh_folder() {
   static const struct Folders {
     mutable std::vector<std::filesystem::path> all;
+    pid_t owner = getpid();
     ~Folders() {
+      if (getpid() != owner) return;  // a child ends
       std::error_code ignored;
       for (const auto& folder : all) std::filesystem::remove_all(folder, ignored);
     }

@@ -23,9 +23,11 @@ struct Ended {
   std::string printed;  // standard output and standard error together
 };
 
-/// Arguments as a shell reads them.
-inline Ended run_program(const std::string& arguments, const std::filesystem::path& folder) {
-  const std::string command = "cd '" + folder.string() + "' && '" TURGOR_PROGRAM "' " + arguments + " 2>&1";
+/// Arguments as a shell reads them; `before` is a shell's command, as "ulimit -f 8".
+inline Ended run_program(const std::string& arguments, const std::filesystem::path& folder,
+                         const std::string& before = "true") {
+  const std::string command =
+      "cd '" + folder.string() + "' && " + before + " && '" TURGOR_PROGRAM "' " + arguments + " 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   Ended ended;
   char buffer[4096];

@@ -82,7 +82,7 @@ TEST(MeshFiles, PvdListsTimesAndFiles) {
 TEST(MeshFiles, AFolderThatIsNotThereIsNamed) {
   const Status status = write_obj("/nowhere/mesh.obj", two_triangles());
   ASSERT_FALSE(status);
-  EXPECT_EQ(status.error().message, "/nowhere/mesh.obj: cannot write the file: No such file or directory");
+  EXPECT_EQ(status.error().message, "/nowhere/mesh.obj: the folder /nowhere does not exist");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "turgor/sim/green_cache.hpp"
 
 #include "sim/organ_scene.hpp"
+#include "small_disk.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/geometry/hex_block.hpp"
 #include "turgor/io/file.hpp"
@@ -42,6 +43,19 @@ TEST(GreenCache, WhatIsReadIsWhatWasWrittenToTheBit) {
     EXPECT_EQ(again.green.double_values, model.green.double_values);
   }
   EXPECT_EQ(test::names_in(file.parent_path()), std::set<std::string>{"green.h5"});
+}
+
+TEST(GreenCache, OnAFullDiskNothingIsKeptAndTheEarlierFileStays) {
+  const fs::path folder = test::fresh_folder(), file = folder / "green.h5";
+  const sfem::Model model = computed();
+  test::write(file, "earlier");
+  for (const rlim_t bytes : {100, 3000, 30000})
+    EXPECT_TRUE(test::on_a_small_disk(bytes, [&] {
+      const Status kept = write_green(file, model);
+      return !kept && kept.error().message.find("cannot") != std::string::npos;
+    })) << bytes;
+  EXPECT_EQ(test::bytes_of(file), "earlier");
+  EXPECT_EQ(test::names_in(folder), std::set<std::string>{"green.h5"});
 }
 
 TEST(GreenCache, NoFileIsNoReasonForANote) {

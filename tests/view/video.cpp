@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "small_disk.hpp"
 #include "turgor/io/image.hpp"
 
 namespace turgor {
@@ -87,6 +88,27 @@ TEST_F(Video, FramesThatAreNoPicturesAreAnErrorAndAnEarlierVideoStays) {
   ASSERT_FALSE(status);
   EXPECT_NE(status.error().message.find("ffmpeg failed: "), std::string::npos);
   EXPECT_EQ(fs::file_size(path), 7u);
+}
+
+TEST_F(Video, OnAFullDiskNoVideoIsCutShortAndTheEarlierOneStays) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not on the PATH";
+  std::vector<fs::path> frames;
+  std::uint32_t noise = 1;
+  for (int i = 0; i < 20; i++) {
+    Image image = make_image(160, 120);
+    for (Rgb& pixel : image.pixels) pixel.g = std::uint8_t((noise = noise * 1664525u + 1013904223u) >> 24);
+    frames.push_back(folder / (std::to_string(i) + ".png"));
+    ASSERT_TRUE(write_png(frames.back(), image));
+  }
+  const fs::path path = folder / "out.mp4";
+  ASSERT_TRUE(write_video(frames, 20, path));
+  const auto size = fs::file_size(path);
+  for (const int percent : {10, 50, 90, 99})
+    EXPECT_TRUE(
+        test::on_a_small_disk(size * rlim_t(percent) / 100, [&] { return !write_video(frames, 20, path); }))
+        << percent << " % of " << size;
+  EXPECT_EQ(fs::file_size(path), size);
+  EXPECT_EQ(others(), 1);
 }
 
 TEST_F(Video, NoFramesNoRateAndNoFolderAreErrors) {

@@ -42,6 +42,9 @@ Result<LabelVolume> read_labels(const std::filesystem::path& path);
 /// Directions: a three-component image (.nrrd, .nii.gz, .mha) in the patient frame LPS.
 Result<VectorVolume> read_vectors(const std::filesystem::path& path);
 
+/// Whether a volume, or a new folder of slices, may be written there: known before the work that fills it.
+Status check_volume_goal(const std::filesystem::path& path);
+Status check_dicom_goal(const std::filesystem::path& folder);
 /// By extension: .nii, .nii.gz, .nrrd, .mha. Compressed where the format can.
 Status write_ct(const std::filesystem::path& path, const CtVolume& ct);
 Status write_labels(const std::filesystem::path& path, const LabelVolume& labels);

@@ -1,16 +1,20 @@
 // A CT as a DICOM series: one CT Image Storage file a slice, explicit little endian, stored values = HU.
 // Unique identifiers follow from the content, so that the same volume gives the same files.
 #include <atomic>
-#include <optional>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <sstream>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gdcmAttribute.h>
 #include <gdcmTrace.h>
 #include <gdcmWriter.h>
-#include <unistd.h>
 
 #include "turgor/core/hash.hpp"
 #include "turgor/io/ct.hpp"
+#include "turgor/io/file.hpp"
 
 namespace turgor {
 
@@ -134,70 +138,83 @@ void describe_slice(const Series& series, int k, const std::string& uid, Tags& t
              reinterpret_cast<const char*>(series.ct.samples.data() + std::size_t(k) * area), 2 * area);
 }
 
-bool write_slice(const Series& series, int k, const fs::path& file) {
+/// Through memory: GDCM ends the program when a file cannot grow.
+Status write_slice(const Series& series, int k, const fs::path& file) {
+  std::ostringstream bytes;
   gdcm::Writer writer;
-  writer.SetFileName(file.c_str());
+  writer.SetStream(bytes);
   gdcm::File& content = writer.GetFile();
   Tags tags(content.GetDataSet());
   const std::string uid = make_uid(series.content, std::uint64_t(k) + 100);
   describe_series(series, tags);
   describe_slice(series, k, uid, tags);
   content.GetHeader().SetDataSetTransferSyntax(gdcm::TransferSyntax::ExplicitVRLittleEndian);
-  return writer.Write();
+  if (!writer.Write()) return Error{fmt::format("{}: cannot be made", file.string())};
+  return write_file(file, bytes.str());
 }
 
 Status write_slices(const Exec& exec, const fs::path& folder, const Series& series,
                     const Progress& progress) {
   const auto count = std::size_t(series.ct.grid.size.z);
-  std::atomic<std::size_t> done{0}, failed{count};
+  std::atomic<std::size_t> done{0};
+  std::vector<Status> written(count, Status(Done{}));
+  std::atomic<bool> failed{false};
   parallel_for(exec, count, [&](std::size_t k) {
-    bool written = false;
-    try {
-      written = write_slice(series, int(k), folder / fmt::format("slice-{:05}.dcm", k + 1));
-    } catch (const std::exception&) {
-    }
-    if (!written) failed = k;
+    if (failed) return;  // the rest would fail too
+    written[k] = write_slice(series, int(k), folder / fmt::format("slice-{:05}.dcm", k + 1));
+    if (!written[k]) failed = true;
     if (progress) progress(double(++done) / double(count));
   });
-  if (failed == count) return Done{};
-  return Error{
-      fmt::format("{}: slice {} cannot be written (is the disk full?)", folder.string(), failed + 1)};
+  for (Status& slice : written)
+    if (!slice) return std::move(slice);
+  return Done{};
 }
 
-Status check_target(const fs::path& folder, const CtVolume& ct) {
+/// Where the folder will be.
+Result<fs::path> check_target(const fs::path& target) {
+  Result<fs::path> folder = resolved_goal(target);
+  if (!folder) return folder;
   std::error_code failed;
-  if (fs::exists(folder, failed) && !(fs::is_directory(folder, failed) && fs::is_empty(folder, failed)))
+  if (fs::exists(*folder, failed) && !(fs::is_directory(*folder, failed) && fs::is_empty(*folder, failed)))
     return Error{fmt::format(
-        "{}: exists already and is not an empty folder; choose another name or remove it", folder.string())};
-  const fs::path parent = folder.parent_path().empty() ? fs::path(".") : folder.parent_path();
-  if (!fs::is_directory(parent, failed))
-    return Error{fmt::format("{}: the folder {} does not exist", folder.string(), parent.string())};
-  if (ct.grid.size.x > 65535 || ct.grid.size.y > 65535 || sample_count(ct.grid) == 0)
-    return Error{fmt::format("{}: {} x {} pixels a slice do not fit DICOM", folder.string(), ct.grid.size.x,
-                             ct.grid.size.y)};
-  return Done{};
+        "{}: exists already and is not an empty folder; choose another name or remove it", target.string())};
+  if (!fs::is_directory(folder->parent_path(), failed))
+    return Error{
+        fmt::format("{}: the folder {} does not exist", target.string(), folder->parent_path().string())};
+  return folder;
+}
+
+Status check_extent(const fs::path& target, const Grid& grid) {
+  if (grid.size.x <= 65535 && grid.size.y <= 65535 && sample_count(grid) > 0) return Done{};
+  return Error{
+      fmt::format("{}: {} x {} pixels a slice do not fit DICOM", target.string(), grid.size.x, grid.size.y)};
 }
 
 }  // namespace
 
+Status check_dicom_goal(const fs::path& target) {
+  if (const Result<fs::path> folder = check_target(target); !folder) return folder.error();
+  return Done{};
+}
+
 Status write_dicom(const Exec& exec, const fs::path& target, const CtVolume& ct, const std::string& patient,
                    const Progress& progress) {
-  const fs::path folder = target.has_filename() ? target : target.parent_path();  // "ct/" is "ct"
-  if (Status free = check_target(folder, ct); !free) return free;
+  const Result<fs::path> folder = check_target(target);
+  if (!folder) return folder.error();
+  if (Status extent = check_extent(target, ct.grid); !extent) return extent;
   gdcm::Trace::WarningOff();
-  const Series series{ct, patient, content_hash(ct, patient)};
   std::error_code failed;
-  const fs::path partial =
-      folder.parent_path() / fmt::format(".{}-partial-{}", getpid(), folder.filename().string());
-  fs::create_directory(partial, failed);
-  if (failed) return Error{fmt::format("{}: cannot be made: {}", partial.string(), failed.message())};
-  Status written = write_slices(exec, partial, series, progress);
-  if (written) {
-    fs::rename(partial, folder, failed);
-    if (failed) written = Error{fmt::format("{}: cannot be written: {}", folder.string(), failed.message())};
-  }
-  if (!written) fs::remove_all(partial, failed);
-  return written;
+  for (const fs::path& left : left_behind(*folder, "partial")) fs::remove_all(left, failed);
+  Unfinished partial(*folder);
+  if (!fs::create_directory(partial.path(), failed))
+    return Error{fmt::format("{}: cannot be made: {}", target.string(), failed.message())};
+  const Series series{ct, patient, content_hash(ct, patient)};
+  if (Status written = write_slices(exec, partial.path(), series, progress); !written)
+    return Error{fmt::format("{}: {}", target.string(), written.error().message)};
+  return partial.keep([&]() -> Status {
+    if (rename(partial.path().c_str(), folder->c_str()) == 0) return Done{};
+    return Error{fmt::format("{}: cannot be given its name: {}", target.string(), std::strerror(errno))};
+  });
 }
 
 }  // namespace turgor

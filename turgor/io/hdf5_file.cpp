@@ -1,6 +1,7 @@
 #include "turgor/io/hdf5_file.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 #include <hdf5.h>
@@ -15,9 +16,9 @@ class Handle {
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
+  ~Handle() { give_back(); }
+  /// A dataset's last bytes go out when it is closed: false when they could not.
+  bool give_back() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
   operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): used where HDF5 wants an id
   bool valid() const { return id_ >= 0; }
 
@@ -49,8 +50,14 @@ hid_t type_of<std::uint64_t>() {
   return H5T_NATIVE_UINT64;
 }
 
-/// Errors become sentences of ours, not HDF5's stack on standard error.
-void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+/// Errors become sentences of ours, not HDF5's stack on standard error. Nothing is done at exit: files are
+/// closed by then, and of one that could not be (the disk is full) HDF5 would follow pointers that it has
+/// freed.
+void begin() {
+  static const herr_t once = H5dont_atexit();
+  (void)once;
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 /// Chunks of about a megabyte with a checksum; compressed ones have their bytes shuffled first.
 void pack(hid_t properties, hsize_t rows, hsize_t columns, std::size_t value_size, Hdf5Packing packing) {
@@ -80,14 +87,14 @@ Error Hdf5File::error(const std::string& name, const std::string& what) const {
 }
 
 Result<Hdf5File> Hdf5File::create(const std::filesystem::path& path) {
-  silence();
+  begin();
   const hid_t id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   if (id < 0) return Error{fmt::format("{}: cannot make the file", path.string())};
   return Hdf5File(path, id);
 }
 
 Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) {
-  silence();
+  begin();
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
     return Error{fmt::format("{}: expected an HDF5 file, found nothing there", path.string())};
@@ -107,10 +114,10 @@ Status Hdf5File::write(const std::string& name, std::span<const T> values, std::
   constexpr std::size_t kSmall = 1024;  // bytes; smaller ones are not worth a chunk
   if (values.size_bytes() > kSmall) pack(layout, shape[0], shape[1], sizeof(T), packing);
   const Handle space(H5Screate_simple(2, shape, nullptr), H5Sclose);
-  const Handle set(H5Dcreate2(id_, name.c_str(), type_of<T>(), space, links, layout, H5P_DEFAULT), H5Dclose);
+  Handle set(H5Dcreate2(id_, name.c_str(), type_of<T>(), space, links, layout, H5P_DEFAULT), H5Dclose);
   const bool written = set.valid() && (values.empty() || H5Dwrite(set, type_of<T>(), H5S_ALL, H5S_ALL,
                                                                   H5P_DEFAULT, values.data()) >= 0);
-  if (!written) return error(name, "cannot write (is the disk full?)");
+  if (!set.give_back() || !written) return error(name, "cannot write (is the disk full?)");
   return Done{};
 }
 
@@ -120,14 +127,20 @@ Status Hdf5File::write_text(const std::string& name, const std::string& text) {
   H5Tset_size(type, text.size() + 1);  // HDF5 knows no empty text
   H5Tset_cset(type, H5T_CSET_UTF8);
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle set(H5Dcreate2(id_, name.c_str(), type, space, links, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
-  if (!set.valid() || H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()) < 0)
-    return error(name, "cannot write (is the disk full?)");
+  Handle set(H5Dcreate2(id_, name.c_str(), type, space, links, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+  const bool written = set.valid() && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()) >= 0;
+  if (!set.give_back() || !written) return error(name, "cannot write (is the disk full?)");
   return Done{};
 }
 
 Status Hdf5File::flush() {
   if (H5Fflush(id_, H5F_SCOPE_GLOBAL) < 0) return error("flush", "cannot write (is the disk full?)");
+  return Done{};
+}
+
+Status Hdf5File::close() {
+  if (const Status flushed = flush(); !flushed) return flushed;
+  if (H5Fclose(std::exchange(id_, -1)) < 0) return error("close", "cannot write (is the disk full?)");
   return Done{};
 }
 

@@ -34,6 +34,8 @@ class Hdf5File {
   Status write_text(const std::string& name, const std::string& text);
   /// Everything written so far survives a crash of the program.
   Status flush();
+  /// Ends a file that was written; nothing else may be done with it then.
+  Status close();
 
   bool has(const std::string& name) const;
   /// Reads a dataset of exactly `count` values. Error: missing, of another size or type, or damaged.

@@ -1,10 +1,9 @@
 #include "turgor/io/image.hpp"
 
-#include <cstdio>
-#include <cstring>
-
 #include <fmt/format.h>
 #include <png.h>
+
+#include "turgor/io/file.hpp"
 
 namespace turgor {
 
@@ -22,18 +21,17 @@ png_image png_header(const Image& image) {
 }  // namespace
 
 Status write_png(const std::filesystem::path& path, const Image& image) {
-  png_image header = png_header(image);
-  if (png_image_write_to_file(&header, path.c_str(), 0, image.pixels.data(), 0, nullptr)) return Done{};
-  return Error{fmt::format("{}: cannot write the picture: {}", path.string(), header.message)};
+  const Result<std::vector<std::uint8_t>> bytes = encode_png(image);
+  if (!bytes) return Error{fmt::format("{}: {}", path.string(), bytes.error().message)};
+  return write_file(path, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
 }
 
 Result<std::vector<std::uint8_t>> encode_png(const Image& image) {
   png_image header = png_header(image);
-  png_alloc_size_t size = 0;
-  if (!png_image_write_to_memory(&header, nullptr, &size, 0, image.pixels.data(), 0, nullptr))
-    return Error{fmt::format("cannot encode a picture: {}", header.message)};
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::vector<std::uint8_t> bytes(size);
-  png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr);
+  if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr))
+    return Error{fmt::format("cannot encode a picture: {}", header.message)};
   bytes.resize(size);
   return bytes;
 }

@@ -1,12 +1,11 @@
 // NIfTI-1 files out: header, then samples, compressed if the name says so. The grid is stored as an sform of
-// scanner coordinates. (ITK's writer leaks, keeps less of the grid's precision, and compresses slowly.)
+// scanner coordinates.
 #include <algorithm>
 #include <cstring>
-#include <memory>
 
 #include <fmt/format.h>
-#include <zlib.h>
 
+#include "turgor/io/deflate.hpp"
 #include "turgor/io/volume_file.hpp"
 
 namespace turgor::io {
@@ -100,36 +99,24 @@ std::vector<char> planes(const SamplesToWrite& samples) {
   return apart;
 }
 
-bool write_all(gzFile file, const char* bytes, std::size_t size) {
-  constexpr std::size_t kBlock = std::size_t{1} << 28;
-  for (std::size_t at = 0; at < size; at += kBlock) {
-    const auto block = static_cast<unsigned>(std::min(kBlock, size - at));
-    if (gzwrite(file, bytes + at, block) != int(block)) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
-Status write_nifti(const std::filesystem::path& path, const SamplesToWrite& samples) {
+Status write_nifti(FileWriter& file, const std::filesystem::path& path, const SamplesToWrite& samples) {
   const Int3 size = samples.grid.size;
   if (std::max({size.x, size.y, size.z}) > 32767)
     return Error{fmt::format("{}: {} x {} x {} samples do not fit NIfTI-1 (32767 each)", path.string(),
                              size.x, size.y, size.z)};
-  const bool is_packed = path.extension() == ".gz";
-  gzFile file =
-      gzopen(path.c_str(), is_packed ? "wb1" : "wbT");  // noise packs no better at higher levels, only slower
-  if (!file) return Error{fmt::format("{}: cannot be opened for writing", path.string())};
-  gzbuffer(file, 1 << 18);
   const Header header = make_header(samples);
-  bool written = write_all(file, header.bytes().data(), header.bytes().size());
-  const std::size_t bytes =
-      sample_count(samples.grid) * std::size_t(samples.components) * byte_size(samples.type);
+  const std::string_view head(header.bytes().data(), header.bytes().size());
   const std::vector<char> apart = samples.components > 1 ? planes(samples) : std::vector<char>{};
-  written = written &&
-            write_all(file, apart.empty() ? static_cast<const char*>(samples.data) : apart.data(), bytes);
-  if (gzclose(file) == Z_OK && written) return Done{};
-  return Error{fmt::format("{}: cannot be written (is the disk full?)", path.string())};
+  const std::string_view bytes =
+      apart.empty() ? samples.bytes() : std::string_view(apart.data(), apart.size());
+  const auto out = [&file](std::string_view piece) { file.write(piece); };
+  if (path.extension() == ".gz")
+    deflate({head, bytes}, Deflate::kGzip, out);
+  else
+    out(head), out(bytes);
+  return Done{};
 }
 
 }  // namespace turgor::io

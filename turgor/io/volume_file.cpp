@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
-#include <unistd.h>
 
 namespace turgor::io {
 
@@ -34,12 +33,6 @@ Result<SampleType> sample_type(const fs::path& path, Component component) {
   for (const auto& [known, type] : kComponents)
     if (known == component) return type;
   return Error{fmt::format("{}: samples of an unknown type; expected whole or real numbers", path.string())};
-}
-
-Component component(SampleType type) {
-  for (const auto& [known, of] : kComponents)
-    if (of == type) return known;
-  return Component::UNKNOWNCOMPONENTTYPE;
 }
 
 Grid itk_grid(const itk::ImageIOBase& io, const VolumeHeader& header) {
@@ -120,41 +113,6 @@ Result<RawVolume> read_samples(const fs::path& path, const VolumeHeader& header)
   return raw;
 }
 
-Result<VolumeFormat> format_of_name(const fs::path& path) {
-  const std::string name = path.filename().string();
-  if (name.ends_with(".nii") || name.ends_with(".nii.gz")) return VolumeFormat::kNifti;
-  if (name.ends_with(".nrrd")) return VolumeFormat::kNrrd;
-  if (name.ends_with(".mha")) return VolumeFormat::kMetaImage;
-  return Error{fmt::format("{}: cannot tell the format from the name; expected .nii, .nii.gz, .nrrd or .mha",
-                           path.string())};
-}
-
-Status write_samples(const fs::path& path, VolumeFormat format, const SamplesToWrite& samples) {
-  const itk::ImageIOBase::Pointer io = make_image_io(format);
-  io->SetNumberOfDimensions(3);
-  itk::ImageIORegion region(3);
-  for (unsigned axis = 0; axis < 3; axis++) {
-    const int a = int(axis);
-    io->SetDimensions(axis, itk::SizeValueType(samples.grid.size[a]));
-    io->SetSpacing(axis, samples.grid.spacing[a] * 1e3);
-    io->SetOrigin(axis, samples.grid.origin[a] * 1e3);
-    const Vec3d direction = samples.grid.axes.column[a];
-    io->SetDirection(axis, std::vector<double>{direction.x, direction.y, direction.z});
-    region.SetSize(axis, itk::SizeValueType(samples.grid.size[a]));
-  }
-  io->SetIORegion(region);
-  io->SetComponentType(component(samples.type));
-  io->SetNumberOfComponents(unsigned(samples.components));
-  io->SetPixelType(samples.components == 1 ? itk::CommonEnums::IOPixel::SCALAR
-                                           : itk::CommonEnums::IOPixel::VECTOR);
-  io->SetUseCompression(true);
-  io->SetCompressionLevel(1);  // noise does not compress any better at higher levels, only slower
-  io->SetFileName(path.string());
-  io->WriteImageInformation();
-  io->Write(samples.data);
-  return Done{};
-}
-
 }  // namespace
 
 Result<RawVolume> read_volume_file(const fs::path& path) {
@@ -167,28 +125,6 @@ Result<RawVolume> read_volume_file(const fs::path& path) {
   if (!raw) return raw;
   if (Status placed = check_grid(path, raw->grid); !placed) return placed.error();
   return raw;
-}
-
-Status write_volume_file(const fs::path& path, const SamplesToWrite& samples) {
-  const Result<VolumeFormat> format = format_of_name(path);
-  if (!format) return format.error();
-  std::error_code failed;
-  const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
-  if (!fs::is_directory(folder, failed))
-    return Error{fmt::format("{}: the folder {} does not exist", path.string(), folder.string())};
-  if (fs::is_directory(path, failed))
-    return Error{fmt::format("{}: is a folder; expected the name of a file", path.string())};
-  const fs::path partial = folder / fmt::format(".{}-partial-{}", getpid(), path.filename().string());
-  Status written = guarded(path, "written", [&] {
-    return *format == VolumeFormat::kNifti ? write_nifti(partial, samples)
-                                           : write_samples(partial, *format, samples);
-  });
-  if (written) {
-    fs::rename(partial, path, failed);
-    if (failed) written = Error{fmt::format("{}: cannot be written: {}", path.string(), failed.message())};
-  }
-  if (!written) fs::remove(partial, failed);
-  return written;
 }
 
 }  // namespace turgor::io

@@ -1,10 +1,12 @@
-// NRRD and MetaImage files in and out through ITK, NIfTI by itself, as bytes of one sample type. Internal to
-// io/.
+// NRRD and MetaImage files in through ITK, NIfTI by itself, all three out by themselves, as bytes of one
+// sample type. Internal to io/.
 #pragma once
 
 #include <cstddef>
+#include <string_view>
 #include <vector>
 
+#include "turgor/io/file.hpp"
 #include "turgor/io/volume_header.hpp"
 
 namespace turgor::io {
@@ -27,16 +29,24 @@ struct SamplesToWrite {
   SampleType type;
   int components;
   const void* data;
+
+  /// All of them, components fastest.
+  std::string_view bytes() const {
+    const std::size_t count = sample_count(grid) * std::size_t(components) * byte_size(type);
+    return {static_cast<const char*>(data), count};
+  }
 };
-/// The format follows from the name. Written beside and renamed.
+/// The format follows from the name.
 Status write_volume_file(const std::filesystem::path& path, const SamplesToWrite& samples);
 
 /// The samples of a NIfTI file whose header is known. (ITK's reader turns samples that are no number into 0
 /// HU: water.)
 Result<RawVolume> read_nifti_samples(const std::filesystem::path& path, const VolumeHeader& header);
 
-/// A NIfTI file, straight under this name; write_volume_file calls it.
-Status write_nifti(const std::filesystem::path& path, const SamplesToWrite& samples);
+// The three formats, into a file that is open; write_volume_file calls them.
+Status write_nifti(FileWriter& file, const std::filesystem::path& path, const SamplesToWrite& samples);
+void write_nrrd(FileWriter& file, const SamplesToWrite& samples);
+void write_meta_image(FileWriter& file, const SamplesToWrite& samples);
 
 /// Calls f with a pointer to the samples in their own type.
 template <class F>

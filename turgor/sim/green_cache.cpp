@@ -1,11 +1,14 @@
 #include "turgor/sim/green_cache.hpp"
 
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "turgor/core/hash.hpp"
+#include "turgor/io/file.hpp"
 #include "turgor/io/hdf5_file.hpp"
 
 namespace turgor {
@@ -76,7 +79,7 @@ Status write_values(const fs::path& path, const sfem::Model& model) {
   write("/check/vertices", green.check.vertices, 1);
   write("/check/values", green.check.values, 1);
   write("/checksum", std::vector<std::uint64_t>{green.checksum}, 1);
-  return status ? file->flush() : status;
+  return status ? file->close() : status;
 }
 
 fs::path user_cache() {
@@ -108,15 +111,13 @@ CachedGreen read_green(const fs::path& path, sfem::Model& model) {
 Status write_green(const fs::path& path, const sfem::Model& model) {
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
-  const fs::path partial = path.string() + fmt::format(".partial-{}", getpid());
-  Status status = write_values(partial, model);
-  if (status) {
-    fs::rename(partial, path, error);
-    if (error)
-      status = Error{fmt::format("{}: cannot give the file its name: {}", path.string(), error.message())};
-  }
-  if (!status) fs::remove(partial, error);
-  return status;
+  if (const Status goal = check_file_goal(path); !goal) return goal;
+  Unfinished partial(path);
+  if (const Status status = write_values(partial.path(), model); !status) return status;
+  return partial.keep([&]() -> Status {
+    if (rename(partial.path().c_str(), path.c_str()) == 0) return Done{};
+    return Error{fmt::format("{}: cannot give the file its name: {}", path.string(), std::strerror(errno))};
+  });
 }
 
 }  // namespace turgor

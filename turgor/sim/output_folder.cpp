@@ -1,18 +1,15 @@
 #include "turgor/sim/output_folder.hpp"
 
-#include <algorithm>
 #include <cerrno>
-#include <charconv>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <mutex>
-#include <thread>
-#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include "turgor/sim/output_manifest.hpp"
 
 namespace turgor {
 
@@ -20,149 +17,157 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Folders that a signal must remove. Whoever renames or removes one holds the lock.
-struct Open {
-  std::mutex mutex;
-  std::vector<fs::path> folders;
-};
-Open& open_folders() {
-  static Open* open = new Open;  // never destroyed: the signal thread outlives main
-  return *open;
+/// "out.kept", "out.kept-2", …: a name beside the goal that nothing has.
+fs::path free_name(const fs::path& goal, const char* kind) {
+  std::error_code ignored;
+  for (int n = 1;; n++) {
+    const std::string number = n == 1 ? "" : fmt::format("-{}", n);
+    fs::path name = goal.parent_path() / fmt::format("{}.{}{}", goal.filename().string(), kind, number);
+    if (!fs::exists(fs::symlink_status(name, ignored))) return name;
+  }
 }
 
-void forget(const fs::path& folder) { std::erase(open_folders().folders, folder); }
-
-fs::path sibling(const fs::path& goal, const char* kind) {
-  return goal.parent_path() / fmt::format(".{}.{}-{}", goal.filename().string(), kind, getpid());
+/// Removes earlier results; where others' files are then, if there are any.
+fs::path remove_earlier(const fs::path& earlier, const fs::path& goal,
+                        const std::vector<std::string>& doomed) {
+  if (remove_ours(earlier, doomed)) return {};
+  const fs::path kept = free_name(goal, "kept");
+  return rename(earlier.c_str(), kept.c_str()) == 0 ? kept : earlier;
 }
-
-/// The process that left a sibling named ".NAME.KIND-PID", or 0.
-pid_t owner_of(const fs::path& path, const fs::path& goal, const char* kind) {
-  const std::string name = path.filename().string(),
-                    prefix = fmt::format(".{}.{}-", goal.filename().string(), kind);
-  pid_t pid = 0;
-  if (!name.starts_with(prefix)) return 0;
-  const auto [end, error] = std::from_chars(name.data() + prefix.size(), name.data() + name.size(), pid);
-  return error == std::errc() && end == name.data() + name.size() ? pid : 0;
-}
-
-bool is_alive(pid_t pid) { return kill(pid, 0) == 0 || errno != ESRCH; }
 
 /// Removes what killed runs left, and brings back an earlier result that one had moved aside.
 void clean_up(const fs::path& goal) {
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(goal.parent_path(), error)) {
-    const pid_t partial = owner_of(entry.path(), goal, "partial"), old = owner_of(entry.path(), goal, "old");
-    if (partial > 0 && !is_alive(partial)) fs::remove_all(entry.path(), error);
-    if (old <= 0 || is_alive(old)) continue;
-    if (fs::exists(goal, error))
-      fs::remove_all(entry.path(), error);
+  for (const fs::path& left : left_behind(goal, "partial")) {
+    // One that is complete had been exchanged with the goal: it is the earlier result.
+    if (foreign_files(left))
+      remove_earlier(left, goal, {});
     else
-      fs::rename(entry.path(), goal, error);
+      fs::remove_all(left, error);
+  }
+  for (const fs::path& old : left_behind(goal, "old")) {
+    if (fs::exists(goal, error))
+      remove_earlier(old, goal, {});
+    else
+      fs::rename(old, goal, error);
   }
 }
 
-Status check_goal(const fs::path& goal) {
+/// Up to so many are named, and only what was named is removed.
+constexpr std::size_t kMostNamed = 20;
+
+std::string named(const std::vector<std::string>& files) {
+  const std::size_t shown = std::min(files.size(), kMostNamed);
+  std::string text = fmt::format("{}", fmt::join(files.begin(), files.begin() + std::ptrdiff_t(shown), ", "));
+  return files.size() == shown ? text : text + fmt::format(" and {} more", files.size() - shown);
+}
+
+/// A folder on a disk of its own cannot be given away.
+bool is_mount_point(const fs::path& goal) {
+  struct stat inside {
+  }, outside{};
+  return stat(goal.c_str(), &inside) == 0 && stat(goal.parent_path().c_str(), &outside) == 0 &&
+         inside.st_dev != outside.st_dev;
+}
+
+/// The foreign files in the goal, when it may be replaced.
+Result<std::vector<std::string>> check_goal(const fs::path& goal, Foreign foreign) {
   std::error_code error;
-  if (!fs::exists(goal, error)) return Done{};
+  if (!fs::exists(goal, error)) return std::vector<std::string>{};
   if (!fs::is_directory(goal, error))
     return Error{fmt::format("{}: expected a folder for the results, found a file", goal.string())};
-  if (fs::is_empty(goal, error) || fs::exists(goal / kReportFile, error)) return Done{};
-  return Error{
-      fmt::format("{}: the folder is not empty and is not the output of a run (it has no {}); choose another "
-                  "one with --out",
-                  goal.string(), kReportFile)};
+  if (is_mount_point(goal))
+    return Error{fmt::format("{}: a disk is mounted there; expected a folder in it", goal.string())};
+  if (fs::is_empty(goal, error)) return std::vector<std::string>{};
+  Result<std::vector<std::string>> files = foreign_files(goal);
+  if (!files)
+    return Error{
+        fmt::format("{}: the folder is not empty and is not the output of a run ({}); choose another one "
+                    "with --out",
+                    goal.string(), files.error().message)};
+  if (foreign == Foreign::kRefuse && !files->empty())
+    return Error{
+        fmt::format("{}: holds files that turgor did not write, or that were changed since: {}; choose "
+                    "another folder with --out, or let them be removed with --force",
+                    goal.string(), named(*files))};
+  if (files->size() > kMostNamed)
+    return Error{fmt::format("{}: holds too many files that turgor did not write for --force: {}",
+                             goal.string(), named(*files))};
+  return files;
 }
 
-/// Gives `partial` the name of `goal`; the earlier goal, if any, ends at the returned path, to be deleted.
+/// Gives `partial` the name of `goal`; the earlier goal, if any, ends at the returned path.
 Result<fs::path> swap_in(const fs::path& partial, const fs::path& goal) {
-  std::error_code error;
-  if (!fs::exists(goal, error)) {
-    fs::rename(partial, goal, error);
-    if (!error) return fs::path();
-    return Error{fmt::format("{}: cannot give the results their name: {}", goal.string(), error.message())};
+  constexpr int kTries = 3;  // another run may come in between
+  for (int i = 0; i < kTries; i++) {
+    if (rename(partial.c_str(), goal.c_str()) == 0) return fs::path();  // nothing there, or an empty folder
+    if (errno != ENOTEMPTY && errno != EEXIST) break;
+    // One atomic exchange where the file system can.
+    if (renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, goal.c_str(), RENAME_EXCHANGE) == 0) return partial;
+    if (errno == ENOENT) continue;
+    const fs::path old = hidden_beside(goal, "old");
+    if (rename(goal.c_str(), old.c_str()) != 0) break;
+    if (rename(partial.c_str(), goal.c_str()) == 0) return old;
+    const int reason = errno;
+    rename(old.c_str(), goal.c_str());
+    errno = reason;
+    break;
   }
-  // One atomic exchange where the file system can.
-  if (renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, goal.c_str(), RENAME_EXCHANGE) == 0) return partial;
-  const fs::path old = sibling(goal, "old");
-  fs::rename(goal, old, error);
-  if (!error) fs::rename(partial, goal, error);
-  if (!error) return old;
-  std::error_code ignored;
-  if (!fs::exists(goal, ignored)) fs::rename(old, goal, ignored);
-  return Error{fmt::format("{}: cannot replace the earlier results: {}", goal.string(), error.message())};
-}
-
-[[noreturn]] void remove_folders_and_exit() {
-  Open& open = open_folders();
-  const std::lock_guard lock(open.mutex);
-  std::error_code error;
-  constexpr int kTries = 100;  // other threads may still be writing
-  for (const fs::path& folder : open.folders)
-    for (int i = 0; i < kTries && fs::exists(folder, error); i++) fs::remove_all(folder, error);
-  std::fputs("\nturgor: interrupted; nothing was left behind, earlier results are untouched\n", stderr);
-  std::fflush(nullptr);
-  _exit(130);
+  return Error{
+      fmt::format("{}: cannot give the results their name: {}", goal.string(), std::strerror(errno))};
 }
 
 }  // namespace
 
-Result<OutputFolder> OutputFolder::create(const fs::path& wanted) {
-  std::error_code error;
-  fs::path plain = fs::absolute(wanted, error).lexically_normal();
-  if (!plain.has_filename()) plain = plain.parent_path();  // "out/" is "out"
-  const fs::path goal = fs::weakly_canonical(plain, error);
-  if (error || !goal.has_filename())
+Result<OutputFolder> OutputFolder::create(const fs::path& wanted, Foreign foreign) {
+  const Result<fs::path> goal = resolved_goal(wanted);
+  if (!goal) return goal.error();
+  if (!goal->has_filename())
     return Error{fmt::format("{}: expected the name of a folder for the results", wanted.string())};
-  fs::create_directories(goal.parent_path(), error);
+  std::error_code error;
+  fs::create_directories(goal->parent_path(), error);
   if (error)
-    return Error{fmt::format("{}: cannot make the folder: {}", goal.parent_path().string(), error.message())};
-  clean_up(goal);
-  if (const Status status = check_goal(goal); !status) return status.error();
-  const fs::path partial = sibling(goal, "partial");
-  const std::lock_guard lock(open_folders().mutex);
-  fs::remove_all(partial, error);
-  if (!fs::create_directory(partial, error))
-    return Error{fmt::format("{}: cannot make the folder: {}", partial.string(), error.message())};
-  open_folders().folders.push_back(partial);
-  return OutputFolder(goal, partial);
+    return Error{
+        fmt::format("{}: cannot make the folder: {}", goal->parent_path().string(), error.message())};
+  clean_up(*goal);
+  Result<std::vector<std::string>> doomed = check_goal(*goal, foreign);
+  if (!doomed) return doomed.error();
+  OutputFolder folder(*goal, std::move(*doomed));
+  if (!fs::create_directory(folder.path(), error))
+    return Error{fmt::format("{}: cannot make the folder: {}", folder.path().string(), error.message())};
+  return folder;
 }
 
-OutputFolder::OutputFolder(fs::path goal, fs::path partial)
-    : goal_(std::move(goal)), partial_(std::move(partial)) {}
-OutputFolder::OutputFolder(OutputFolder&& other) noexcept
-    : goal_(std::move(other.goal_)), partial_(std::exchange(other.partial_, fs::path())) {}
+OutputFolder::OutputFolder(fs::path goal, std::vector<std::string> doomed)
+    : goal_(std::move(goal)), doomed_(std::move(doomed)), partial_(goal_) {}
 
-OutputFolder::~OutputFolder() {
-  if (partial_.empty()) return;
-  const std::lock_guard lock(open_folders().mutex);
+Status OutputFolder::check_input(const fs::path& file) const {
   std::error_code error;
-  fs::remove_all(partial_, error);
-  forget(partial_);
+  const fs::path place = fs::weakly_canonical(file, error);
+  const fs::path inside = place.lexically_relative(goal_);
+  if (error || inside.empty() || *inside.begin() == "..") return Done{};
+  return Error{fmt::format("{}: lies in {}, which would be replaced; choose another folder with --out",
+                           file.string(), goal_.string())};
 }
 
-Status OutputFolder::commit() {
-  const std::lock_guard lock(open_folders().mutex);
-  const Result<fs::path> old = swap_in(partial_, goal_);
-  if (!old) return old.error();
-  std::error_code error;
-  if (!old->empty()) fs::remove_all(*old, error);
-  forget(partial_);
-  partial_.clear();
+Status OutputFolder::replace_goal() {
+  const Result<fs::path> earlier = swap_in(path(), goal_);
+  if (!earlier) return earlier.error();
+  if (!earlier->empty()) kept_ = remove_earlier(*earlier, goal_, doomed_);
   return Done{};
 }
 
-void remove_partial_folders_when_interrupted() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::thread([signals] {
-    int signal = 0;
-    sigwait(&signals, &signal);
-    remove_folders_and_exit();
-  }).detach();
+Status OutputFolder::commit() {
+  Status status = write_manifest(path());
+  const Status moved = partial_.keep([&]() -> Status {
+    if (status) status = replace_goal();
+    if (status) return Done{};
+    const fs::path aside = free_name(goal_, "results");  // the work is done: it is worth more than its name
+    if (rename(path().c_str(), aside.c_str()) != 0) return status;
+    status = Error{fmt::format("{}; the results are in {}", status.error().message, aside.string())};
+    return Done{};
+  });
+  return status ? moved : status;
 }
 
 }  // namespace turgor

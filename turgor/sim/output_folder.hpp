@@ -1,40 +1,49 @@
-// The folder a run leaves behind. Everything is written into a hidden folder beside the goal,
-// ".NAME.partial-PID", which takes the goal's name only when it is complete: an interrupted or killed run
-// leaves earlier results whole. Folders of killed runs are removed by the next one.
+// The folder a run leaves behind. Everything is written into a hidden folder beside the goal, which takes the
+// goal's name only when it is complete: an interrupted or killed run leaves earlier results whole. Of earlier
+// results only what turgor wrote is replaced (sim/output_manifest.hpp); nothing that others put there is ever
+// removed unasked.
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "turgor/core/result.hpp"
+#include "turgor/io/unfinished.hpp"
 
 namespace turgor {
 
-/// The file that marks a folder as a complete output of ours, which may be replaced.
+/// The numbers of a complete output.
 constexpr const char* kReportFile = "report.json";
+
+/// What becomes of files in the goal that turgor did not write, or that were changed since.
+enum class Foreign { kRefuse, kRemove };
 
 class OutputFolder {
  public:
-  /// Error: the goal is a file, or a folder with something else inside than an earlier run's output.
-  static Result<OutputFolder> create(const std::filesystem::path& goal);
-  OutputFolder(OutputFolder&& other) noexcept;
-  OutputFolder& operator=(OutputFolder&&) = delete;
-  /// Removes what was not committed.
-  ~OutputFolder();
+  /// Error: the goal is a file, a folder that is not ours, or has foreign files; it says which.
+  static Result<OutputFolder> create(const std::filesystem::path& goal, Foreign foreign = Foreign::kRefuse);
 
   /// Where to write.
-  const std::filesystem::path& path() const { return partial_; }
+  const std::filesystem::path& path() const { return partial_.path(); }
   const std::filesystem::path& goal() const { return goal_; }
-  /// Gives the folder its name, in place of an earlier run's.
+  /// Foreign files that commit removes, relative to the goal.
+  const std::vector<std::string>& doomed() const { return doomed_; }
+  /// Error: a file lies in the earlier results, which commit replaces.
+  Status check_input(const std::filesystem::path& file) const;
+  /// Gives the folder its name, in place of an earlier run's. When that fails the results stay under another
+  /// name, which the error says.
   Status commit();
+  /// After commit: where foreign files are now that came into the goal meanwhile; empty when there were none.
+  const std::filesystem::path& kept() const { return kept_; }
 
  private:
-  OutputFolder(std::filesystem::path goal, std::filesystem::path partial);
+  OutputFolder(std::filesystem::path goal, std::vector<std::string> doomed);
+  Status replace_goal();
 
-  std::filesystem::path goal_, partial_;
+  std::filesystem::path goal_, kept_;
+  std::vector<std::string> doomed_;
+  Unfinished partial_;
 };
-
-/// From now on SIGINT and SIGTERM remove the folders that are not committed and end the program with code
-/// 130. Call before other threads start: they inherit that these signals are somebody else's.
-void remove_partial_folders_when_interrupted();
 
 }  // namespace turgor

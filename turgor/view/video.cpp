@@ -118,10 +118,27 @@ Status write_video(const std::vector<fs::path>& frames, double frames_per_second
   const WorkFolder folder(*made);
   if (const Status linked = link_frames(frames, folder.path); !linked) return linked;
 
-  const int exit_status = run_in(
-      folder.path, {"ffmpeg", "-y", "-loglevel", "error", "-framerate", fmt::format("{}", frames_per_second),
-                    "-i", "%06d.png", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-pix_fmt",
-                    "yuv420p", "-crf", "18", "-movflags", "+faststart", kVideo});
+  // Without -xerror a last part that could not be written (the disk is full) is no failure to ffmpeg.
+  const int exit_status = run_in(folder.path, {"ffmpeg",
+                                               "-y",
+                                               "-xerror",
+                                               "-loglevel",
+                                               "error",
+                                               "-framerate",
+                                               fmt::format("{}", frames_per_second),
+                                               "-i",
+                                               "%06d.png",
+                                               "-vf",
+                                               "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                                               "-c:v",
+                                               "libx264",
+                                               "-pix_fmt",
+                                               "yuv420p",
+                                               "-crf",
+                                               "18",
+                                               "-movflags",
+                                               "+faststart",
+                                               kVideo});
   if (exit_status != 0)
     return Error{fmt::format("{}: ffmpeg failed: {}", path.string(), first_line(folder.path / kLog))};
   std::error_code error;

@@ -187,6 +187,16 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
        "incision.a.start: the cut starts at 2 s, when the run of 2 s is over"},
       {small_scene("", "[output]\ndeformed_ct = \"../x.nii\""),
        "output.deformed_ct: expected a file name without folders"},
+      {small_scene("", "[output]\ndeformed_ct = \"a.nii\"\njacobian = \"a.nii\""),
+       "output.jacobian: output.deformed_ct and output.jacobian would be the same file, a.nii; expected "
+       "different"},
+      {small_scene("",
+                   "[body.torso-b]\nmodel = \"lattice\"\nct = \"b.nii\"\n"
+                   "[output]\ndeformed_ct = \"b-a.nii\"\njacobian = \"a.nii\""),
+       "output.deformed_ct of body.torso and output.jacobian of body.torso-b would be the same file, "
+       "torso-b-a.nii"},
+      {small_scene("", "[incision.skin]\nbody = \"torso\"\nfrom = [0,0,0]\nto = [1,0,0]"),
+       "incision.skin: pictures of the whole body have this name; expected another"},
       {small_scene("", "[output]\nwindow = \"abdomne\""), "did you mean \"abdomen\"?"},
       {small_scene("", "[output]\nsnapshots = { every = 0 }"),
        "output.snapshots.every: expected a number above 0 [s], found 0"},

@@ -166,7 +166,7 @@ Status RecordingWriter::finish(const World& world, const std::string& report) {
   if (const Status status = write_touch(file_, world); !status) return status;
   const Status status =
       Writing(file_, "/").array<std::int32_t>("snapshot_count", {snapshots_}).text("report", report).status();
-  return status ? file_.flush() : status;
+  return status ? file_.close() : status;
 }
 
 Result<Recording> Recording::open(const fs::path& path) {

@@ -85,7 +85,8 @@ std::string plot_svg(const Plot& plot, const fs::path& folder) {
   fs::remove(folder / kPicture, ignored);
   if (!drawn || !svg) return "";
   const std::size_t begin = svg->find("<svg");  // without the XML header
-  return begin == std::string::npos ? "" : svg->substr(begin);
+  const bool whole = begin != std::string::npos && svg->find("</svg>", begin) != std::string::npos;
+  return whole ? svg->substr(begin) : "";
 }
 
 }  // namespace turgor

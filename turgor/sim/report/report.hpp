@@ -43,6 +43,7 @@ struct RunFacts {
   std::vector<std::string> files;  // others that were written
   std::vector<DeformedCtReport> deformed;
   std::vector<std::string> warnings;
+  std::string stopped;  // why the simulation ended early, one of the warnings; empty when it did not
 };
 
 /// The part of the report that the simulation decides.

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <map>
 
 #include "turgor/io/names.hpp"
 #include "turgor/sim/scene/scene_cloth.hpp"
@@ -170,6 +171,7 @@ void read_incisions(SceneTable incisions, Scene& scene) {
   constexpr std::size_t kMostIncisions = 255;  // a cut edge remembers its incision in a byte
   for (const std::string& name : incisions.names()) {
     if (!is_name(name)) incisions.fail(name, "expected a name of letters, digits, _ and -");
+    if (name == "skin") incisions.fail(name, "pictures of the whole body have this name; expected another");
     if (scene.incisions.size() == kMostIncisions)
       return incisions.fail(name, "a scene holds at most 255 incisions");
     scene.incisions.push_back(read_incision(incisions.table(name), name, scene));
@@ -198,6 +200,27 @@ void read_volume_name(SceneTable& output, std::string_view key, std::string& nam
               fmt::format("expected a file name without folders that ends in .nii, .nii.gz, .nrrd or .mha, "
                           "found \"{}\"",
                           name));
+}
+
+/// Refuses outputs of which one would overwrite another. Of several bodies, each has its own: "BODY-NAME".
+void check_output_names(SceneTable& output, const Scene& scene) {
+  std::map<std::string, std::string> owners;  // file -> the key that names it
+  const OutputScene& out = scene.output;
+  for (const auto& [key, name] :
+       {std::pair("deformed_ct", out.deformed_ct), std::pair("displacement", out.displacement),
+        std::pair("jacobian", out.jacobian)}) {
+    if (name.empty()) continue;
+    for (const LatticeScene& body : scene.lattices) {
+      const bool alone = scene.lattices.size() == 1;
+      const std::string file = alone ? name : body.name + "-" + name;
+      const std::string owner =
+          alone ? fmt::format("output.{}", key) : fmt::format("output.{} of body.{}", key, body.name);
+      const auto [earlier, added] = owners.try_emplace(file, owner);
+      if (added) continue;
+      return output.fail(key, fmt::format("{} and {} would be the same file, {}; expected different names",
+                                          earlier->second, owner, file));
+    }
+  }
 }
 
 /// `key = false` turns it off, `key = NAME` chooses.
@@ -245,6 +268,7 @@ void read_output(SceneTable output, Scene& scene) {
   read_volume_name(output, "deformed_ct", out.deformed_ct);
   read_volume_name(output, "displacement", out.displacement);
   read_volume_name(output, "jacobian", out.jacobian);
+  check_output_names(output, scene);
   if (output.has("deformed_size")) {
     Int3 size{1, 1, 1};
     output.read("deformed_size", size, within(1, 4096, "voxels"));
