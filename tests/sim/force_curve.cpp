@@ -35,7 +35,8 @@ TEST_F(ForceCurve, lines_that_are_no_points_are_refused_with_their_place) {
             "curve.csv:1: expected two numbers, a depth [m] and a force [N], found \"0,0,0\"");
   EXPECT_EQ(message("0 nan\n0 inf\n"),
             "curve.csv:2: expected two numbers, a depth [m] and a force [N], found \"0 inf\"");
-  EXPECT_EQ(message("names\n"), "curve.csv: expected lines with a depth [m] and a force [N], found none");
+  EXPECT_EQ(message("names\n"),
+            "curve.csv: expected lines of two numbers, a depth [m] and a force [N], found none");
   EXPECT_FALSE(read_force_curve(folder_ / "missing.csv"));
 }
 

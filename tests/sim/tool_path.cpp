@@ -70,7 +70,7 @@ TEST(ToolPath, FilesAreReadWithTheirNamesOfColumns) {
             (folder / "bad.csv").string() + ":2: expected numbers t, x, y, z, found \"1,a,2,3\"");
   test::write(folder / "nan.csv", "0,1,2,3\n1,nan,2,3\n");
   EXPECT_EQ(read_path_rows(folder / "nan.csv").error().message,
-            (folder / "nan.csv").string() + ": row 2 of the path: expected numbers, found nan");
+            (folder / "nan.csv").string() + ":2: expected numbers t, x, y, z, found \"1,nan,2,3\"");
 }
 
 TEST(ToolPath, AToolTurnsItsAxisToTheNormal) {

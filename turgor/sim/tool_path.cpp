@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include <fmt/format.h>
 
-#include "turgor/io/file.hpp"
+#include "turgor/io/number_table.hpp"
 
 namespace turgor {
 
@@ -61,20 +60,6 @@ Quaternion between(const Quaternion& a, const Quaternion& b, double s) {
   return dot(q, q) > 0 ? normalized(q) : a;
 }
 
-/// Numbers of a line with commas, semicolons or blanks between them; empty when there is something else.
-std::vector<double> numbers_of(std::string line) {
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\t'; }, ' ');
-  std::istringstream stream(line);
-  std::vector<double> numbers;
-  for (std::string word; stream >> word;) {
-    char* end = nullptr;
-    numbers.push_back(std::strtod(word.c_str(), &end));
-    if (*end != '\0') return {};
-  }
-  return numbers;
-}
-
 }  // namespace
 
 Result<std::vector<PathRow>> path_rows(const std::vector<std::vector<double>>& rows) {
@@ -107,22 +92,10 @@ Result<std::vector<PathRow>> path_rows(const std::vector<std::vector<double>>& r
 }
 
 Result<std::vector<PathRow>> read_path_rows(const std::filesystem::path& file) {
-  const Result<std::string> text = read_file(file);
-  if (!text) return text.error();
-  std::istringstream lines(*text);
+  const Result<std::vector<NumberRow>> table = read_number_table(file, "numbers t, x, y, z");
+  if (!table) return table.error();
   std::vector<std::vector<double>> rows;
-  int number = 0;
-  for (std::string line; std::getline(lines, line);) {
-    number++;
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.find_first_not_of(" \t") == std::string::npos || line.front() == '#') continue;
-    std::vector<double> values = numbers_of(line);
-    if (values.empty() && rows.empty() && number == 1) continue;  // names of the columns
-    if (values.empty())
-      return Error{fmt::format("{}:{}: expected numbers t, x, y, z, found \"{}\"", file.string(), number,
-                               line.substr(0, 60))};
-    rows.push_back(std::move(values));
-  }
+  for (const NumberRow& row : *table) rows.push_back(row.values);
   Result<std::vector<PathRow>> path = path_rows(rows);
   if (!path) return Error{fmt::format("{}: {}", file.string(), path.error().message)};
   return path;

@@ -1,0 +1,44 @@
+// Any bytes as the two tables that people bring, a measured force–depth curve and a tool's path: an error
+// that names the file, or rows of finite numbers in order, never a crash.
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+
+#include "folders.hpp"
+#include "fuzz_input.hpp"
+#include "turgor/sim/force_curve.hpp"
+#include "turgor/sim/tool_path.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void check(const std::vector<turgor::rhombus::CurvePoint>& curve) {
+  require(!curve.empty());
+  for (const turgor::rhombus::CurvePoint& point : curve)
+    require(std::isfinite(point.depth) && std::isfinite(point.force));
+}
+
+void check(const std::vector<turgor::PathRow>& rows) {
+  require(!rows.empty());
+  for (std::size_t i = 0; i < rows.size(); i++) {
+    require(std::isfinite(rows[i].time));
+    for (int axis = 0; axis < 3; axis++) require(std::isfinite(rows[i].position[axis]));
+    require(i == 0 || rows[i].time > rows[i - 1].time);
+    const turgor::Mat3d axes = turgor::axes_of(rows[i].orientation);
+    for (const turgor::Vec3d& axis : axes.column) require(std::abs(norm(axis) - 1) < 1e-6);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  static const fs::path folder = turgor::test::fresh_folder();
+  const fs::path file = folder / "table.csv";
+  std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(bytes), std::streamsize(size));
+  const auto curve = turgor::read_force_curve(file);
+  curve ? check(*curve) : require(curve.error().message.find("/table.csv") != std::string::npos);
+  const auto rows = turgor::read_path_rows(file);
+  rows ? check(*rows) : require(rows.error().message.find("/table.csv") != std::string::npos);
+  return 0;
+}

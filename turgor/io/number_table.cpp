@@ -1,0 +1,62 @@
+#include "turgor/io/number_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "turgor/io/file.hpp"
+
+namespace turgor {
+
+namespace {
+
+bool is_blank(const std::string& line) {
+  const std::size_t first = line.find_first_not_of(" \t\r");
+  return first == std::string::npos || line[first] == '#';
+}
+
+/// The numbers of a line; empty when there is something else in it.
+std::vector<double> numbers_of(std::string line) {
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
+  std::istringstream words(line);
+  std::vector<double> numbers;
+  for (std::string word; words >> word;) {
+    char* end = nullptr;
+    numbers.push_back(std::strtod(word.c_str(), &end));
+    if (*end != '\0' || !std::isfinite(numbers.back())) return {};
+  }
+  return numbers;
+}
+
+}  // namespace
+
+Result<std::vector<NumberRow>> read_number_table(const std::filesystem::path& file,
+                                                 const std::string& expected) {
+  const Result<std::string> text = read_file(file);
+  if (!text) return text.error();
+  std::vector<NumberRow> rows;
+  std::istringstream lines(*text);
+  int number = 0;
+  bool begun = false;
+  for (std::string line; std::getline(lines, line);) {
+    number++;
+    if (is_blank(line)) continue;
+    std::vector<double> values = numbers_of(line);
+    const bool names = values.empty() && !begun;
+    begun = true;
+    if (names) continue;
+    if (values.empty())
+      return Error{
+          fmt::format("{}:{}: expected {}, found \"{:.60}\"", file.string(), number, expected, line)};
+    rows.push_back({number, std::move(values), line});
+  }
+  if (rows.empty())
+    return Error{fmt::format("{}: expected lines of {}, found none", file.string(), expected)};
+  return rows;
+}
+
+}  // namespace turgor
