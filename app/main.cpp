@@ -57,6 +57,7 @@ int main(int argc, char** argv) {
   turgor::add_bench_command(program, global);
   turgor::add_validate_command(program, global);
   turgor::add_calibrate_command(program, global);
+  turgor::add_cache_command(program);
   if (argc < 2) return std::fputs(program.help().c_str(), stdout), 0;
   if (const std::string message = unknown_command(program, argc, argv); !message.empty())
     return fail(message);
