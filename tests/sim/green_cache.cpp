@@ -115,7 +115,8 @@ TEST(GreenCache, HundredsOfMutationsAnywhereInTheFileNeverGiveWrongValuesNorEndT
   const auto up_to = [&](std::size_t n) { return std::size_t(random()) % n; };
   for (int n = 0; n < 400; n++) {
     std::string bytes = whole;
-    const std::size_t header = std::min<std::size_t>(whole.size(), 4096);  // half of them where HDF5 keeps its books
+    const std::size_t header =
+        std::min<std::size_t>(whole.size(), 4096);  // half of them where HDF5 keeps its books
     for (std::size_t k = 0; k <= up_to(6); k++) bytes[up_to(n % 2 ? header : bytes.size())] = char(random());
     if (n % 10 == 0) bytes.resize(up_to(bytes.size()));
     ASSERT_TRUE(write_file(file, bytes));
@@ -135,9 +136,9 @@ TEST(GreenCache, FoldersLinksAndForeignFilesAreNamedAndLeftAlone) {
   const sfem::Model model = computed();
   const fs::path ours = folder / "green-0123456789abcdef.h5", other = folder / "green-0000000000000000.h5";
   ASSERT_TRUE(write_green(ours, model, "scene.toml:3: body.x"));
-  fs::create_directory(other);                                                       // a folder in place of the file
-  ASSERT_TRUE(write_file(folder / "green-1111111111111111.h5", "not at all"));      // damaged
-  ASSERT_TRUE(write_file(folder / "thesis.txt", "work"));                           // foreign
+  fs::create_directory(other);  // a folder in place of the file
+  ASSERT_TRUE(write_file(folder / "green-1111111111111111.h5", "not at all"));  // damaged
+  ASSERT_TRUE(write_file(folder / "thesis.txt", "work"));                       // foreign
   ASSERT_TRUE(write_file(folder / "elsewhere", "precious"));
   fs::create_symlink(folder / "elsewhere", folder / "green-2222222222222222.h5");
   sfem::Model again = built();
@@ -164,7 +165,8 @@ TEST(GreenCache, WhatWasNotUsedForLongestGoesAndNeverTheFileJustUsed) {
   for (const char c : std::string("abcd")) {
     files.push_back(folder / ("green-" + std::string(16, c) + ".h5"));
     ASSERT_TRUE(write_green(files.back(), model));
-    fs::last_write_time(files.back(), fs::file_time_type::clock::now() - std::chrono::hours(10 - int(files.size())));
+    fs::last_write_time(files.back(),
+                        fs::file_time_type::clock::now() - std::chrono::hours(10 - int(files.size())));
   }
   sfem::Model again = built();
   ASSERT_TRUE(read_green(files[0], again).found);  // the oldest is used now

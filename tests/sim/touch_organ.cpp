@@ -285,12 +285,13 @@ TEST(TouchOrgan, NearlyIncompressibleAveragedTetrahedraAreFeltOrRefusedNeverTheE
 
 TEST(TouchOrgan, APatchBeyondTheMemoryIsRefusedBeforeItIsBuiltWithAdvice) {
   const auto folder = test::fresh_folder();
-  const Result<World> world = load_world(
-      Exec(1), organ_scene(folder, "patch = { radius = 0.06, refinement = 4 }\nmemory = 0.3\n",
-                           {"body.pad.block.count=[12, 12, 6]"}));
+  const Result<World> world =
+      load_world(Exec(1), organ_scene(folder, "patch = { radius = 0.06, refinement = 4 }\nmemory = 0.3\n",
+                                      {"body.pad.block.count=[12, 12, 6]"}));
   ASSERT_FALSE(world);
-  for (const char* words : {"body.pad.patch: a patch of ", "nodes of its own and would take ", "allowed are 0.3 GB",
-                            "a smaller patch.radius, a lower patch.refinement or more memory"})
+  for (const char* words :
+       {"body.pad.patch: a patch of ", "nodes of its own and would take ", "allowed are 0.3 GB",
+        "a smaller patch.radius, a lower patch.refinement or more memory"})
     EXPECT_NE(world.error().message.find(words), std::string::npos) << world.error().message;
 }
 
@@ -307,22 +308,25 @@ TEST(TouchOrgan, APatchThatCannotFollowLeavesTheOneBeforeAndIsWarnedOf) {
   EXPECT_GT(norm(world.tools[0].samples.back().force), 0.05) << "the force goes on";
   const std::vector<std::string> warnings = touch_warnings(world);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("pad: the patch did not follow the tools 1 times, the one before stayed: a patch of "),
-            std::string::npos)
+  EXPECT_NE(
+      warnings[0].find("pad: the patch did not follow the tools 1 times, the one before stayed: a patch of "),
+      std::string::npos)
       << warnings[0];
 }
 
 TEST(TouchOrgan, TheCostOfAPatchIsKnownWithinAFactorOfThree) {
   const World world = organ_world(Exec(1), organ_scene(test::fresh_folder()));
   const Organ& organ = world.organs[0];
-  const sfem::PatchCost cost = sfem::patch_cost(organ.model, organ.patch.elements, organ.refinement, organ.centres);
+  const sfem::PatchCost cost =
+      sfem::patch_cost(organ.model, organ.patch.elements, organ.refinement, organ.centres);
   EXPECT_EQ(cost.local_nodes, std::size_t(organ.patch.local_nodes));
   EXPECT_EQ(cost.points, organ.patch.points.size());
   double kept = double(organ.patch.compliance.size()) * 8;
   for (const sfem::PatchLevel& level : organ.patch.levels)
     kept += double(level.motion.size() + level.compliance.size()) * 8;
   const auto& system = std::get<0>(organ.patch.system);
-  kept += 4 * double(system.factor.size() + system.coupling.size() + system.green.size() + system.change.size());
+  kept +=
+      4 * double(system.factor.size() + system.coupling.size() + system.green.size() + system.change.size());
   EXPECT_GT(cost.bytes, kept);
   EXPECT_LT(cost.bytes, 4 * kept);
 }

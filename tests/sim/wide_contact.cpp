@@ -1,5 +1,5 @@
-// A wide tool pressed deep: more points touch than a tick solves for one by one. What clusters of points make of
-// the force is compared with what all points make of it, on the same patch.
+// A wide tool pressed deep: more points touch than a tick solves for one by one. What clusters of points make
+// of the force is compared with what all points make of it, on the same patch.
 #include <cmath>
 #include <cstdio>
 
@@ -15,7 +15,8 @@ namespace fs = std::filesystem;
 constexpr int kAllPoints = 500;
 
 const std::string kBlock =
-    "block = { size = [0.05, 0.05, 0.025], count = [12, 12, 6] }\nfixed = \"bottom\"\nyoung = 5e3\npoisson = 0.45\n";
+    "block = { size = [0.05, 0.05, 0.025], count = [12, 12, 6] }\nfixed = \"bottom\"\nyoung = 5e3\npoisson = "
+    "0.45\n";
 /// Soft above stiff.
 const std::string kLayers =
     kBlock + "inclusion = { deep = { centre = [0.025, 0.025, -0.08], radius = 0.095, young = 2e4 } }\n";
@@ -37,8 +38,8 @@ World pressed_world(const std::string& body, int refinement, double depth, int c
 
 double force_of(const World& world) { return norm(world.organs[0].forces[0].force); }
 
-/// The default and all points, at every refinement: forces within 3 % of each other. From one refinement to the
-/// next a coarse body softens by some percent, while smaller facets touch more: half is lost by neither.
+/// The default and all points, at every refinement: forces within 3 % of each other. From one refinement to
+/// the next a coarse body softens by some percent, while smaller facets touch more: half is lost by neither.
 void expect_no_force_lost(const std::string& body, double depth, int finest) {
   double before = 0;
   for (int r = 1; r <= finest; r++) {
@@ -46,11 +47,12 @@ void expect_no_force_lost(const std::string& body, double depth, int finest) {
     const contact::ToolForce &a = all.organs[0].forces[0], &f = few.organs[0].forces[0];
     std::vector<double> ticks;
     for (const ForceSample& s : few.tools[0].samples) ticks.push_back(s.tick_seconds);
-    std::printf("%.0f mm, r = %d: %zu points, all %.5f N (%d contacts), clusters %.5f N (%d contacts, level %d), "
-                "error %.2f %%, tick p50 %.3f p90 %.3f ms\n",
-                depth * 1e3, r, few.organs[0].patch.points.size(), force_of(all), a.contacts, force_of(few), f.contacts,
-                f.level, 100 * (force_of(few) / force_of(all) - 1), percentile(ticks, 0.5) * 1e3,
-                percentile(ticks, 0.9) * 1e3);
+    std::printf(
+        "%.0f mm, r = %d: %zu points, all %.5f N (%d contacts), clusters %.5f N (%d contacts, level %d), "
+        "error %.2f %%, tick p50 %.3f p90 %.3f ms\n",
+        depth * 1e3, r, few.organs[0].patch.points.size(), force_of(all), a.contacts, force_of(few),
+        f.contacts, f.level, 100 * (force_of(few) / force_of(all) - 1), percentile(ticks, 0.5) * 1e3,
+        percentile(ticks, 0.9) * 1e3);
     std::fflush(stdout);
     EXPECT_EQ(a.dropped, 0);
     EXPECT_EQ(a.level, 0) << "all points have room";
@@ -74,8 +76,10 @@ TEST(WideContact, NoForceIsLostOnLayers) {
 
 TEST(WideContact, NoForceIsLostOnALiver) {
   const fs::path liver = fs::path(TURGOR_SOURCE_DIR) / "../shared/data/mesh/liver.msh";
-  if (!fs::exists(liver)) GTEST_SKIP() << liver.string() << " is absent: real data is not part of the project";
-  const std::string body = "mesh = \"" + fs::absolute(liver).string() + "\"\nscale = 0.005\nfixed = \"back\"\n";
+  if (!fs::exists(liver))
+    GTEST_SKIP() << liver.string() << " is absent: real data is not part of the project";
+  const std::string body =
+      "mesh = \"" + fs::absolute(liver).string() + "\"\nscale = 0.005\nfixed = \"back\"\n";
   expect_no_force_lost(body, 0.003, 4);
 }
 

@@ -88,7 +88,8 @@ void move_to_nearest(const sfem::Patch& from, const sfem::Patch& to, const Mat3d
   site.level = std::min(site.level, int(to.levels.size()));
   const int nearest = nearest_point(to, rest);
   const bool alone = site.level == 0;
-  site.point = {alone ? nearest : to.levels[std::size_t(site.level - 1)].cluster[std::size_t(nearest)], -1, -1};
+  site.point = {alone ? nearest : to.levels[std::size_t(site.level - 1)].cluster[std::size_t(nearest)], -1,
+                -1};
   site.weight = {1, 0, 0};
   site.anchor += transposed(tool_axes) * (rest_place(to, site) - rest);
 }

@@ -27,8 +27,8 @@ void hold_sites(Tick& tick) {
     if (site.state == SiteState::kHeld || !tick.poses[tool].hold || !bears_force(site)) continue;
     const bool holds_already = std::any_of(held.begin(), held.begin() + std::ptrdiff_t(before),
                                            [&](const Site& other) { return other.tool == site.tool; });
-    const bool taken =
-        std::any_of(held.begin(), held.end(), [&](const Site& other) { return share_a_point(tick.patch, other, site); });
+    const bool taken = std::any_of(held.begin(), held.end(),
+                                   [&](const Site& other) { return share_a_point(tick.patch, other, site); });
     if (holds_already || taken) continue;
     held.push_back(site);
     held.back().state = SiteState::kHeld;
@@ -48,7 +48,8 @@ void continue_site(const Tick& tick, const Pose& pose, Site& site) {
   if (last == state.sites.end() || !bears_force(*last)) return;
   site.force = last->force;
   // In a triangle the place may be another one now; what it was off its anchor stays.
-  site.anchor = last->anchor + to_tool(memory.pose, x) - to_tool(memory.pose, weighted(tick.patch, *last, state.x));
+  site.anchor =
+      last->anchor + to_tool(memory.pose, x) - to_tool(memory.pose, weighted(tick.patch, *last, state.x));
 }
 
 /// As finely as there is room. Coarser at once when touched sites found none, finer again only when there is
@@ -64,7 +65,8 @@ void find_at_level(Tick& tick, SiteSearch search) {
     if (dropped == 0 || search.level == coarsest) break;
     sites.resize(before);
   }
-  const bool finer = search.level > 0 && kPlenty * double(sites.size() - before) < double(search.capacity - before);
+  const bool finer =
+      search.level > 0 && kPlenty * double(sites.size() - before) < double(search.capacity - before);
   const auto tool = std::size_t(search.tool);
   tick.state.tools[tool].level = search.level - (finer ? 1 : 0);
   tick.forces[tool].dropped = dropped;
@@ -87,7 +89,8 @@ void find_all_sites(Tick& tick) {
       continue;
     }
     const double moved = memory.seen ? motion(shape, memory.pose, pose) : 0;
-    const std::size_t room = (std::size_t(state.params.capacity) - state.new_sites.size()) / (tick.tools.size() - i);
+    const std::size_t room =
+        (std::size_t(state.params.capacity) - state.new_sites.size()) / (tick.tools.size() - i);
     find_at_level(tick, {.tool = int(i),
                          .shape = &shape,
                          .pose = pose,

@@ -17,7 +17,8 @@ void move_anchors(Tick& tick) {
   for (Site& site : state.sites) {
     const auto tool = std::size_t(site.tool);
     if (bears_force(site)) state.tools[tool].touching = true;
-    if (site.state == SiteState::kSlip) site.anchor = to_tool(tick.pose(tool), weighted(tick.patch, site, state.x));
+    if (site.state == SiteState::kSlip)
+      site.anchor = to_tool(tick.pose(tool), weighted(tick.patch, site, state.x));
   }
 }
 

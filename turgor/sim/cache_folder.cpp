@@ -1,4 +1,5 @@
-// A folder of Green's functions as a whole: what is in it, and how it stays within its limit (green_cache.hpp).
+// A folder of Green's functions as a whole: what is in it, and how it stays within its limit
+// (green_cache.hpp).
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -73,7 +74,8 @@ Result<std::uintmax_t> cache_limit() {
   char* end = nullptr;
   const double limit = std::strtod(text, &end);
   if (end == text || *end != 0 || !(limit >= 0 && limit <= kMostLimit))
-    return Error{fmt::format("TURGOR_CACHE_LIMIT: expected GB from 0 to {:g}, found \"{}\"", kMostLimit, text)};
+    return Error{
+        fmt::format("TURGOR_CACHE_LIMIT: expected GB from 0 to {:g}, found \"{}\"", kMostLimit, text)};
   return std::uintmax_t(limit * 1e9);
 }
 

@@ -40,8 +40,9 @@ struct CacheFile {
   std::string what_for;                  // empty = not said
 };
 struct CacheFolder {
-  std::vector<CacheFile> files;                // longest unused first
-  std::vector<std::filesystem::path> foreign;  // all else: damaged, links, folders, of other programs; left alone
+  std::vector<CacheFile> files;  // longest unused first
+  std::vector<std::filesystem::path>
+      foreign;  // all else: damaged, links, folders, of other programs; left alone
 };
 /// A folder that is not there is empty. Error: it cannot be read.
 Result<CacheFolder> list_cache(const std::filesystem::path& folder);

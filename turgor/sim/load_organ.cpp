@@ -134,10 +134,10 @@ void keep_within_limit(const std::filesystem::path& cache, std::vector<std::stri
   if (removed.empty()) return;
   double bytes = 0;
   for (const CacheFile& file : removed) bytes += double(file.bytes);
-  notes.push_back(fmt::format("{}: {} files of {} that were not used for longest were removed: the limit is {} "
-                              "(TURGOR_CACHE_LIMIT, in GB)",
-                              cache.parent_path().string(), removed.size(), memory_text(bytes),
-                              memory_text(double(*limit))));
+  notes.push_back(fmt::format(
+      "{}: {} files of {} that were not used for longest were removed: the limit is {} "
+      "(TURGOR_CACHE_LIMIT, in GB)",
+      cache.parent_path().string(), removed.size(), memory_text(bytes), memory_text(double(*limit))));
 }
 
 Status prepare_green(const Exec& exec, const SfemScene& scene, Organ& organ, const BeginWork& begin) {

@@ -163,10 +163,10 @@ struct Organ : TouchedOrgan {
 /// The surface as it lies now.
 OrganSurface shown_surface(const Exec& exec, const Organ& organ, double time);
 
-/// Builds the patch where the tools are at the start, and everything a tick needs. Error: the patch takes more
-/// than Organ::patch_memory, or its numbers do not hold.
+/// Builds the patch where the tools are at the start, and everything a tick needs. Error: the patch takes
+/// more than Organ::patch_memory, or its numbers do not hold.
 Status begin_touch(const Exec& exec, Organ& organ, const std::vector<TouchingTool>& tools,
-                 const contact::Viscosity& viscosity);
+                   const contact::Viscosity& viscosity);
 /// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick.
 void touch_organ(const Exec& exec, Organ& organ, std::vector<TouchingTool>& tools, double from, double to);
 

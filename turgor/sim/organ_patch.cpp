@@ -10,7 +10,8 @@ namespace turgor {
 
 namespace {
 
-/// Columns that the next patches need, for a store on demand. Error: with the patch they take more than it may.
+/// Columns that the next patches need, for a store on demand. Error: with the patch they take more than it
+/// may.
 Status fetch_near(const Exec& exec, Organ& organ, std::span<const Vec3d> places) {
   if (!organ.facts.on_demand) return Done{};
   const sfem::Model& model = organ.model;
@@ -24,10 +25,11 @@ Status fetch_near(const Exec& exec, Organ& organ, std::span<const Vec3d> places)
   const double patch =
       sfem::patch_cost(model, elements_within(organ.follow.radius), organ.refinement, places).bytes;
   if (columns + patch > double(organ.patch_memory))
-    return Error{fmt::format("a patch with the columns of Green's functions that it needs would take {:.3g} GB, "
-                             "allowed are {:.3g} GB: a smaller patch.radius, a lower patch.refinement or more "
-                             "memory",
-                             (columns + patch) * 1e-9, double(organ.patch_memory) * 1e-9)};
+    return Error{
+        fmt::format("a patch with the columns of Green's functions that it needs would take {:.3g} GB, "
+                    "allowed are {:.3g} GB: a smaller patch.radius, a lower patch.refinement or more "
+                    "memory",
+                    (columns + patch) * 1e-9, double(organ.patch_memory) * 1e-9)};
   sfem::fetch_columns(exec, organ.model, vertices);
   return Done{};
 }
@@ -40,8 +42,8 @@ void keep_patch(Organ& organ, const Error& why) {
 BuiltPatch build_for(const Organ& organ, const std::vector<Vec3d>& places) {
   const Timer timer;
   const std::vector<int> elements = sfem::patch_elements(organ.model, places, organ.follow.radius);
-  BuiltPatch built{.patch = sfem::build_patch(organ.model, elements, organ.refinement, places,
-                                                       organ.patch_memory)};
+  BuiltPatch built{
+      .patch = sfem::build_patch(organ.model, elements, organ.refinement, places, organ.patch_memory)};
   built.seconds = timer.seconds();
   return built;
 }
@@ -85,8 +87,8 @@ bool take_next_patch(Organ& organ, NextPatch& next, double time) {
   const Timer taking;
   std::vector<Vec3d> history;
   if (organ.touch.params.viscosity.stiffening > 0)
-    history = contact::displacements(organ.model, contact::coarse_history(organ.touch.history, organ.patch),
-                                     patch);
+    history =
+        contact::displacements(organ.model, contact::coarse_history(organ.touch.history, organ.patch), patch);
   const contact::Handover handover =
       contact::take_patch(organ.touch, organ.patch, patch, organ.tools, history);
   rebuild.handover_seconds = taking.seconds();

@@ -88,7 +88,7 @@ double depth_at_rest(const Organ& organ, const contact::Tool& tool, const contac
 }
 
 Status begin_touch(const Exec& exec, Organ& organ, const std::vector<TouchingTool>& tools,
-                 const contact::Viscosity& viscosity) {
+                   const contact::Viscosity& viscosity) {
   for (const int t : organ.tool_indices) organ.tools.push_back(tools[std::size_t(t)].tool);
   if (organ.tools.empty()) return Done{};
   organ.poses.resize(organ.tools.size());

@@ -76,8 +76,8 @@ struct TouchForce {
   int units = 0;       // of the chain that move
   bool touching = false;
   bool holding = false;
-  bool slipped = false;        // out of what it held, in this tick: that would have borne more than Params::tear
-  bool yielding = false;       // it presses harder than the tissue bears: the force stays at Params::tear
+  bool slipped = false;   // out of what it held, in this tick: that would have borne more than Params::tear
+  bool yielding = false;  // it presses harder than the tissue bears: the force stays at Params::tear
   bool invalid_input = false;  // a number that is none: no force in this tick
 };
 

@@ -198,9 +198,9 @@ TouchForce answer(const Model& model, Touching& t, const TouchInput& in, double 
   out.yielding = t.touching && !bears;
   out.units = depth_of_force(model.chain, t.depth_force).units;
   if (t.holding)
-    out.squeeze = std::min(model.params.tear,
-                           stiffness_at(model, t.foot.at) *
-                               force_of_depth(model.chain, 0.5 * t.held_opening * t.closing));
+    out.squeeze =
+        std::min(model.params.tear, stiffness_at(model, t.foot.at) *
+                                        force_of_depth(model.chain, 0.5 * t.held_opening * t.closing));
   return out;
 }
 

@@ -238,7 +238,8 @@ bool condense(const Model& model, std::span<const int> elements, const FineMesh&
                                     std::move(matrices.coupling),
                                     {e.green.data(), e.green.data() + e.green.size()},
                                     std::move(matrices.change)};
-  return std::all_of(patch.compliance.begin(), patch.compliance.end(), [](double c) { return std::isfinite(c); });
+  return std::all_of(patch.compliance.begin(), patch.compliance.end(),
+                     [](double c) { return std::isfinite(c); });
 }
 
 template <class T>
@@ -323,7 +324,8 @@ Error too_large(const PatchCost& cost, std::size_t elements, int refinement, std
                std::to_string(refinement) + " parts, has " + std::to_string(cost.local_nodes) +
                " nodes of its own and would take " + text(cost.bytes * 1e-9) + " GB and " +
                text(cost.flops * 1e-9) + " thousand million operations, allowed are " +
-               text(double(most_bytes) * 1e-9) + " GB: a smaller patch.radius, a lower patch.refinement or more memory"};
+               text(double(most_bytes) * 1e-9) +
+               " GB: a smaller patch.radius, a lower patch.refinement or more memory"};
 }
 
 }  // namespace
@@ -384,8 +386,9 @@ Result<Patch> build_patch(const Model& model, std::span<const int> elements, int
                : condense<double>(model, elements, fine, unknowns, with_change, patch);
   }
   if (!done)
-    return Error{"the patch's stiffness is lost to rounding: expected Poisson's ratios farther below 0.5, or "
-                 "elements that are less flat"};
+    return Error{
+        "the patch's stiffness is lost to rounding: expected Poisson's ratios farther below 0.5, or "
+        "elements that are less flat"};
   add_levels(patch);
   return patch;
 }

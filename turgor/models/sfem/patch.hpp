@@ -67,13 +67,12 @@ PatchCost patch_cost(const Model& model, std::span<const int> elements, int refi
                      std::span<const Vec3d> touches = {});
 
 /// Builds the patch over these elements; its points are the parts of its outer surface that the touches are
-/// nearest to, or all of it without touches. Calculates in the precision of Model::green, or in double numbers
-/// where those are too few, and needs there the columns of all vertices of the elements. Error: it would take
-/// more than `most_bytes`, with advice; or the body is so nearly incompressible that double numbers do not
-/// hold it. [Theory: S, Ξ_L, Ξ_LG, Ξ_GG of docs/models/sfem.md]
+/// nearest to, or all of it without touches. Calculates in the precision of Model::green, or in double
+/// numbers where those are too few, and needs there the columns of all vertices of the elements. Error: it
+/// would take more than `most_bytes`, with advice; or the body is so nearly incompressible that double
+/// numbers do not hold it. [Theory: S, Ξ_L, Ξ_LG, Ξ_GG of docs/models/sfem.md]
 Result<Patch> build_patch(const Model& model, std::span<const int> elements, int refinement,
-                          std::span<const Vec3d> touches = {},
-                          std::size_t most_bytes = std::size_t(-1));
+                          std::span<const Vec3d> touches = {}, std::size_t most_bytes = std::size_t(-1));
 
 /// Forces on the vertices Patch::coarse that move the coarse body as `forces` on the points do (three a
 /// point): what the rest of the body feels [N].

@@ -33,7 +33,8 @@ Places places_of_points(const Patch& patch) {
       const auto p = std::size_t(t[corner]);
       places.normal[p] += product;
       places.area[p] += norm(product) / 6;
-      for (const int other : {t[(corner + 1) % 3], t[(corner + 2) % 3]}) places.neighbours[p].push_back(other);
+      for (const int other : {t[(corner + 1) % 3], t[(corner + 2) % 3]})
+        places.neighbours[p].push_back(other);
     }
   }
   double softest = 0;

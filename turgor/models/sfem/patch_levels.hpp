@@ -1,6 +1,6 @@
-// Coarser pressures on a patch's surface: its points in clusters of two, four, eight … that lie together, each
-// pressed on evenly. What a wide tool presses is a few such clusters instead of hundreds of points; how they
-// move all points, and each other, is summed once, when the patch is built.
+// Coarser pressures on a patch's surface: its points in clusters of two, four, eight … that lie together,
+// each pressed on evenly. What a wide tool presses is a few such clusters instead of hundreds of points; how
+// they move all points, and each other, is summed once, when the patch is built.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ struct PatchLevel {
 };
 inline std::size_t cluster_count(const PatchLevel& level) { return level.first.size() - 1; }
 
-/// Makes Patch::levels, each with about half of the clusters of the one before, as long as there are more than
-/// `fewest`. Points of unlike normals, and points that cannot move, stay apart.
+/// Makes Patch::levels, each with about half of the clusters of the one before, as long as there are more
+/// than `fewest`. Points of unlike normals, and points that cannot move, stay apart.
 void add_levels(Patch& patch, std::size_t fewest = 12);
 
 }  // namespace turgor::sfem

@@ -115,19 +115,21 @@ Json series_report(const TouchingTool& tool) {
 void add_limits(const TouchingTool& tool, std::vector<std::string>& warnings) {
   const ForceLimits& limits = tool.limits;
   if (limits.dropped_ticks > 0)
-    warnings.push_back(
-        fmt::format("{}: in {} ms it touched more places than are solved for, in the worst by {}: its force is too "
-                    "small there; raise contacts of the body",
-                    tool.name, limits.dropped_ticks, limits.dropped_most));
+    warnings.push_back(fmt::format(
+        "{}: in {} ms it touched more places than are solved for, in the worst by {}: its force is too "
+        "small there; raise contacts of the body",
+        tool.name, limits.dropped_ticks, limits.dropped_most));
   if (limits.slips > 0)
-    warnings.push_back(fmt::format("{}: what it held slipped out of it at {:.3f} s{}: it would have borne more than "
-                                   "the body's tear; pull less far, or raise tear",
-                                   tool.name, limits.slipped_at,
-                                   limits.slips > 1 ? fmt::format(", {} times in all", limits.slips) : ""));
+    warnings.push_back(
+        fmt::format("{}: what it held slipped out of it at {:.3f} s{}: it would have borne more than "
+                    "the body's tear; pull less far, or raise tear",
+                    tool.name, limits.slipped_at,
+                    limits.slips > 1 ? fmt::format(", {} times in all", limits.slips) : ""));
   if (limits.yielding_ticks > 0)
-    warnings.push_back(fmt::format("{}: for {} ms it pressed harder than the body's tear: the force stays there, "
-                                   "what is behind it is not known",
-                                   tool.name, limits.yielding_ticks));
+    warnings.push_back(
+        fmt::format("{}: for {} ms it pressed harder than the body's tear: the force stays there, "
+                    "what is behind it is not known",
+                    tool.name, limits.yielding_ticks));
 }
 
 }  // namespace
@@ -210,8 +212,9 @@ std::vector<std::string> touch_warnings(const World& world) {
                       organ.name, organ.turning->unconverged, organ.turning->frames));
   for (const Organ& organ : world.organs)
     if (organ.kept_patches > 0)
-      warnings.push_back(fmt::format("{}: the patch did not follow the tools {} times, the one before stayed: {}",
-                                     organ.name, organ.kept_patches, organ.kept_because));
+      warnings.push_back(
+          fmt::format("{}: the patch did not follow the tools {} times, the one before stayed: {}",
+                      organ.name, organ.kept_patches, organ.kept_because));
   for (const TouchingTool& tool : world.tools) add_limits(tool, warnings);
   for (const TouchingTool& tool : world.tools)
     if (std::any_of(tool.samples.begin(), tool.samples.end(), [](const auto& s) { return s.beyond_patch; }))
