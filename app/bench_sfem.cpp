@@ -110,7 +110,7 @@ std::vector<TickRow> measure_ticks(const Exec& exec) {
   compute(exec, model);
   const std::vector<Vec3d> touches{centre};
   const std::vector<int> elements = sfem::patch_elements(model, touches, 0.02);
-  const sfem::Patch patch = sfem::build_patch(model, elements, 3, touches);
+  const sfem::Patch patch = sfem::build_patch(model, elements, 3, touches).value();
   std::vector<TickRow> rows;
   for (const double depth : {0.0003, 0.001, 0.002, 0.004, 0.006, 0.008})
     rows.push_back(measure_tick(patch, centre, depth));
@@ -127,7 +127,7 @@ std::vector<PatchRow> measure_patches(const Exec& exec) {
   for (const int refinement : {2, 3, 4}) {
     sfem::Patch patch;
     const double seconds =
-        median_seconds(41, [&] { patch = sfem::build_patch(model, elements, refinement, touches); });
+        median_seconds(41, [&] { patch = sfem::build_patch(model, elements, refinement, touches).value(); });
     rows.push_back({refinement, patch.local_nodes, int(patch.points.size()), seconds});
   }
   return rows;

@@ -150,7 +150,7 @@ void add_calibrate_command(CLI::App& program, Global& global) {
                    "A .csv of depth [m] and force [N], or a scene whose tool presses an sfem body")
       ->required();
   command->add_option("--side", options->side, "Side of the rhombi [mm]; the dent is some of them wide")
-      ->check(CLI::Range(0.01, 1000.0));
+      ->check(number_within(0.01, 1000, "mm"));
   command->add_option("-o,--out", options->out, "Folder for the curves (default: out/INPUT)");
   add_force_option(*command, options->force);
   command->add_option("--set", options->overrides, "key=value: overrides a key of the scene; may be repeated")

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdio>
+#include <sstream>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -27,6 +28,19 @@ struct Failure {
   std::string message;
 };
 
+/// Of an option: a finite number from `low` to `high`.
+inline CLI::Validator number_within(double low, double high, const std::string& unit) {
+  return CLI::Validator(
+      [low, high, unit](const std::string& text) {
+        double value = 0;
+        if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return std::string();
+        std::ostringstream expected;
+        expected << "expected a number from " << low << " to " << high << " [" << unit << "], found " << text;
+        return expected.str();
+      },
+      unit);
+}
+
 // `global` outlives the program's parsing; callbacks read it.
 void add_info_command(CLI::App& program, Global& global);
 void add_import_command(CLI::App& program, Global& global);
@@ -36,5 +50,6 @@ void add_run_command(CLI::App& program, Global& global);
 void add_bench_command(CLI::App& program, Global& global);
 void add_validate_command(CLI::App& program, Global& global);
 void add_calibrate_command(CLI::App& program, Global& global);
+void add_cache_command(CLI::App& program);
 
 }  // namespace turgor

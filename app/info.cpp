@@ -196,7 +196,7 @@ void add_info_command(CLI::App& program, Global& global) {
                       "A segmentation of the CT: sizes and places of its labels");
   command->add_option("--series", options->series, "DICOM: which series, by number or SeriesInstanceUID");
   command->add_option("--scale", options->scale, "A mesh: metres of one unit of its file, 0.001 for mm")
-      ->check(CLI::PositiveNumber);
+      ->check(number_within(1e-12, 1e6, "m"));
   command->add_option("--json", options->json, "Also write what is said to this file");
   command->footer(
       "Example:\n  turgor info ct/ --labels segmentation.nii.gz --json ct.json\n  turgor info liver.msh "

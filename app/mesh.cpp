@@ -103,10 +103,10 @@ void add_mesh_command(CLI::App& program, Global& global) {
                    "Labels of the body, such as an organ and the nodules in it: each becomes a region")
       ->check(CLI::Range(1, 65535));
   command->add_option("--size", options->size, "Length of the edges, about [m] (default 0.008)")
-      ->check(CLI::PositiveNumber);
+      ->check(number_within(1e-6, 100, "m"));
   command
       ->add_option("--scale", options->scale, "Of a surface's coordinates to metres: 0.001 for millimetres")
-      ->check(CLI::PositiveNumber);
+      ->check(number_within(1e-12, 1e6, "m"));
   command->footer(
       "Examples:\n"
       "  turgor mesh segmentation.nii.gz --label 5 --size 0.008 -o liver.vtu\n"

@@ -122,7 +122,7 @@ void add_phantom_command(CLI::App& program, Global& global) {
       ->add_option("--spacing", options->spacing_mm,
                    "Distance of samples [mm] (default: what shows the whole phantom)")
       ->expected(3)
-      ->check(CLI::Range(0.01, 100.0));
+      ->check(number_within(0.01, 100, "mm"));
   command->add_option("--seed", options->seed, "Another seed: other noise, slightly other anatomy");
   command->add_option("--labels", options->labels,
                       "Also write the anatomy as labels (numbers of TotalSegmentator; 200 = nodule)");
@@ -131,7 +131,7 @@ void add_phantom_command(CLI::App& program, Global& global) {
                    "A new DICOM folder, or a file: .nii, .nii.gz, .nrrd, .mha; of a surface: .obj")
       ->required();
   command->add_option("--detail", options->detail, "liver: edges shorter by this; 1 = 3116 vertices")
-      ->check(CLI::Range(0.2, 20.0));
+      ->check(number_within(0.2, 20, "1"));
   command->footer(
       "Examples:\n  turgor phantom torso --size 512 512 300 -o ct/\n  turgor phantom liver -o liver.obj");
   command->callback([options, &global] { run_phantom(*options, global); });

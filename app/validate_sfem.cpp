@@ -46,7 +46,7 @@ sfem::Patch patch_at(const Exec& exec, Model& model, Vec3d place, sfem::PatchPar
   for (const int e : elements)
     for (const int v : element(model.body.mesh, std::size_t(e))) vertices.push_back(v);
   if (!model.green.columns.empty()) sfem::fetch_columns(exec, model, vertices);
-  return sfem::build_patch(model, elements, params.refinement, touches);
+  return sfem::build_patch(model, elements, params.refinement, touches).value();
 }
 
 /// Presses a sphere straight down into the upper surface; upward forces on it at equal steps of depth.

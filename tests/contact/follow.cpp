@@ -161,7 +161,7 @@ struct Block {
     EXPECT_TRUE(sfem::compute_green(Exec(2), model, std::size_t(1) << 30));
   }
   sfem::Patch patch_at(std::span<const Vec3d> places) const {
-    return sfem::build_patch(model, sfem::patch_elements(model, places, params.radius), 2, places);
+    return sfem::build_patch(model, sfem::patch_elements(model, places, params.radius), 2, places).value();
   }
 };
 

@@ -50,7 +50,7 @@ sfem::Patch patch_in(sfem::Model& model, int refinement) {
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   sfem::fetch_columns(Exec(2), model, vertices);
-  return sfem::build_patch(model, elements, refinement, touch);
+  return sfem::build_patch(model, elements, refinement, touch).value();
 }
 
 double press(const sfem::Patch& patch, double depth) {

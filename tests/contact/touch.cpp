@@ -318,6 +318,36 @@ TEST(Touch, a_tick_allocates_nothing) {
   EXPECT_GT(allocations, 0u);
 }
 
+TEST(Touch, clusters_bear_what_all_points_would_and_allocate_nothing) {
+  const auto pressed = [](int capacity) {
+    Touched scene({.side = 21}, {{Sphere{20e-3}, 0.3}}, {.capacity = capacity});
+    sfem::add_levels(scene.patch);
+    return scene;
+  };
+  Touched all = pressed(300), few = pressed(32);
+  std::size_t counted = 0;
+  int coarsest = 0;
+  for (int i = 1; i <= 200; i++) {
+    const Vec3d at{0, 0, 20e-3 - 1.5e-5 * (i <= 100 ? i : 200 - i)};
+    const std::vector<ToolPose> poses{{{at, {}}, false}};
+    const std::size_t before = allocations;
+    touch(few.patch, few.state, few.tools, poses, kTick, few.forces);
+    counted += allocations - before;
+    const ToolForce felt = few.forces[0];
+    const ToolForce exact = all.press(at);
+    coarsest = std::max(coarsest, felt.level);
+    EXPECT_EQ(felt.dropped, 0);
+    EXPECT_EQ(exact.level, 0);
+    EXPECT_LE(felt.contacts, 32);
+    // On the way back the clusters stay coarse a little longer, so that they do not change to and fro.
+    EXPECT_NEAR(felt.force.z, exact.force.z, (i <= 100 ? 0.03 : 0.05) * exact.force.z + 2e-4) << i;
+  }
+  EXPECT_EQ(counted, 0u);
+  EXPECT_GE(coarsest, 2);
+  few.settle(above(0, 0, -1e-3) + Vec3d{0, 0, 15e-3}, 6);
+  EXPECT_EQ(few.forces[0].level, 0) << "on the way back, points again";
+}
+
 TEST(Touch, equal_paths_give_equal_bits) {
   std::vector<Vec3d> forces[2];
   for (auto& list : forces) {

@@ -1,5 +1,8 @@
 #include "turgor/io/surface_files.hpp"
 
+#include <cmath>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "folders.hpp"
@@ -8,6 +11,7 @@
 #include "refused.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/io/mesh_files.hpp"
+#include "turgor/io/polygon.hpp"
 
 namespace turgor {
 namespace {
@@ -212,6 +216,18 @@ TEST(SurfaceFiles, a_polygon_of_too_many_corners_is_refused_before_it_takes_fore
   }
   EXPECT_REFUSED(read_text(text + face + "\n"),
                  "polygon 1: expected at most 500 corners where it is not convex");
+}
+
+TEST(SurfaceFiles, a_convex_polygon_of_a_million_corners_is_a_fan_at_once) {
+  std::vector<Vec3d> corners;
+  for (int i = 0; i < 1000000; i++) {
+    const double angle = i * 2e-6 * std::numbers::pi;
+    corners.push_back({std::cos(angle), std::sin(angle), 0});
+  }
+  const std::vector<Int3> fan = io::triangulate(corners);  // by cutting ears it would take minutes
+  ASSERT_EQ(fan.size(), corners.size() - 2);
+  EXPECT_EQ(fan.front(), (Int3{0, 1, 2}));
+  EXPECT_EQ(fan.back(), (Int3{0, 999998, 999999}));
 }
 
 TEST(SurfaceFiles, what_is_not_a_surface_is_named) {

@@ -1,5 +1,9 @@
 #include "turgor/sim/green_cache.hpp"
 
+#include <chrono>
+#include <cstdlib>
+#include <random>
+
 #include "sim/organ_scene.hpp"
 #include "small_disk.hpp"
 #include "turgor/core/hash.hpp"
@@ -114,6 +118,98 @@ TEST(GreenCache, DamagedAndCutOffFilesAreNeverUsed) {
   }
   EXPECT_EQ(used, 0);
   EXPECT_EQ(noted, 119);
+}
+
+TEST(GreenCache, HundredsOfMutationsAnywhereInTheFileNeverGiveWrongValuesNorEndTheProgram) {
+  const fs::path file = test::fresh_folder() / "green.h5";
+  const sfem::Model right = computed();
+  ASSERT_TRUE(write_green(file, right, "scene.toml: body.x"));
+  const std::string whole = read_file(file).value();
+  std::mt19937 random(11);
+  const auto up_to = [&](std::size_t n) { return std::size_t(random()) % n; };
+  for (int n = 0; n < 400; n++) {
+    std::string bytes = whole;
+    const std::size_t header =
+        std::min<std::size_t>(whole.size(), 4096);  // half of them where HDF5 keeps its books
+    for (std::size_t k = 0; k <= up_to(6); k++) bytes[up_to(n % 2 ? header : bytes.size())] = char(random());
+    if (n % 10 == 0) bytes.resize(up_to(bytes.size()));
+    ASSERT_TRUE(write_file(file, bytes));
+    sfem::Model model = built();
+    const CachedGreen cached = read_green(file, model);
+    if (cached.found) {
+      ASSERT_EQ(model.green.single_values, right.green.single_values) << n;
+    } else {
+      ASSERT_NE(cached.note, "") << n;
+    }
+    ASSERT_TRUE(list_cache(file.parent_path()));
+  }
+}
+
+TEST(GreenCache, FoldersLinksAndForeignFilesAreNamedAndLeftAlone) {
+  const fs::path folder = test::fresh_folder();
+  const sfem::Model model = computed();
+  const fs::path ours = folder / "green-0123456789abcdef.h5", other = folder / "green-0000000000000000.h5";
+  ASSERT_TRUE(write_green(ours, model, "scene.toml:3: body.x"));
+  fs::create_directory(other);  // a folder in place of the file
+  ASSERT_TRUE(write_file(folder / "green-1111111111111111.h5", "not at all"));  // damaged
+  ASSERT_TRUE(write_file(folder / "thesis.txt", "work"));                       // foreign
+  ASSERT_TRUE(write_file(folder / "elsewhere", "precious"));
+  fs::create_symlink(folder / "elsewhere", folder / "green-2222222222222222.h5");
+  sfem::Model again = built();
+  EXPECT_NE(read_green(other, again).note, "");
+  EXPECT_FALSE(write_green(other, model)) << "a folder is not replaced";
+  const Result<CacheFolder> found = list_cache(folder);
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->files.size(), 1u);
+  EXPECT_EQ(found->files[0].file, ours);
+  EXPECT_EQ(found->files[0].what_for, "scene.toml:3: body.x");
+  EXPECT_EQ(found->foreign.size(), 5u);
+  EXPECT_EQ(trim_cache(folder, 0).size(), 1u);
+  EXPECT_EQ(test::names_in(folder),
+            (std::set<std::string>{"green-0000000000000000.h5", "green-1111111111111111.h5",
+                                   "green-2222222222222222.h5", "thesis.txt", "elsewhere"}));
+  EXPECT_TRUE(list_cache(folder / "none")->files.empty());
+  EXPECT_FALSE(list_cache(folder / "thesis.txt"));
+}
+
+TEST(GreenCache, WhatWasNotUsedForLongestGoesAndNeverTheFileJustUsed) {
+  const fs::path folder = test::fresh_folder();
+  const sfem::Model model = computed();
+  std::vector<fs::path> files;
+  for (const char c : std::string("abcd")) {
+    files.push_back(folder / ("green-" + std::string(16, c) + ".h5"));
+    ASSERT_TRUE(write_green(files.back(), model));
+    fs::last_write_time(files.back(),
+                        fs::file_time_type::clock::now() - std::chrono::hours(10 - int(files.size())));
+  }
+  sfem::Model again = built();
+  ASSERT_TRUE(read_green(files[0], again).found);  // the oldest is used now
+  const std::uintmax_t one = fs::file_size(files[0]);
+  const std::vector<CacheFile> removed = trim_cache(folder, 2 * one, files[1]);
+  ASSERT_EQ(removed.size(), 2u);
+  EXPECT_EQ(removed[0].file, files[2]) << "the oldest but the one to be kept";
+  EXPECT_EQ(removed[1].file, files[3]);
+  EXPECT_TRUE(fs::exists(files[0]) && fs::exists(files[1]));
+  EXPECT_EQ(trim_cache(folder, 0, files[1]).size(), 1u);
+  EXPECT_TRUE(fs::exists(files[1])) << "alone above the limit, it stays";
+}
+
+TEST(GreenCache, ARunKeepsTheCacheWithinTheLimitAndALimitThatIsNoneIsNamed) {
+  const fs::path folder = test::fresh_folder();
+  const Exec exec(1);
+  setenv("TURGOR_CACHE_LIMIT", "0.000001", 1);
+  const World first = test::organ_world(exec, test::organ_scene(folder));
+  const World second = test::organ_world(exec, test::organ_scene(folder, "", {"body.pad.young=6e3"}));
+  EXPECT_EQ(test::names_in(folder / "cache").size(), 1u);
+  ASSERT_FALSE(second.organs[0].facts.notes.empty());
+  EXPECT_NE(second.organs[0].facts.notes[0].find("1 files of"), std::string::npos);
+  EXPECT_TRUE(fs::exists(second.organs[0].facts.cache_file));
+  for (const char* text : {"many", "-1", "nan", "1e300", "3 GB"}) {
+    setenv("TURGOR_CACHE_LIMIT", text, 1);
+    EXPECT_FALSE(cache_limit()) << text;
+  }
+  unsetenv("TURGOR_CACHE_LIMIT");
+  EXPECT_EQ(*cache_limit(), std::uintmax_t(10e9));
 }
 
 TEST(GreenCache, ValuesThatAreWholeButWrongAreFoundByTheBody) {

@@ -3,7 +3,9 @@
 
 #include "sim/organ_scene.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/geometry/hex_block.hpp"
 #include "turgor/io/file.hpp"
+#include "turgor/io/solid_files.hpp"
 #include "turgor/sim/organ_patch.hpp"
 #include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/recording/recording_organs.hpp"
@@ -257,6 +259,76 @@ TEST(TouchOrgan, AToolWiderThanTheOrganIsRefused) {
   EXPECT_NE(world.error().message.find("tool.finger: the tool is 0.1 m wide, the body pad 0.06 m"),
             std::string::npos)
       << world.error().message;
+}
+
+TEST(TouchOrgan, NearlyIncompressibleAveragedTetrahedraAreFeltOrRefusedNeverTheEndOfTheProgram) {
+  const auto folder = test::fresh_folder();
+  const SolidMesh tets = tetrahedralize(hex_block({0.06, 0.06, 0.03}, {8, 8, 4}));
+  ASSERT_TRUE(write_msh(folder / "pad.msh", tets));
+  for (const char* poisson : {"0.499", "0.49995", "0.4999999", "0.49999999999"}) {
+    std::string text = test::organ_scene_text("formulation = \"averaged\"\ncache = false\n");
+    const std::size_t block = text.find("block = {"), end = text.find('\n', block);
+    text.replace(block, end - block, "mesh = \"pad.msh\"");
+    text.replace(text.find("poisson = 0.4"), 13, std::string("poisson = ") + poisson);
+    const Result<Scene> scene = parse_scene(text, folder / "s.toml");
+    ASSERT_TRUE(scene) << scene.error().message;
+    Result<World> world = load_world(Exec(1), *scene);
+    if (!world) {
+      EXPECT_NE(world.error().message.find("lost to rounding"), std::string::npos) << world.error().message;
+      continue;
+    }
+    touch_organ(Exec(1), world->organs[0], world->tools, 0, 0.1);
+    const double force = norm(world->organs[0].forces[0].force);
+    EXPECT_TRUE(force > 0.05 && force < 1) << poisson << ": " << force;
+  }
+}
+
+TEST(TouchOrgan, APatchBeyondTheMemoryIsRefusedBeforeItIsBuiltWithAdvice) {
+  const auto folder = test::fresh_folder();
+  const Result<World> world =
+      load_world(Exec(1), organ_scene(folder, "patch = { radius = 0.06, refinement = 4 }\nmemory = 0.3\n",
+                                      {"body.pad.block.count=[12, 12, 6]"}));
+  ASSERT_FALSE(world);
+  for (const char* words :
+       {"body.pad.patch: a patch of ", "nodes of its own and would take ", "allowed are 0.3 GB",
+        "a smaller patch.radius, a lower patch.refinement or more memory"})
+    EXPECT_NE(world.error().message.find(words), std::string::npos) << world.error().message;
+}
+
+TEST(TouchOrgan, APatchThatCannotFollowLeavesTheOneBeforeAndIsWarnedOf) {
+  World world = organ_world(Exec(1), organ_scene(test::fresh_folder()));
+  Organ& organ = world.organs[0];
+  touch_organ(Exec(1), organ, world.tools, 0, 0.1);
+  const std::vector<int> elements = organ.patch.elements;
+  organ.patch_memory = 1000;
+  organ.centres[0].x += 0.02;  // far from where it touches
+  touch_organ(Exec(1), organ, world.tools, 0.1, 0.11);
+  EXPECT_EQ(organ.patch.elements, elements);
+  EXPECT_EQ(organ.kept_patches, 1) << "tried once, not in every tick";
+  EXPECT_GT(norm(world.tools[0].samples.back().force), 0.05) << "the force goes on";
+  const std::vector<std::string> warnings = touch_warnings(world);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(
+      warnings[0].find("pad: the patch did not follow the tools 1 times, the one before stayed: a patch of "),
+      std::string::npos)
+      << warnings[0];
+}
+
+TEST(TouchOrgan, TheCostOfAPatchIsKnownWithinAFactorOfThree) {
+  const World world = organ_world(Exec(1), organ_scene(test::fresh_folder()));
+  const Organ& organ = world.organs[0];
+  const sfem::PatchCost cost =
+      sfem::patch_cost(organ.model, organ.patch.elements, organ.refinement, organ.centres);
+  EXPECT_EQ(cost.local_nodes, std::size_t(organ.patch.local_nodes));
+  EXPECT_EQ(cost.points, organ.patch.points.size());
+  double kept = double(organ.patch.compliance.size()) * 8;
+  for (const sfem::PatchLevel& level : organ.patch.levels)
+    kept += double(level.motion.size() + level.compliance.size()) * 8;
+  const auto& system = std::get<0>(organ.patch.system);
+  kept +=
+      4 * double(system.factor.size() + system.coupling.size() + system.green.size() + system.change.size());
+  EXPECT_GT(cost.bytes, kept);
+  EXPECT_LT(cost.bytes, 4 * kept);
 }
 
 TEST(TouchOrgan, TheReportHoldsForcesInNewtonsAndTimes) {

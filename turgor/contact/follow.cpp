@@ -19,7 +19,7 @@ bool middle_of_contacts(const sfem::Patch& patch, const TouchState& state, int t
     if (site.tool != tool || !bears_force(site)) continue;
     const double force = norm(site.force);
     sum += force;
-    visit_points(site, [&](std::size_t p, double w) { middle += force * w * patch.points[p].x; });
+    visit_points(patch, site, [&](std::size_t p, double w) { middle += force * w * patch.points[p].x; });
   }
   if (sum > 0) place = middle / sum;
   return sum > 0;
@@ -76,24 +76,37 @@ int nearest_point(const sfem::Patch& patch, Vec3d x) {
   return nearest;
 }
 
+Vec3d rest_place(const sfem::Patch& patch, const Site& site) {
+  Vec3d rest;
+  visit_points(patch, site, [&](std::size_t p, double w) { rest += w * patch.points[p].x; });
+  return rest;
+}
+
+/// To the nearest point of the new patch, or to the cluster that it is in.
+void move_to_nearest(const sfem::Patch& from, const sfem::Patch& to, const Mat3d& tool_axes, Site& site) {
+  const Vec3d rest = rest_place(from, site);
+  site.level = std::min(site.level, int(to.levels.size()));
+  const int nearest = nearest_point(to, rest);
+  const bool alone = site.level == 0;
+  site.point = {alone ? nearest : to.levels[std::size_t(site.level - 1)].cluster[std::size_t(nearest)], -1,
+                -1};
+  site.weight = {1, 0, 0};
+  site.anchor += transposed(tool_axes) * (rest_place(to, site) - rest);
+}
+
 /// A site of the old patch on the new one: on the same points when they are all there, or on the nearest one.
 /// Two sites that end on the same point become one with the sum of their forces.
 void move_site(const sfem::Patch& from, const sfem::Patch& to, TouchState& state, Site site) {
   Int3 point = site.point;
-  bool kept = true;
-  for (int corner = 0; corner < 3 && site.point[corner] >= 0; corner++) {
+  bool kept = site.level == 0;
+  for (int corner = 0; kept && corner < 3 && site.point[corner] >= 0; corner++) {
     point[corner] = state.match.new_point[std::size_t(site.point[corner])];
-    kept &= point[corner] >= 0;
+    kept = point[corner] >= 0;
   }
-  if (!kept) {
-    Vec3d rest;
-    visit_points(site, [&](std::size_t p, double w) { rest += w * from.points[p].x; });
-    point = {nearest_point(to, rest), -1, -1};
-    site.weight = {1, 0, 0};
-    const Mat3d& axes = state.tools[std::size_t(site.tool)].pose.axes;
-    site.anchor += transposed(axes) * (to.points[std::size_t(point.x)].x - rest);
-  }
-  site.point = point;
+  if (kept)
+    site.point = point;
+  else
+    move_to_nearest(from, to, state.tools[std::size_t(site.tool)].pose.axes, site);
   for (Site& other : state.new_sites)
     if (is_same_place(other, site)) {
       other.force += site.force;
@@ -137,7 +150,7 @@ void move_sites(const sfem::Patch& from, const sfem::Patch& to, const ViscousTic
   for (Site& site : state.sites) {
     state.held += site.state == SiteState::kHeld;
     if (site.state == SiteState::kHeld) continue;
-    site.anchor = to_tool(state.tools[std::size_t(site.tool)].pose, weighted(site, state.x));
+    site.anchor = to_tool(state.tools[std::size_t(site.tool)].pose, weighted(to, site, state.x));
   }
 }
 

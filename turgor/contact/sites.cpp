@@ -13,6 +13,7 @@ struct Search {
   const Lie& lie;
   const SiteSearch& in;
   std::vector<Site>& sites;
+  std::size_t first = 0;  // of this tool's in `sites`
   int dropped = 0;
 };
 
@@ -24,7 +25,7 @@ bool touched_before(const Search& s, const Site& site) {
 bool is_held(const Search& s, const Site& site) {
   for (const Site& held : s.sites) {
     if (held.state != SiteState::kHeld) return false;
-    if (share_a_point(held, site)) return true;
+    if (share_a_point(s.lie.patch, held, site)) return true;
   }
   return false;
 }
@@ -33,12 +34,13 @@ bool is_held(const Search& s, const Site& site) {
 bool can_touch(const Search& s, const Site& site) {
   if (is_held(s, site)) return false;
   double softness = 0;
-  visit_points(site, [&](std::size_t p, double w) { softness += w * w * s.lie.surface.softness[p]; });
+  visit_points(s.lie.patch, site,
+               [&](std::size_t p, double w) { softness += w * w * s.lie.surface.softness[p]; });
   if (!(softness > kRigid * s.lie.surface.largest_softness)) return false;
-  return dot(site.normal, weighted(site, s.lie.outward)) < 0 || touched_before(s, site);
+  return dot(site.normal, weighted(s.lie.patch, site, s.lie.outward)) < 0 || touched_before(s, site);
 }
 
-/// Puts a site on the list; when that is full, in the place of the one farthest from its tool.
+/// Puts a site on the list; when that is full, in the place of this tool's farthest one.
 void offer(Search& s, const Site& site) {
   if (!can_touch(s, site)) return;
   if (s.sites.size() < s.in.capacity) {
@@ -46,9 +48,8 @@ void offer(Search& s, const Site& site) {
     return;
   }
   Site* farthest = nullptr;
-  for (Site& other : s.sites)
-    if (other.state != SiteState::kHeld && (farthest == nullptr || other.distance > farthest->distance))
-      farthest = &other;
+  for (std::size_t i = s.first; i < s.sites.size(); i++)
+    if (farthest == nullptr || s.sites[i].distance > farthest->distance) farthest = &s.sites[i];
   const double lost = farthest == nullptr ? site.distance : std::max(site.distance, farthest->distance);
   s.dropped += lost < 0;
   if (farthest != nullptr && site.distance < farthest->distance) *farthest = site;
@@ -76,7 +77,8 @@ ShapeDistance continue_outward(const Shape& shape, ShapeDistance found, Vec3d ou
 }
 
 void measure(const Search& s, Site& site) {
-  const Vec3d x = weighted(site, s.lie.x), outward = normalized(weighted(site, s.lie.surface.normal));
+  const Vec3d x = weighted(s.lie.patch, site, s.lie.x),
+              outward = normalized(weighted(s.lie.patch, site, s.lie.surface.normal));
   const ShapeDistance found = continue_outward(*s.in.shape, distance(*s.in.shape, s.in.pose, x), outward);
   site.distance = found.distance;
   site.normal = found.normal;
@@ -90,6 +92,32 @@ void find_points(Search& s) {
     Site site{.tool = s.in.tool, .point = {int(p), -1, -1}, .weight = {1, 0, 0}};
     measure(s, site);
     if (site.distance <= s.in.reach) offer(s, site);
+  }
+}
+
+/// The mean gap below a cluster: with an even pressure on it, what the tool must not make negative. False
+/// when the tool is nowhere near.
+bool measure_cluster(const Search& s, double near, Site& site) {
+  double distance_sum = 0;
+  Vec3d normal;
+  bool is_near = false;
+  visit_points(s.lie.patch, site, [&](std::size_t p, double w) {
+    const Vec3d x = s.lie.x[p], d = x - s.in.pose.position;
+    is_near |= dot(d, d) <= near * near;
+    const ShapeDistance found =
+        continue_outward(*s.in.shape, distance(*s.in.shape, s.in.pose, x), s.lie.surface.normal[p]);
+    distance_sum += w * found.distance, normal += w * found.normal;
+  });
+  site.distance = distance_sum, site.normal = normalized(normal);
+  return is_near;
+}
+
+void find_clusters(Search& s) {
+  const double near = bounding_radius(*s.in.shape) + s.in.reach;
+  const std::size_t count = sfem::cluster_count(s.lie.patch.levels[std::size_t(s.in.level - 1)]);
+  for (std::size_t c = 0; c < count; c++) {
+    Site site{.tool = s.in.tool, .level = s.in.level, .point = {int(c), -1, -1}, .weight = {1, 0, 0}};
+    if (measure_cluster(s, near, site) && site.distance <= s.in.reach) offer(s, site);
   }
 }
 
@@ -184,7 +212,11 @@ void find_outward(const sfem::Patch& patch, std::span<const Vec3d> x, std::vecto
 }
 
 int find_sites(const Lie& lie, const SiteSearch& search, std::vector<Site>& sites) {
-  Search s{lie, search, sites};
+  Search s{lie, search, sites, sites.size()};
+  if (search.level > 0) {
+    find_clusters(s);
+    return s.dropped;
+  }
   find_points(s);
   find_in_triangles(s);
   return s.dropped;

@@ -13,11 +13,12 @@
 
 namespace turgor::contact {
 
-/// A place on the surface that a tool touches or may touch: one point of the patch, or somewhere in a
-/// triangle.
+/// A place on the surface that a tool touches or may touch: one point of the patch, somewhere in a triangle,
+/// or, where there would be too many of those, a cluster of points that are pressed on evenly.
 struct Site {
   int tool = 0;
-  Int3 point{-1, -1, -1};  // of the patch; -1 = not used
+  int level = 0;           // 0 = points; else a cluster of Patch::levels[level − 1]
+  Int3 point{-1, -1, -1};  // of the patch; -1 = not used; x is the cluster's number
   Vec3d weight;            // of each, sum 1
   double distance = 0;     // from the tool before the tick [m]
   Vec3d normal;            // from the tool at the body, unit
@@ -26,22 +27,32 @@ struct Site {
   SiteState state = SiteState::kOpen;
 };
 
-/// Calls visit(point, weight) for the points that a site hangs on.
+/// Calls visit(point, weight) for the points that a site hangs on; the weights' sum is 1.
 template <class Visit>
-void visit_points(const Site& site, const Visit& visit) {
+void visit_points(const sfem::Patch& patch, const Site& site, const Visit& visit) {
+  if (site.level > 0) {
+    const sfem::PatchLevel& level = patch.levels[std::size_t(site.level - 1)];
+    const auto c = std::size_t(site.point.x);
+    for (auto m = std::size_t(level.first[c]); m < std::size_t(level.first[c + 1]); m++)
+      visit(std::size_t(level.points[m]), level.share[m]);
+    return;
+  }
   for (int corner = 0; corner < 3 && site.point[corner] >= 0; corner++)
     visit(std::size_t(site.point[corner]), site.weight[corner]);
 }
-inline Vec3d weighted(const Site& site, std::span<const Vec3d> of_points) {
+inline Vec3d weighted(const sfem::Patch& patch, const Site& site, std::span<const Vec3d> of_points) {
   Vec3d sum;
-  visit_points(site, [&](std::size_t p, double w) { sum += w * of_points[p]; });
+  visit_points(patch, site, [&](std::size_t p, double w) { sum += w * of_points[p]; });
   return sum;
 }
-inline bool is_same_place(const Site& a, const Site& b) { return a.tool == b.tool && a.point == b.point; }
-inline bool share_a_point(const Site& a, const Site& b) {
+inline bool is_same_place(const Site& a, const Site& b) {
+  return a.tool == b.tool && a.level == b.level && a.point == b.point;
+}
+inline bool share_a_point(const sfem::Patch& patch, const Site& a, const Site& b) {
   bool shared = false;
-  visit_points(
-      a, [&](std::size_t p, double) { visit_points(b, [&](std::size_t q, double) { shared |= p == q; }); });
+  visit_points(patch, a, [&](std::size_t p, double) {
+    visit_points(patch, b, [&](std::size_t q, double) { shared |= p == q; });
+  });
   return shared;
 }
 inline bool bears_force(const Site& site) { return site.force != Vec3d{}; }
@@ -75,10 +86,12 @@ struct SiteSearch {
   double reach = 0;            // sites farther from the tool are of no interest [m]
   std::span<const Site> last;  // of the last tick: what touched then may touch on the far side of the tool
   std::size_t capacity = 0;    // of the list; the nearest sites are kept
+  int level = 0;               // how coarse: see Site::level
 };
 
 /// Appends the sites of a tool to `sites`, which begins with those that are held: nothing else can press on
-/// their points. Returns how many touched ones found no room.
+/// their points. Returns how many touched ones found no room. Places within triangles are looked for at level
+/// 0 alone: where clusters are needed, corners are close enough to keep a tool out.
 int find_sites(const Lie& lie, const SiteSearch& search, std::vector<Site>& sites);
 
 /// Does a place lie within the body, as far as the nearest triangle of the patch tells, and nearer to it than

@@ -27,12 +27,12 @@ void hold_sites(Tick& tick) {
     if (site.state == SiteState::kHeld || !tick.poses[tool].hold || !bears_force(site)) continue;
     const bool holds_already = std::any_of(held.begin(), held.begin() + std::ptrdiff_t(before),
                                            [&](const Site& other) { return other.tool == site.tool; });
-    const bool taken =
-        std::any_of(held.begin(), held.end(), [&](const Site& other) { return share_a_point(other, site); });
+    const bool taken = std::any_of(held.begin(), held.end(),
+                                   [&](const Site& other) { return share_a_point(tick.patch, other, site); });
     if (holds_already || taken) continue;
     held.push_back(site);
     held.back().state = SiteState::kHeld;
-    held.back().anchor = to_tool(state.tools[tool].pose, weighted(site, state.x));
+    held.back().anchor = to_tool(state.tools[tool].pose, weighted(tick.patch, site, state.x));
   }
   state.held = int(held.size());
 }
@@ -41,14 +41,36 @@ void hold_sites(Tick& tick) {
 void continue_site(const Tick& tick, const Pose& pose, Site& site) {
   const TouchState& state = tick.state;
   const ToolMemory& memory = state.tools[std::size_t(site.tool)];
-  const Vec3d x = weighted(site, state.x);
+  const Vec3d x = weighted(tick.patch, site, state.x);
   const auto last = std::find_if(state.sites.begin(), state.sites.end(),
                                  [&](const Site& other) { return is_same_place(other, site); });
   site.anchor = memory.touching ? to_tool(memory.pose, x) : to_tool(pose, x);
   if (last == state.sites.end() || !bears_force(*last)) return;
   site.force = last->force;
   // In a triangle the place may be another one now; what it was off its anchor stays.
-  site.anchor = last->anchor + to_tool(memory.pose, x) - to_tool(memory.pose, weighted(*last, state.x));
+  site.anchor =
+      last->anchor + to_tool(memory.pose, x) - to_tool(memory.pose, weighted(tick.patch, *last, state.x));
+}
+
+/// As finely as there is room. Coarser at once when touched sites found none, finer again only when there is
+/// plenty, so that one more point does not make the tool change to and fro.
+void find_at_level(Tick& tick, SiteSearch search) {
+  constexpr double kPlenty = 2.5;  // times as many sites have room; the next finer level has about twice
+  const int coarsest = int(tick.patch.levels.size());
+  std::vector<Site>& sites = tick.state.new_sites;
+  const std::size_t before = sites.size();
+  int dropped = 0;
+  for (search.level = std::min(search.level, coarsest);; search.level++) {
+    dropped = find_sites(tick.lie(), search, sites);
+    if (dropped == 0 || search.level == coarsest) break;
+    sites.resize(before);
+  }
+  const bool finer =
+      search.level > 0 && kPlenty * double(sites.size() - before) < double(search.capacity - before);
+  const auto tool = std::size_t(search.tool);
+  tick.state.tools[tool].level = search.level - (finer ? 1 : 0);
+  tick.forces[tool].dropped = dropped;
+  tick.forces[tool].level = search.level;
 }
 
 }  // namespace
@@ -67,13 +89,15 @@ void find_all_sites(Tick& tick) {
       continue;
     }
     const double moved = memory.seen ? motion(shape, memory.pose, pose) : 0;
-    const SiteSearch search{.tool = int(i),
-                            .shape = &shape,
-                            .pose = pose,
-                            .reach = moved + kReach * tip_radius(shape),
-                            .last = state.sites,
-                            .capacity = std::size_t(state.params.capacity)};
-    tick.forces[i].dropped = find_sites(tick.lie(), search, state.new_sites);
+    const std::size_t room =
+        (std::size_t(state.params.capacity) - state.new_sites.size()) / (tick.tools.size() - i);
+    find_at_level(tick, {.tool = int(i),
+                         .shape = &shape,
+                         .pose = pose,
+                         .reach = moved + kReach * tip_radius(shape),
+                         .last = state.sites,
+                         .capacity = state.new_sites.size() + room,
+                         .level = memory.level});
   }
   for (std::size_t s = std::size_t(state.held); s < state.new_sites.size(); s++) {
     Site& site = state.new_sites[s];

@@ -17,7 +17,8 @@ void move_anchors(Tick& tick) {
   for (Site& site : state.sites) {
     const auto tool = std::size_t(site.tool);
     if (bears_force(site)) state.tools[tool].touching = true;
-    if (site.state == SiteState::kSlip) site.anchor = to_tool(tick.pose(tool), weighted(site, state.x));
+    if (site.state == SiteState::kSlip)
+      site.anchor = to_tool(tick.pose(tool), weighted(tick.patch, site, state.x));
   }
 }
 
@@ -48,11 +49,11 @@ void sum_forces(const Tick& tick) {
     const auto tool = std::size_t(site.tool);
     ToolForce& out = tick.forces[tool];
     out.force -= site.force;
-    out.torque -= cross(weighted(site, state.x) - tick.poses[tool].pose.position, site.force);
+    out.torque -= cross(weighted(tick.patch, site, state.x) - tick.poses[tool].pose.position, site.force);
     out.contacts++;
     out.sliding += site.state == SiteState::kSlip;
-    visit_points(site, [&](std::size_t p, double w) {
-      out.area += w * state.surface.area[p];
+    visit_points(tick.patch, site, [&](std::size_t p, double w) {
+      out.area += (site.level > 0 ? 1 : w) * state.surface.area[p];
       out.beyond_patch |= state.surface.border[p] != 0;
     });
   }
@@ -61,6 +62,15 @@ void sum_forces(const Tick& tick) {
     if (!tick.forces[i].invalid_pose && !state.tools[i].inside)
       tick.forces[i].largest_penetration = largest_penetration(tick, i, tick.poses[i].pose);
   }
+}
+
+/// u += A f, of three columns one behind the other.
+void add_columns(const double* a, Vec3d f, std::vector<Vec3d>& of_points) {
+  const std::size_t rows = 3 * of_points.size();
+  const double *b = a + rows, *c = b + rows;
+  double* u = &of_points.data()->x;
+  TURGOR_LANES
+  for (std::size_t i = 0; i < rows; i++) u[i] += a[i] * f.x + b[i] * f.y + c[i] * f.z;
 }
 
 }  // namespace
@@ -114,22 +124,26 @@ void touch(const sfem::Patch& patch, TouchState& state, std::span<const Tool> to
 // u = (Ξ f + p' v)/(1 + p')
 void move_points(const sfem::Patch& patch, const ViscousTick& viscous, TouchState& state) {
   const std::size_t n = patch.points.size();
-  state.force.assign(n, {});
-  for (const Site& site : state.sites)
-    visit_points(site, [&](std::size_t p, double w) { state.force[p] += w * site.force; });
   const double p = viscous.p, scale = 1 / (1 + p);
+  const auto add_forces = [&](bool clusters) {
+    for (const Site& site : state.sites)
+      if ((site.level > 0) == clusters)
+        visit_points(patch, site, [&](std::size_t i, double w) { state.force[i] += w * site.force; });
+  };
+  state.force.assign(n, {});
+  add_forces(false);
   state.u.assign(n, {});
   if (p > 0)
     for (std::size_t i = 0; i < n; i++) state.u[i] = p * scale * state.history.v[i];
-  double* u = &state.u.data()->x;
-  for (std::size_t point = 0; point < n; point++) {
-    if (state.force[point] == Vec3d{}) continue;
-    const Vec3d f = scale * state.force[point];
-    const double* a = &patch.compliance[9 * n * point];
-    const double *b = a + 3 * n, *c = b + 3 * n;
-    TURGOR_LANES
-    for (std::size_t i = 0; i < 3 * n; i++) u[i] += a[i] * f.x + b[i] * f.y + c[i] * f.z;
-  }
+  for (std::size_t point = 0; point < n; point++)
+    if (!(state.force[point] == Vec3d{}))
+      add_columns(&patch.compliance[9 * n * point], scale * state.force[point], state.u);
+  for (const Site& site : state.sites)
+    if (site.level > 0 && bears_force(site)) {
+      const sfem::PatchLevel& level = patch.levels[std::size_t(site.level - 1)];
+      add_columns(&level.motion[9 * n * std::size_t(site.point.x)], scale * site.force, state.u);
+    }
+  add_forces(true);
   state.x.resize(n);
   for (std::size_t i = 0; i < n; i++) state.x[i] = patch.points[i].x + state.offset[i] + state.u[i];
   find_outward(patch, state.x, state.outward);

@@ -39,14 +39,15 @@ struct ToolForce {
   int sliding = 0;                 // those of them that slide
   double largest_penetration = 0;  // of a point after the tick [m]
   double area = 0;                 // around the sites that bear force, at rest [m²]
-  int dropped = 0;                 // touched sites beyond TouchParams::capacity
+  int level = 0;                   // how coarse its sites are: see Site::level
+  int dropped = 0;                 // touched sites that no level found room for: their force is missing
   bool invalid_pose = false;       // not finite or not a rotation: no contact in this tick
   bool inside = false;             // it appeared inside the body: no contact until it has come out
   bool beyond_patch = false;       // it touches the border of the patch: a larger patch is needed
 };
 
 struct TouchParams {
-  int capacity = 32;            // sites of all tools together
+  int capacity = 32;            // sites of all tools together; wide contacts are taken by clusters of points
   double tool_softness = 1e-5;  // compliance of a site itself, as part of that of the softest point [1]
   Viscosity viscosity;
   CoulombParams solver;
@@ -58,6 +59,7 @@ struct ToolMemory {
   bool seen = false;      // there is one
   bool inside = false;    // see ToolForce
   bool touching = false;  // it bore force in the last tick
+  int level = 0;          // of its sites: see Site::level
 };
 
 /// What is left of the jumps that new patches made (follow.hpp).

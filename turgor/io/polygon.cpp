@@ -45,11 +45,15 @@ std::vector<Int3> triangulate(std::span<const Vec3d> corners) {
   const bool convex = corners.size() == 3 || is_convex(corners, normal);
   if (!convex && corners.size() > kMostConcaveCorners) return {};
   std::vector<Int3> triangles;
+  if (convex) {  // a fan
+    for (int c = 1; c + 1 < int(corners.size()); c++) triangles.push_back({0, c, c + 1});
+    return triangles;
+  }
   std::vector<int> left(corners.size());
   std::iota(left.begin(), left.end(), 0);
   while (left.size() >= 3) {
     std::size_t ear = 1;
-    while (!convex && ear <= left.size() && !is_ear(corners, left, ear % left.size(), normal)) ear++;
+    while (ear <= left.size() && !is_ear(corners, left, ear % left.size(), normal)) ear++;
     if (ear > left.size()) ear = 1;  // it crosses itself: no corner is better than another
     const std::size_t count = left.size(), at = ear % count;
     triangles.push_back({left[(at + count - 1) % count], left[at], left[(at + 1) % count]});

@@ -61,12 +61,13 @@ Result<sfem::Green> read_values(const fs::path& path, const sfem::Model& model) 
   return green;
 }
 
-Status write_values(const fs::path& path, const sfem::Model& model) {
+Status write_values(const fs::path& path, const sfem::Model& model, const std::string& what_for) {
   Result<Hdf5File> file = Hdf5File::create(path);
   if (!file) return file.error();
   const sfem::Green& green = model.green;
   const std::size_t columns = 3 * green.nodes.size();
   Status status = file->write_text("/format", kFormat);
+  if (status) status = file->write_text("/what_for", what_for);
   const auto write = [&]<class T>(const char* name, const std::vector<T>& values, std::size_t width) {
     // Hardly smaller when compressed, and much slower.
     if (status) status = file->write(name, std::span<const T>(values), width, Hdf5Packing::kPlain);
@@ -82,17 +83,17 @@ Status write_values(const fs::path& path, const sfem::Model& model) {
   return status ? file->close() : status;
 }
 
-fs::path user_cache() {
+}  // namespace
+
+fs::path user_cache_folder() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return fs::path(cache) / "turgor";
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "turgor";
   return {};
 }
 
-}  // namespace
-
 fs::path green_cache_file(const fs::path& folder, std::uint64_t content_hash) {
   std::error_code ignored;
-  const fs::path where = folder.empty() ? user_cache() : fs::absolute(folder, ignored);
+  const fs::path where = folder.empty() ? user_cache_folder() : fs::absolute(folder, ignored);
   return where.empty() ? fs::path() : where / fmt::format("green-{}.h5", hash_text(content_hash));
 }
 
@@ -103,17 +104,20 @@ CachedGreen read_green(const fs::path& path, sfem::Model& model) {
   if (!green) return {false, green.error().message + "; computed anew"};
   std::swap(model.green, *green);
   const Status checked = sfem::check_green(model);
-  if (checked) return {true, ""};
+  if (checked) {
+    fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);  // used now
+    return {true, ""};
+  }
   std::swap(model.green, *green);
   return {false, fmt::format("{}: {}; computed anew", path.string(), checked.error().message)};
 }
 
-Status write_green(const fs::path& path, const sfem::Model& model) {
+Status write_green(const fs::path& path, const sfem::Model& model, const std::string& what_for) {
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
   if (const Status goal = check_file_goal(path); !goal) return goal;
   Unfinished partial(path);
-  if (const Status status = write_values(partial.path(), model); !status) return status;
+  if (const Status status = write_values(partial.path(), model, what_for); !status) return status;
   return partial.keep([&]() -> Status {
     if (rename(partial.path().c_str(), path.c_str()) == 0) return Done{};
     return Error{fmt::format("{}: cannot give the file its name: {}", path.string(), std::strerror(errno))};

@@ -17,6 +17,8 @@ namespace turgor {
 
 namespace {
 
+constexpr double kLeastPatchMemory = 0.25;  // a patch may take this, however little a scene allows [GB]
+
 Progress begin_work(const BeginWork& begin, const std::string& label, const std::string& sentence = "") {
   return begin ? begin(label, sentence) : Progress();
 }
@@ -119,9 +121,23 @@ Status compute_and_keep(const Exec& exec, const SfemScene& scene, const std::fil
       !status)
     return Error{fmt::format("{}: {}", scene.place, status.error().message)};
   if (cache.empty()) return Done{};
-  const Status kept = write_green(cache, organ.model);
+  const Status kept = write_green(cache, organ.model, scene.place);
   if (!kept) organ.facts.notes.push_back("not cached: " + kept.error().message);
   return Done{};
+}
+
+/// What was not used for longest goes when the cache has grown beyond its limit.
+void keep_within_limit(const std::filesystem::path& cache, std::vector<std::string>& notes) {
+  const Result<std::uintmax_t> limit = cache_limit();
+  if (!limit) return notes.push_back(limit.error().message + "; the cache is not trimmed");
+  const std::vector<CacheFile> removed = trim_cache(cache.parent_path(), *limit, cache);
+  if (removed.empty()) return;
+  double bytes = 0;
+  for (const CacheFile& file : removed) bytes += double(file.bytes);
+  notes.push_back(fmt::format(
+      "{}: {} files of {} that were not used for longest were removed: the limit is {} "
+      "(TURGOR_CACHE_LIMIT, in GB)",
+      cache.parent_path().string(), removed.size(), memory_text(bytes), memory_text(double(*limit))));
 }
 
 Status prepare_green(const Exec& exec, const SfemScene& scene, Organ& organ, const BeginWork& begin) {
@@ -142,6 +158,7 @@ Status prepare_green(const Exec& exec, const SfemScene& scene, Organ& organ, con
   if (!cached.note.empty()) organ.facts.notes.push_back(cached.note);
   organ.facts.from_cache = cached.found;
   if (!cached.found) status = compute_and_keep(exec, scene, cache, organ, begin);
+  if (!cached.found && !cache.empty() && status) keep_within_limit(cache, organ.facts.notes);
   organ.facts.green_seconds = timer.seconds();
   return status;
 }
@@ -192,6 +209,8 @@ Result<Organ> load_organ(const Exec& exec, const SfemScene& scene, const BeginWo
   if (scene.rotations)
     if (const Status status = prepare_turning(exec, organ, begin); !status) return status.error();
   organ.refinement = scene.patch.refinement;
+  organ.contacts = scene.contacts;
+  organ.patch_memory = std::size_t(std::max(scene.memory, kLeastPatchMemory) * 1e9);
   organ.follow.radius = scene.patch.radius;
   organ.follow.hysteresis = scene.patch.hysteresis;
   return organ;

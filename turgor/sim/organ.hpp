@@ -35,6 +35,16 @@ struct ForceSample {
   bool beyond_patch = false;  // the tool reaches beyond the patch
 };
 
+/// Where a model could not, or would not, bear what a tool asked of it.
+struct ForceLimits {
+  int coarsest = 0;      // level of contact sites (contact::Site::level); 0 = every point by itself
+  int dropped_most = 0;  // touched places that had no room in a tick
+  int dropped_ticks = 0;
+  int slips = 0;           // out of what it held
+  double slipped_at = 0;   // first [s]
+  int yielding_ticks = 0;  // pressed harder than the tissue bears
+};
+
 /// A tool of the scene on its way.
 struct TouchingTool {
   std::string name;
@@ -45,6 +55,7 @@ struct TouchingTool {
   TriMesh shown;            // about the tool's origin, to be drawn; jaws closed
   ToolPath path;
   std::vector<ForceSample> samples;
+  ForceLimits limits;
 };
 
 /// A patch that was built while the tool moved.
@@ -133,6 +144,8 @@ struct Organ : TouchedOrgan {
   FreeMotion free;
 
   int refinement = 2;
+  int contacts = 32;             // contact::TouchParams::capacity
+  std::size_t patch_memory = 0;  // that a patch may take [bytes]
   contact::FollowParams follow;
   sfem::Patch patch;
   contact::TouchState touch;
@@ -143,14 +156,17 @@ struct Organ : TouchedOrgan {
   std::vector<contact::ToolForce> forces;
 
   std::vector<PatchRebuild> rebuilds;
+  int kept_patches = 0;      // times that a patch could not follow: the present one stayed
+  std::string kept_because;  // the first time
 };
 
 /// The surface as it lies now.
 OrganSurface shown_surface(const Exec& exec, const Organ& organ, double time);
 
-/// Builds the patch where the tools are at the start, and everything a tick needs.
-void begin_touch(const Exec& exec, Organ& organ, const std::vector<TouchingTool>& tools,
-                 const contact::Viscosity& viscosity);
+/// Builds the patch where the tools are at the start, and everything a tick needs. Error: the patch takes
+/// more than Organ::patch_memory, or its numbers do not hold.
+Status begin_touch(const Exec& exec, Organ& organ, const std::vector<TouchingTool>& tools,
+                   const contact::Viscosity& viscosity);
 /// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick.
 void touch_organ(const Exec& exec, Organ& organ, std::vector<TouchingTool>& tools, double from, double to);
 

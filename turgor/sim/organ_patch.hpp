@@ -16,7 +16,7 @@ namespace turgor {
 constexpr long kPatchTicks = 3;
 
 struct BuiltPatch {
-  sfem::Patch patch;
+  Result<sfem::Patch> patch;
   double seconds = 0;  // wall time of building it
 };
 
@@ -27,12 +27,14 @@ struct NextPatch {
   long due = 0;                // the tick that takes it
 };
 
-/// A patch where the tools are at the start; it is there before the first tick.
-sfem::Patch first_patch(const Exec& exec, Organ& organ);
+/// A patch where the tools are at the start; it is there before the first tick. Error: see sfem::build_patch.
+Result<sfem::Patch> first_patch(const Exec& exec, Organ& organ);
 
 /// Begins to build a patch, to be taken at tick `due`, when a touch has wandered.
 std::optional<NextPatch> follow_tools(const Exec& exec, Organ& organ, long due);
-/// Puts it in place of the present one, and notes what it cost and by how much the force jumps.
-void take_next_patch(Organ& organ, NextPatch& next, double time);
+/// Puts it in place of the present one, and notes what it cost and by how much the force jumps. False when it
+/// could not be built, which is noted: the present one stays, and another is tried for when the touch has
+/// wandered on.
+bool take_next_patch(Organ& organ, NextPatch& next, double time);
 
 }  // namespace turgor

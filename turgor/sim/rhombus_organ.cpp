@@ -87,6 +87,8 @@ void record_tick(RhombusOrgan& organ, std::vector<TouchingTool>& tools, double t
   for (std::size_t t = 0; t < organ.tool_indices.size(); t++) {
     TouchingTool& tool = tools[std::size_t(organ.tool_indices[t])];
     const rhombus::TouchForce& felt = organ.forces[t];
+    if (felt.slipped && tool.limits.slips++ == 0) tool.limits.slipped_at = time;
+    tool.limits.yielding_ticks += felt.yielding;
     ForceSample sample{.time = time};
     sample.position = path_at(tool.path, time).position;
     sample.force = felt.force;
@@ -101,7 +103,7 @@ void record_tick(RhombusOrgan& organ, std::vector<TouchingTool>& tools, double t
       const double moved = way + std::abs(organ.inputs[t].opening - organ.openings[t]);
       const double jump =
           norm(sample.force - before.force) * std::min(1.0, kJumpWay / std::max(moved, 1e-12));
-      if (jump > organ.jump) organ.jump = jump, organ.jump_at = time;
+      if (jump > organ.jump && !felt.slipped) organ.jump = jump, organ.jump_at = time;
     }
     organ.openings[t] = organ.inputs[t].opening;
     tool.samples.push_back(sample);

@@ -47,7 +47,11 @@ void record_tick(const Organ& organ, std::vector<TouchingTool>& tools, ForceSamp
     sample.contacts = felt.contacts;
     sample.beyond_patch = felt.beyond_patch;
     if (felt.contacts > 0) sample.depth = depth_at_rest(organ, organ.tools[t], organ.poses[t].pose);
-    std::vector<ForceSample>& samples = tools[std::size_t(organ.tool_indices[t])].samples;
+    TouchingTool& tool = tools[std::size_t(organ.tool_indices[t])];
+    tool.limits.coarsest = std::max(tool.limits.coarsest, felt.contacts > 0 ? felt.level : 0);
+    tool.limits.dropped_most = std::max(tool.limits.dropped_most, felt.dropped);
+    tool.limits.dropped_ticks += felt.dropped > 0;
+    std::vector<ForceSample>& samples = tool.samples;
     if (!samples.empty()) sample.path = samples.back().path + norm(sample.position - samples.back().position);
     samples.push_back(sample);
   }
@@ -83,19 +87,23 @@ double depth_at_rest(const Organ& organ, const contact::Tool& tool, const contac
   return deepest;
 }
 
-void begin_touch(const Exec& exec, Organ& organ, const std::vector<TouchingTool>& tools,
-                 const contact::Viscosity& viscosity) {
+Status begin_touch(const Exec& exec, Organ& organ, const std::vector<TouchingTool>& tools,
+                   const contact::Viscosity& viscosity) {
   for (const int t : organ.tool_indices) organ.tools.push_back(tools[std::size_t(t)].tool);
-  if (organ.tools.empty()) return;
+  if (organ.tools.empty()) return Done{};
   organ.poses.resize(organ.tools.size());
   organ.forces.resize(organ.tools.size());
   set_poses(organ, tools, 0);
   const RestSurface surface{organ.model.body.mesh.vertices, organ.model.surface.triangles};
   for (const contact::ToolPose& pose : organ.poses)
     organ.centres.push_back(place_on_surface(surface, pose.pose.position, false, organ.follow.radius).point);
-  organ.patch = first_patch(exec, organ);
+  Result<sfem::Patch> patch = first_patch(exec, organ);
+  if (!patch) return patch.error();
+  organ.patch = std::move(*patch);
   const std::size_t spare = 2 * organ.patch.points.size() + 64;  // later patches are about as large
-  organ.touch = contact::make_touch_state(organ.patch, organ.tools.size(), {.viscosity = viscosity}, spare);
+  organ.touch = contact::make_touch_state(organ.patch, organ.tools.size(),
+                                          {.capacity = organ.contacts, .viscosity = viscosity}, spare);
+  return Done{};
 }
 
 void touch_organ(const Exec& exec, Organ& organ, std::vector<TouchingTool>& tools, double from, double to) {
@@ -109,7 +117,7 @@ void touch_organ(const Exec& exec, Organ& organ, std::vector<TouchingTool>& tool
     set_poses(organ, tools, time);
     ForceSample common{.time = time};
     if (!next && tick + patch_ticks <= last) next = follow_tools(exec, organ, tick + patch_ticks);
-    if (next && next->due == tick) take_next_patch(organ, *next, time), next.reset(), common.new_patch = true;
+    if (next && next->due == tick) common.new_patch = take_next_patch(organ, *next, time), next.reset();
     set_offsets(organ, double(tick - first + 1) / double(last - first + 1));
     const Timer timer;
     contact::touch(organ.patch, organ.touch, organ.tools, organ.poses, kTick, organ.forces);

@@ -106,7 +106,8 @@ Status load_organs(const Exec& exec, const Scene& scene, const BeginWork& begin,
   }
   for (std::size_t o = 0; o < world.organs.size(); o++) {
     const SfemScene& s = scene.organs[o];
-    begin_touch(exec, world.organs[o], world.tools, {s.viscosity, s.viscous_time});
+    const Status begun = begin_touch(exec, world.organs[o], world.tools, {s.viscosity, s.viscous_time});
+    if (!begun) return Error{fmt::format("{}.patch: {}", s.place, begun.error().message)};
   }
   for (LatticeBody& body : world.lattices) begin_touch(body, world.tools);
   return Done{};

@@ -11,6 +11,9 @@ namespace {
 Status check(const Body& body, const Params& params) {
   if (!(params.bulge >= 0 && params.bulge <= 1))
     return Error{"bulge: expected a fraction from 0 to 1, found " + number_text(params.bulge)};
+  if (!(params.tear > 0 && std::isfinite(params.tear)))
+    return Error{"the force at which tissue tears: expected more than 0 N, found " +
+                 number_text(params.tear)};
   const Viscosity& viscosity = params.viscosity;
   if (!(viscosity.stiffening >= 0 && std::isfinite(viscosity.stiffening)))
     return Error{"viscous stiffening: expected 0 or more, found " + number_text(viscosity.stiffening)};

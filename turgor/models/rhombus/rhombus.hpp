@@ -33,6 +33,9 @@ struct Params {
   ChainParams chain;
   double bulge = 0;  // of the volume that is pressed in, so much rises around the press, in [0, 1]
   Viscosity viscosity;
+  // No force is larger: what a tool holds slips out of it then, and what it presses gives way. Chains alone
+  // have no such end: stretched upright or pressed flat they resist without bound [N].
+  double tear = 30;
 };
 
 /// What a model is built from.
@@ -73,6 +76,8 @@ struct TouchForce {
   int units = 0;       // of the chain that move
   bool touching = false;
   bool holding = false;
+  bool slipped = false;   // out of what it held, in this tick: that would have borne more than Params::tear
+  bool yielding = false;  // it presses harder than the tissue bears: the force stays at Params::tear
   bool invalid_input = false;  // a number that is none: no force in this tick
 };
 
@@ -81,7 +86,7 @@ struct Touching {
   bool touching = false;  // it bore force in the last tick
   bool holding = false;
   bool lagging = false;       // the tool left faster than the surface comes back
-  bool closed_empty = false;  // it closed without touching: holds nothing until it has opened
+  bool closed_empty = false;  // it closed without touching, or slipped: holds nothing until it has opened
   Foot foot;                  // of the touched point; kept while holding
   Vec3d demand;               // where the tool wants the touched point, from rest [m]
   Vec3d moved;                // what this tool's own chains make of it, less what its neighbours do [m]

@@ -170,18 +170,37 @@ void remember(const Model& model, Touching& t, Vec3d elastic, double dt) {
   t.elastic = elastic;
 }
 
+/// Out of what it held; the surface goes back, and the tool holds nothing until it has opened.
+TouchForce slip(Touching& t) {
+  t.touching = t.holding = t.lagging = false;
+  t.closed_empty = true;
+  t.demand = t.moved = t.elastic = t.remembered = {};
+  t.depth_force = t.drag_force = t.depth_part = t.drag_part = 0;
+  return {.slipped = true};
+}
+
 TouchForce answer(const Model& model, Touching& t, const TouchInput& in, double dt) {
   remember(model, t, elastic_force(model, t), dt);
+  const double size = norm(t.elastic + t.remembered);
+  const bool bears = size <= model.params.tear;
+  if (!bears && t.holding) return slip(t);
+  if (!bears) {
+    const double part = std::isfinite(size) ? model.params.tear / size : 0;
+    t.elastic = part > 0 ? t.elastic * part : Vec3d{};
+    t.remembered = part > 0 ? t.remembered * part : Vec3d{};
+  }
   TouchForce out{
       .force = t.elastic + t.remembered, .depth = -dot(t.moved, t.foot.normal), .holding = t.holding};
   const bool reaches = pressed_depth(t.foot, in) > 0 && !t.lagging;
   if (!t.holding && (!reaches || dot(out.force, t.foot.normal) <= 0)) out.force = {};
   t.touching = dot(out.force, out.force) > 0;
   out.touching = t.touching;
+  out.yielding = t.touching && !bears;
   out.units = depth_of_force(model.chain, t.depth_force).units;
   if (t.holding)
     out.squeeze =
-        stiffness_at(model, t.foot.at) * force_of_depth(model.chain, 0.5 * t.held_opening * t.closing);
+        std::min(model.params.tear, stiffness_at(model, t.foot.at) *
+                                        force_of_depth(model.chain, 0.5 * t.held_opening * t.closing));
   return out;
 }
 

@@ -3,8 +3,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numeric>
+#include <string>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/models/sfem/green.hpp"
@@ -128,6 +131,7 @@ bool factor_with_rows(Matrix<T>& a, Eigen::Index n) {
 template <class T>
 struct Elimination {
   Matrix<T> green, factor;
+  bool definite = true;  // as that of a held body is, unless rounding hides it
 };
 
 template <class T>
@@ -145,8 +149,7 @@ Elimination<T> eliminate(const Model& model, const PatchUnknowns& unknowns, cons
   for (std::size_t i = 0; i < wanted.size(); i++)
     e.factor.template middleRows<3>(local + 3 * Eigen::Index(i)) =
         psi.template middleCols<3>(3 * wanted[i]).transpose();
-  const bool definite = factor_with_rows(e.factor, local);
-  TURGOR_ASSERT(definite, "a patch of a held body is positive definite");
+  e.definite = factor_with_rows(e.factor, local);
   return e;
 }
 
@@ -210,8 +213,9 @@ Matrix<T> expand(const Patch& patch, const std::vector<int>& place, int first_to
   return result;
 }
 
+/// False when the numbers of T are too few.
 template <class T>
-void condense(const Model& model, std::span<const int> elements, const FineMesh& fine,
+bool condense(const Model& model, std::span<const int> elements, const FineMesh& fine,
               const PatchUnknowns& unknowns, bool with_change, Patch& patch) {
   PatchMatrices<T> matrices = assemble_patch<T>(model, elements, fine, unknowns, with_change);
   std::vector<int> place(unknowns.coarse.size(), -1), coarse;  // coarse functions that move the points
@@ -221,6 +225,7 @@ void condense(const Model& model, std::span<const int> elements, const FineMesh&
         at = int(coarse.size()), coarse.push_back(point.coarse[s]);
   const Eigen::Index coarse_rows = 3 * Eigen::Index(coarse.size()), n = 3 * Eigen::Index(patch.points.size());
   const Elimination<T> e = eliminate(model, unknowns, matrices, coarse);
+  if (!e.definite) return false;
   const Matrix<T> functions = function_compliance(e, coarse, unknowns);
   const Matrix<T> half = expand(patch, place, unknowns.first_touched, coarse_rows, functions).transpose();
   const Matrix<T> full = expand(patch, place, unknowns.first_touched, coarse_rows, half);
@@ -233,6 +238,8 @@ void condense(const Model& model, std::span<const int> elements, const FineMesh&
                                     std::move(matrices.coupling),
                                     {e.green.data(), e.green.data() + e.green.size()},
                                     std::move(matrices.change)};
+  return std::all_of(patch.compliance.begin(), patch.compliance.end(),
+                     [](double c) { return std::isfinite(c); });
 }
 
 template <class T>
@@ -294,6 +301,33 @@ std::vector<char> usable_elements(const Model& model) {
   return usable;
 }
 
+PatchCost cost_of(const PatchUnknowns& unknowns, std::size_t points, Precision precision) {
+  const double local = 3.0 * unknowns.local_count, coarse = 3.0 * double(unknowns.coarse.size()),
+               n = 3.0 * double(points);
+  const double number = precision == Precision::kSingle ? 4 : 8;
+  const double system = 2 * local * local + 4 * local * coarse;  // K_L and S, K_LG, Ψ, Z
+  const double green = 2 * coarse * coarse, surface = 4 * n * n;
+  const double levels = 3 * n * n * 8;  // Ξ of the points, and of their clusters
+  return {.local_nodes = std::size_t(unknowns.local_count),
+          .points = points,
+          .bytes = number * (system + green + surface) + 8 * 3 * coarse * coarse + levels,
+          .flops = local * local * local / 3 + 2 * local * coarse * (local + coarse) + 2 * n * n * n};
+}
+
+Error too_large(const PatchCost& cost, std::size_t elements, int refinement, std::size_t most_bytes) {
+  const auto text = [](double value) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.3g", value);
+    return std::string(digits);
+  };
+  return Error{"a patch of " + std::to_string(elements) + " elements, each edge in " +
+               std::to_string(refinement) + " parts, has " + std::to_string(cost.local_nodes) +
+               " nodes of its own and would take " + text(cost.bytes * 1e-9) + " GB and " +
+               text(cost.flops * 1e-9) + " thousand million operations, allowed are " +
+               text(double(most_bytes) * 1e-9) +
+               " GB: a smaller patch.radius, a lower patch.refinement or more memory"};
+}
+
 }  // namespace
 
 std::vector<int> patch_elements(const Model& model, std::span<const Vec3d> touches, double radius) {
@@ -321,23 +355,41 @@ std::vector<int> patch_elements(const Model& model, std::span<const Vec3d> touch
   return found;
 }
 
-Patch build_patch(const Model& model, std::span<const int> elements, int refinement,
-                  std::span<const Vec3d> touches) {
+PatchCost patch_cost(const Model& model, std::span<const int> elements, int refinement,
+                     std::span<const Vec3d> touches) {
+  const FineMesh fine = refine(model, elements, refinement);
+  const std::vector<int> touched = nodes_of(touched_triangles(fine, touches));
+  const bool with_change = refinement > 1 && changes_stiffness(model, elements, fine);
+  const PatchUnknowns unknowns = number_unknowns(model, elements, fine, touched, with_change);
+  return cost_of(unknowns, touched.size(), model.params.precision);
+}
+
+Result<Patch> build_patch(const Model& model, std::span<const int> elements, int refinement,
+                          std::span<const Vec3d> touches, std::size_t most_bytes) {
   const FineMesh fine = refine(model, elements, refinement);
   const std::vector<Int3> triangles = touched_triangles(fine, touches);
   const std::vector<int> touched = nodes_of(triangles);
   const bool with_change = refinement > 1 && changes_stiffness(model, elements, fine);
   const PatchUnknowns unknowns = number_unknowns(model, elements, fine, touched, with_change);
-
   Patch patch;
   patch.elements.assign(elements.begin(), elements.end());
   patch.coarse = unknowns.coarse;
   patch.local_nodes = unknowns.local_count;
   make_points(fine, unknowns, touched, triangles, patch);
-  if (model.params.precision == Precision::kSingle)
-    condense<float>(model, elements, fine, unknowns, with_change, patch);
-  else
-    condense<double>(model, elements, fine, unknowns, with_change, patch);
+  bool done = false;
+  for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
+    if (done || precision < model.params.precision) continue;
+    const PatchCost cost = cost_of(unknowns, touched.size(), precision);
+    if (cost.bytes > double(most_bytes)) return too_large(cost, elements.size(), refinement, most_bytes);
+    done = precision == Precision::kSingle
+               ? condense<float>(model, elements, fine, unknowns, with_change, patch)
+               : condense<double>(model, elements, fine, unknowns, with_change, patch);
+  }
+  if (!done)
+    return Error{
+        "the patch's stiffness is lost to rounding: expected Poisson's ratios farther below 0.5, or "
+        "elements that are less flat"};
+  add_levels(patch);
   return patch;
 }
 

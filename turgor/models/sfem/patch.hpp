@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "turgor/models/sfem/patch_levels.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 
 namespace turgor::sfem {
@@ -46,6 +47,7 @@ struct Patch {
   std::vector<PatchPoint> points;
   std::vector<Int3> triangles;     // of points, counter-clockwise seen from outside
   std::vector<double> compliance;  // 3·points square, symmetric: displacement of all for a unit force [m/N]
+  std::vector<PatchLevel> levels;  // coarser and coarser pressures on the points (patch_levels.hpp)
   int local_nodes = 0;             // fine nodes with a function of their own
   std::variant<CondensedSystem<float>, CondensedSystem<double>> system;
 };
@@ -55,11 +57,22 @@ struct Patch {
 /// functions are kept. Ascending.
 std::vector<int> patch_elements(const Model& model, std::span<const Vec3d> touches, double radius);
 
+/// What a patch takes, known before anything is spent on it but the fine mesh.
+struct PatchCost {
+  std::size_t local_nodes = 0, points = 0;
+  double bytes = 0;  // at most, while it is built
+  double flops = 0;
+};
+PatchCost patch_cost(const Model& model, std::span<const int> elements, int refinement,
+                     std::span<const Vec3d> touches = {});
+
 /// Builds the patch over these elements; its points are the parts of its outer surface that the touches are
-/// nearest to, or all of it without touches. Calculates in the precision of Model::green, and needs there the
-/// columns of all vertices of the elements. [Theory: S, Ξ_L, Ξ_LG, Ξ_GG of docs/models/sfem.md]
-Patch build_patch(const Model& model, std::span<const int> elements, int refinement,
-                  std::span<const Vec3d> touches = {});
+/// nearest to, or all of it without touches. Calculates in the precision of Model::green, or in double
+/// numbers where those are too few, and needs there the columns of all vertices of the elements. Error: it
+/// would take more than `most_bytes`, with advice; or the body is so nearly incompressible that double
+/// numbers do not hold it. [Theory: S, Ξ_L, Ξ_LG, Ξ_GG of docs/models/sfem.md]
+Result<Patch> build_patch(const Model& model, std::span<const int> elements, int refinement,
+                          std::span<const Vec3d> touches = {}, std::size_t most_bytes = std::size_t(-1));
 
 /// Forces on the vertices Patch::coarse that move the coarse body as `forces` on the points do (three a
 /// point): what the rest of the body feels [N].

@@ -87,6 +87,7 @@ Json patch_report(const SfemScene& scene, const Organ& organ) {
           {"rebuilds_too_late", late},
           {"handover_max_ms", rounded(percentile(handovers, 1) * kMs)},
           {"force_jump_max_N", rounded(jump)},
+          {"not_followed", organ.kept_patches},
           {"series_columns", {"time_s", "rebuild_ms", "local_nodes", "force_jump_N"}},
           {"series", series}};
 }
@@ -108,6 +109,27 @@ Json series_report(const TouchingTool& tool) {
                               s.force.x, s.force.y, s.force.z}));
   }
   return series;
+}
+
+/// What a tool asked that its body did not give.
+void add_limits(const TouchingTool& tool, std::vector<std::string>& warnings) {
+  const ForceLimits& limits = tool.limits;
+  if (limits.dropped_ticks > 0)
+    warnings.push_back(fmt::format(
+        "{}: in {} ms it touched more places than are solved for, in the worst by {}: its force is too "
+        "small there; raise contacts of the body",
+        tool.name, limits.dropped_ticks, limits.dropped_most));
+  if (limits.slips > 0)
+    warnings.push_back(
+        fmt::format("{}: what it held slipped out of it at {:.3f} s{}: it would have borne more than "
+                    "the body's tear; pull less far, or raise tear",
+                    tool.name, limits.slipped_at,
+                    limits.slips > 1 ? fmt::format(", {} times in all", limits.slips) : ""));
+  if (limits.yielding_ticks > 0)
+    warnings.push_back(
+        fmt::format("{}: for {} ms it pressed harder than the body's tear: the force stays there, "
+                    "what is behind it is not known",
+                    tool.name, limits.yielding_ticks));
 }
 
 }  // namespace
@@ -163,6 +185,12 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
           {"depth_max_mm", rounded(depth * kMm)},
           {"contacts_max", contacts},
           {"beyond_patch", beyond},
+          {"contact_level_most", tool.limits.coarsest},
+          {"contacts_dropped_ticks", tool.limits.dropped_ticks},
+          {"contacts_dropped_most", tool.limits.dropped_most},
+          {"slips", tool.limits.slips},
+          {"slipped_at_s", rounded(tool.limits.slipped_at)},
+          {"yielding_ticks", tool.limits.yielding_ticks},
           {"force_every_ms", rounded(force_interval(world, std::size_t(tool.organ)) * kMs)},
           {"ticks", tool.samples.size()},
           {"tick_p50_us", rounded(percentile(ticks, 0.5) * kMicro)},
@@ -182,6 +210,12 @@ std::vector<std::string> touch_warnings(const World& world) {
                       "higher frame "
                       "rate gives them time",
                       organ.name, organ.turning->unconverged, organ.turning->frames));
+  for (const Organ& organ : world.organs)
+    if (organ.kept_patches > 0)
+      warnings.push_back(
+          fmt::format("{}: the patch did not follow the tools {} times, the one before stayed: {}",
+                      organ.name, organ.kept_patches, organ.kept_because));
+  for (const TouchingTool& tool : world.tools) add_limits(tool, warnings);
   for (const TouchingTool& tool : world.tools)
     if (std::any_of(tool.samples.begin(), tool.samples.end(), [](const auto& s) { return s.beyond_patch; }))
       warnings.push_back(

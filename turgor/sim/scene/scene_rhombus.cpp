@@ -133,6 +133,7 @@ RhombusScene read_rhombus_scene(SceneTable body, const std::string& name, const 
   read_tissue(body, made);
   read_chain(body.table("chain"), made.params.chain);
   body.read("bulge", made.params.bulge, within(0, 1));
+  body.read("tear", made.params.tear, inside(0, 1e4, "N"));
   SceneTable viscosity = body.table("viscosity");
   viscosity.read("ratio", made.params.viscosity.stiffening, within(0, 100));
   viscosity.read("time", made.params.viscosity.time, inside(0, 1000, "s"));

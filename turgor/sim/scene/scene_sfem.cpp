@@ -157,6 +157,7 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name) {
   viscosity.finish();
   body.read("rotations", scene.rotations);
   body.read("memory", scene.memory, within(0.001, 1024, "GB"));
+  body.read("contacts", scene.contacts, within(8, 512));
   read_cache(body, scene);
   body.read_path("seen", scene.seen);
   body.read("seen_scale", scene.seen_scale, kScale);

@@ -86,7 +86,8 @@ struct SfemScene {
   double viscosity = 0;       // how much stiffer a sudden press is [1]
   double viscous_time = 0.5;  // in which that relaxes [s]
   bool rotations = false;
-  double memory = 4;            // for Green's functions; beyond it, columns on demand [GB]
+  double memory = 4;            // for Green's functions, beyond it, columns on demand; and for a patch [GB]
+  int contacts = 32;            // places that are solved in a tick, of all tools together
   std::filesystem::path cache;  // a folder
   bool cached = true;
   std::filesystem::path seen;  // a finer surface that moves with the body; may be empty
