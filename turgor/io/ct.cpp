@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/dicom.hpp"
-#include "turgor/io/names.hpp"
+#include "turgor/io/input_file.hpp"
 #include "turgor/io/volume_file.hpp"
 
 namespace turgor {
@@ -22,18 +21,8 @@ using io::SampleType;
 
 namespace {
 
-Status check_readable(const fs::path& path) {
-  std::error_code failed;
-  if (!fs::exists(path, failed)) return Error{io::not_found(path)};
-  if (fs::is_directory(path, failed))
-    return Error{fmt::format("{}: is a folder; expected a file", path.string())};
-  if (!fs::is_regular_file(path, failed)) return Error{fmt::format("{}: is not a file", path.string())};
-  if (!std::ifstream(path)) return Error{fmt::format("{}: cannot be opened (no permission?)", path.string())};
-  return Done{};
-}
-
 Result<RawVolume> read_raw(const fs::path& path, int components) {
-  if (Status readable = check_readable(path); !readable) return readable.error();
+  if (Status input = io::check_input(path); !input) return input.error();
   if (io::is_dicom(path))
     return Error{fmt::format("{}: holds DICOM; expected NIfTI, NRRD or MetaImage here", path.string())};
   Result<RawVolume> raw = io::read_volume_file(path);
@@ -79,9 +68,8 @@ Error no_label(const fs::path& path, const RawVolume& raw, std::size_t at) {
 
 Result<CtFile> read_ct(const Exec& exec, const fs::path& path, const ReadOptions& options) {
   std::error_code failed;
-  if (!fs::exists(path, failed)) return Error{io::not_found(path)};
   if (fs::is_directory(path, failed)) return io::read_dicom(exec, path, options);
-  if (Status readable = check_readable(path); !readable) return readable.error();
+  if (Status input = io::check_input(path); !input) return input.error();
   if (io::is_dicom(path)) return io::read_dicom(exec, path, options);
   const Result<RawVolume> raw = read_raw(path, 1);
   if (!raw) return raw.error();
