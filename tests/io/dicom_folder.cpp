@@ -1,9 +1,9 @@
 // What else lies in the folder of a series: damaged slices, files that have nothing to do with it.
-#include "io/dicom_series.hpp"
-
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "io/dicom_series.hpp"
 
 namespace turgor {
 namespace {
@@ -117,7 +117,8 @@ TEST(DicomFolder, OfAHugeFileOnlyTheHeaderIsRead) {
   set_value(s.path / "huge.dcm", 0x20, 0x0e, "1.2.3");
   std::string bytes = bytes_of(s.path / "huge.dcm");
   const std::size_t syntax = bytes.find("1.2.840.10008.1.2.1");
-  bytes.replace(syntax, 20, std::string("1.2.840.10008.1.2.5\0", 20));  // compressed, which the pixels are not
+  bytes.replace(syntax, 20,
+                std::string("1.2.840.10008.1.2.5\0", 20));  // compressed, which the pixels are not
   write(s.path / "huge.dcm", bytes);
   fs::resize_file(s.path / "huge.dcm", std::uintmax_t{1} << 40);  // sparse
   const auto read = s.read();

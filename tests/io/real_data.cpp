@@ -28,7 +28,7 @@ void expect_known(const char* ct_name, const char* labels_name, const std::vecto
   ASSERT_TRUE(ct) << ct.error().message;
   const auto stored = read_labels(kData / labels_name);
   ASSERT_TRUE(stored) << stored.error().message;
-  const auto labels = on_grid(*stored, ct->ct.grid);
+  const auto labels = on_grid(stored->labels, ct->ct.grid);
   ASSERT_TRUE(labels) << "the segmentation lies on the CT";
   const auto measures = measure_labels(*labels, &ct->ct);
   for (const Known& known : table) {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/geometry/hounsfield.hpp"
 #include "turgor/io/mesh_cursor.hpp"
 
 namespace turgor {
@@ -157,6 +158,7 @@ Result<CtFile> read_dicom(const Exec& exec, const fs::path& path, const ReadOpti
   file.notes = std::move(chosen->notes);
   file.notes.insert(file.notes.end(), volume->notes.begin(), volume->notes.end());
   note_changes(volume->slices, *changed, file.notes);
+  if (std::string doubt = doubt_of_hounsfield_units(file.ct); !doubt.empty()) file.notes.push_back(doubt);
   return file;
 }
 

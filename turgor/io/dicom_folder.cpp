@@ -1,5 +1,5 @@
-// All files of a folder: which are images, and what to make of the others. A slice must not get lost in silence
-// because it is damaged, and a file that has nothing to do with a series must not stand in its way.
+// All files of a folder: which are images, and what to make of the others. A slice must not get lost in
+// silence because it is damaged, and a file that has nothing to do with a series must not stand in its way.
 #include <algorithm>
 #include <atomic>
 #include <cctype>
@@ -36,7 +36,8 @@ Result<Listed> list_files(const fs::path& folder, bool recursive) {
     if (!recursive || is_hidden) it.disable_recursion_pending();
     if (!is_folder) listed.files.push_back(path);
     if (is_folder && recursive && !is_hidden && access(path.c_str(), R_OK | X_OK) != 0)
-      listed.rest.push_back({.file = path, .slice = {}, .problem = "a folder that may not be read", .series = {}});
+      listed.rest.push_back(
+          {.file = path, .slice = {}, .problem = "a folder that may not be read", .series = {}});
     if (listed.files.size() > kMost)
       return Error{
           fmt::format("{}: holds more than {} files; expected the folder of one CT", folder.string(), kMost)};
@@ -55,7 +56,8 @@ struct NamePattern {
 NamePattern pattern_of(const fs::path& file) {
   NamePattern pattern{file.extension().string(), ""};
   for (char& c : pattern.ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-  if (std::none_of(pattern.ending.begin(), pattern.ending.end(), [](unsigned char c) { return std::isalpha(c); }))
+  if (std::none_of(pattern.ending.begin(), pattern.ending.end(),
+                   [](unsigned char c) { return std::isalpha(c); }))
     pattern.ending.clear();
   for (const char c : file.filename().string())
     if (!std::isdigit(static_cast<unsigned char>(c)))
@@ -138,9 +140,9 @@ Status judge_rest(const DicomFolder& folder, const std::string& series, std::vec
                                f.file.string(), f.problem,
                                f.series ? "its identifier says" : "its name says")};
     else
-      notes.push_back(fmt::format("{}: {}; left out: {}", f.file.string(), f.problem,
-                                  f.series ? "it is of another series"
-                                           : "it cannot be told to which series it belongs"));
+      notes.push_back(
+          fmt::format("{}: {}; left out: {}", f.file.string(), f.problem,
+                      f.series ? "it is of another series" : "it cannot be told to which series it belongs"));
   }
   if (!skipped.empty()) notes.push_back(skipped_note(skipped));
   return Done{};

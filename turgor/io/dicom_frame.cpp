@@ -1,4 +1,5 @@
-// What compressed pixels say of their own size. A decoder takes memory for that, whatever the DICOM header says.
+// What compressed pixels say of their own size. A decoder takes memory for that, whatever the DICOM header
+// says.
 #include <algorithm>
 #include <fstream>
 #include <optional>

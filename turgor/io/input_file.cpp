@@ -27,8 +27,8 @@ const char* kind(mode_t mode) {
 Error cannot_open(const fs::path& path, int reason) {
   if (reason == ENOENT || reason == ENOTDIR) return {not_found(path)};
   if (reason == EACCES || reason == EPERM)
-    return {fmt::format("{}: permission denied: the file or a folder above it may not be read",
-                        path.string())};
+    return {
+        fmt::format("{}: permission denied: the file or a folder above it may not be read", path.string())};
   return {fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(reason))};
 }
 

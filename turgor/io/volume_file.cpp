@@ -111,7 +111,7 @@ Result<RawVolume> read_samples(const fs::path& path, const VolumeHeader& header)
   io->SetIORegion(region);
   const Result<SampleType> type = sample_type(path, io->GetComponentType());
   if (!type) return type.error();
-  RawVolume raw{header.format, itk_grid(*io, header), *type, int(io->GetNumberOfComponents()), 1, 0, {}};
+  RawVolume raw{header.format, itk_grid(*io, header), *type, int(io->GetNumberOfComponents()), 1, 0, {}, {}};
   if (raw.components != header.components)
     return Error{fmt::format("{}: corrupt: {} components, expected {}", path.string(), raw.components,
                              header.components)};
@@ -165,6 +165,7 @@ Result<RawVolume> read_volume_file(const fs::path& path) {
                                                   : read_samples(path, *header);
   });
   if (!raw) return raw;
+  raw->label_names = header->label_names;
   if (Status placed = check_grid(path, raw->grid); !placed) return placed.error();
   return raw;
 }
