@@ -15,8 +15,10 @@ fs::path folder_with_ct() {
 }
 
 std::string scene_of(const std::string& body) {
-  return "[world]\nduration = 0.02\nframe_rate = 50\n[body.torso]\nmodel = \"lattice\"\nct = \"ct.nii.gz\"\nblock = 2\n" +
-         body + "\n[output]\nsnapshots = { every = 1, size = [80, 64] }\nvolume_rendering = false\nmeshes = false\n"
+  return "[world]\nduration = 0.02\nframe_rate = 50\n[body.torso]\nmodel = \"lattice\"\nct = "
+         "\"ct.nii.gz\"\nblock = 2\n" +
+         body +
+         "\n[output]\nsnapshots = { every = 1, size = [80, 64] }\nvolume_rendering = false\nmeshes = false\n"
          "recording = false\nvideo = false\n";
 }
 
@@ -24,7 +26,8 @@ std::string scene_of(const std::string& body) {
 void write_segmentation(const fs::path& folder, const std::string& name) {
   ASSERT_EQ(run_program("import l.nii.gz -o l.nrrd", folder).code, 0);
   std::string bytes = bytes_of(folder / "l.nrrd");
-  bytes.insert(bytes.find("\n\n") + 1, "Segment0_LabelValue:=5\nSegment0_Layer:=0\nSegment0_Name:=" + name + "\n");
+  bytes.insert(bytes.find("\n\n") + 1,
+               "Segment0_LabelValue:=5\nSegment0_Layer:=0\nSegment0_Name:=" + name + "\n");
   write(folder / "l.seg.nrrd", bytes);
 }
 
@@ -42,7 +45,8 @@ TEST(Labels, AreCalledWhatTheirFileCallsThem) {
   EXPECT_NE(info.printed.find("    5 tumour "), std::string::npos) << info.printed;
   EXPECT_EQ(info.printed.find("liver"), std::string::npos) << info.printed;
   EXPECT_EQ(info.printed.find("TotalSegmentator"), std::string::npos) << info.printed;
-  write(folder / "s.toml", scene_of("labels = \"l.seg.nrrd\"\nonly = \"tumour\"\ntissue = { labels = { tumour = 9e3 } }"));
+  write(folder / "s.toml",
+        scene_of("labels = \"l.seg.nrrd\"\nonly = \"tumour\"\ntissue = { labels = { tumour = 9e3 } }"));
   const Ended run = run_program("run s.toml -o by-name", folder);
   ASSERT_EQ(run.code, 0) << run.printed;
   EXPECT_FALSE(warns(report_in(folder / "by-name"), "TotalSegmentator"));
@@ -80,7 +84,8 @@ TEST(Labels, OfAnotherPatientsGridAreRefusedByRunAsByInfo) {
 
 TEST(Labels, GivenAsACtAreDoubtedByInfoImportAndRun) {
   const fs::path folder = folder_with_ct();
-  EXPECT_NE(run_program("info l.nii.gz", folder).printed.find("do not look like Hounsfield"), std::string::npos);
+  EXPECT_NE(run_program("info l.nii.gz", folder).printed.find("do not look like Hounsfield"),
+            std::string::npos);
   EXPECT_NE(run_program("import l.nii.gz -o l.mha", folder).printed.find("do not look like Hounsfield"),
             std::string::npos);
   write(folder / "s.toml", scene_of("fixed = \"none\"\ngravity = false\nskin = false"));

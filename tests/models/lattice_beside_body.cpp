@@ -67,7 +67,8 @@ TEST_P(BehindTheBody, NoNodeLiesInATableNearIt) {
     const CtVolume ct = painted([&](double x, double y, double) { return in_body(x, y) || in_table(x, y); });
     const BodyNodes nodes = nodes_at(ct, GetParam());
     EXPECT_EQ(count_nodes(nodes, kBack + table.gap + 0.5 * GetParam(), 1e3), 0u) << table.name;
-    const double kept = double(count_nodes(nodes, 0, 1e3));  // a little of the rim goes with a table 2 mm away
+    const double kept =
+        double(count_nodes(nodes, 0, 1e3));  // a little of the rim goes with a table 2 mm away
     EXPECT_NEAR(kept, double(nodes_alone), 0.004 * double(nodes_alone)) << table.name;
   }
 }

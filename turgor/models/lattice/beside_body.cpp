@@ -81,8 +81,8 @@ Mask with_neighbours(const Exec& exec, const Mask& mask, Int3 size) {
   return combined(exec, combined(exec, mask, size, 1, either), size, -1, either);
 }
 
-/// The largest part of the cells that are dense throughout: any gap of a voxel ends it, and so does a sheet thinner
-/// than a cell.
+/// The largest part of the cells that are dense throughout: any gap of a voxel ends it, and so does a sheet
+/// thinner than a cell.
 Mask core_of(const Mask& dense, Int3 size) {
   const RowComponents parts = row_components(dense, size);
   Mask core(dense.size());

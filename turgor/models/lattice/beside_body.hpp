@@ -23,8 +23,8 @@ struct BesideBody {
   }
 };
 
-/// The body is the largest part that holds together by more than some 3 mm. Beside it lies what is longer than a
-/// hand, hangs on it by less than that, and is seen from the sides of the scan; ears and fingers stay.
+/// The body is the largest part that holds together by more than some 3 mm. Beside it lies what is longer
+/// than a hand, hangs on it by less than that, and is seen from the sides of the scan; ears and fingers stay.
 BesideBody find_beside_body(const Exec& exec, const CtVolume& ct, double air_max);
 
 }  // namespace turgor::lattice
