@@ -62,22 +62,20 @@ Json describe(const std::string& path, const CtFile& file) {
   return json;
 }
 
-Json describe_labels(const std::string& path, const CtVolume& ct) {
-  const Result<LabelVolume> read = read_labels(path);
+/// Also says so when the file does not name its labels.
+Json describe_labels(const std::string& path, const CtVolume& ct, Json& notes) {
+  const Result<LabelFile> read = read_labels_of(path, ct.grid);
   if (!read) throw Failure{2, read.error().message};
-  const std::optional<LabelVolume> labels = on_grid(*read, ct.grid);
-  if (!labels)
-    throw Failure{
-        2,
-        fmt::format(
-            "{}: its grid ({} x {} x {}) does not lie on the CT's ({} x {} x {}): expected a segmentation of "
-            "this CT",
-            path, read->grid.size.x, read->grid.size.y, read->grid.size.z, ct.grid.size.x, ct.grid.size.y,
-            ct.grid.size.z)};
+  if (!read->has_names)
+    notes.push_back(path + ": the file names none of its labels: names are those of TotalSegmentator");
+  const auto name_of = [&](int label) {
+    const auto found = read->names.find(label);
+    return found == read->names.end() ? std::string{} : found->second;
+  };
   Json list = Json::array();
-  for (const LabelMeasure& m : measure_labels(*labels, &ct))
+  for (const LabelMeasure& m : measure_labels(read->labels, &ct))
     list.push_back({{"label", m.label},
-                    {"name", organ_name(m.label)},
+                    {"name", name_of(m.label)},
                     {"voxels", m.voxels},
                     {"volume_ml", m.volume * 1e6},
                     {"centroid_ras_mm", triple(to_ras(m.centroid) * 1e3)},
@@ -144,7 +142,8 @@ Json inform_about_ct(const InfoOptions& options, const Exec& exec) {
     const Result<CtFile> file = read_ct(exec, options.path, {options.series, bar.callback()});
     if (!file) throw Failure{2, file.error().message + what_is_there(options, exec)};
     json = describe(options.path, *file);
-    if (!options.labels.empty()) json["labels"] = describe_labels(options.labels, file->ct);
+    if (!options.labels.empty()) json["labels"] = describe_labels(options.labels, file->ct, json["notes"]);
+    if (json["notes"].empty()) json.erase("notes");
   }
   print(json);
   if (json.contains("labels")) print_labels(json["labels"]);

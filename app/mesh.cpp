@@ -41,11 +41,12 @@ OrganMesh mesh_surface(const MeshOptions& options, const Exec& exec) {
 }
 
 OrganMesh mesh_labels(const MeshOptions& options, const Exec& exec) {
-  const Result<LabelVolume> labels = read_labels(options.input);
-  if (!labels) throw Failure{2, labels.error().message};
+  const Result<LabelFile> file = read_labels(options.input);
+  if (!file) throw Failure{2, file.error().message};
   if (options.scale != 1) throw Failure{2, "--scale is for surfaces; a segmentation knows its millimetres"};
   ProgressBar bar("meshing");
-  return finished(mesh_of_labels(exec, *labels, options.labels, options.size, bar.callback()), options.input);
+  return finished(mesh_of_labels(exec, file->labels, options.labels, options.size, bar.callback()),
+                  options.input);
 }
 
 Status write_mesh(const std::filesystem::path& path, const SolidMesh& mesh) {

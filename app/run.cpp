@@ -222,6 +222,8 @@ void run(const Exec& exec, const RunOptions& options) {
     for (const std::string& note : organ.facts.notes)
       outputs.facts.warnings.push_back(organ.name + ": " + note);
 
+  for (const RhombusOrgan& organ : world.rhombi)
+    for (const std::string& note : organ.notes) outputs.facts.warnings.push_back(organ.name + ": " + note);
   for (const ClothBody& body : world.clothes)
     for (const std::string& note : body.notes) outputs.facts.warnings.push_back(body.name + ": " + note);
 

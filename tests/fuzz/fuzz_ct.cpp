@@ -26,6 +26,8 @@ void check(const turgor::Result<T>& read) {
     require(!read.error().message.empty());
   else if constexpr (requires { read->ct; })
     check(read->ct);
+  else if constexpr (requires { read->labels; })
+    check(read->labels);
   else
     check(*read);
 }

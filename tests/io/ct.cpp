@@ -5,12 +5,18 @@
 #include <cstring>
 #include <limits>
 
+#include <sys/stat.h>
+
 #include "folders.hpp"
 #include "refused.hpp"
+#include "turgor/io/file.hpp"
+#include "turgor/io/solid_files.hpp"
+#include "turgor/io/surface_files.hpp"
 
 namespace turgor {
 namespace {
 
+namespace fs = std::filesystem;
 using test::bytes_of;
 using test::fresh_folder;
 using test::write;
@@ -67,7 +73,7 @@ TEST_P(EveryFormat, GivesBackLabels) {
   ASSERT_TRUE(write_labels(folder / GetParam(), labels));
   const auto read = read_labels(folder / GetParam());
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(read->samples, labels.samples);
+  EXPECT_EQ(read->labels.samples, labels.samples);
 }
 
 TEST_P(EveryFormat, GivesBackDisplacementsInMillimetres) {
@@ -190,6 +196,149 @@ TEST(Ct, ValuesAreRoundedAndKeptWithinSixteenBits) {
   EXPECT_EQ(read->ct.samples[4], kAirHu);
 }
 
+bool has_note(const Result<CtFile>& read, const std::string& words) {
+  return std::any_of(read->notes.begin(), read->notes.end(),
+                     [&](const std::string& note) { return note.find(words) != std::string::npos; });
+}
+
+TEST(Ct, WhatRoundingChangesIsNoted) {
+  const float nan = std::nanf("");
+  const auto read =
+      read_bytes(Nifti(16, {1e9f, 0.5f, -0.25f, nan, 7.f, 8.f, 9.f, 1.f, 2.f, 3.f, 4.f, -1e9f}).bytes);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(has_note(read, "2 of 12 samples were rounded to whole Hounsfield units"));
+  EXPECT_TRUE(has_note(read, "1 of 12 samples are no numbers (NaN) and became air (-1000 HU)"));
+  EXPECT_TRUE(has_note(read, "2 of 12 samples lay outside of -32768 to 32767 HU"));
+  const auto whole =
+      read_bytes(Nifti(16, {-1000.f, 0.f, 40.f, 3.f, 7.f, 8.f, 9.f, 1.f, 2.f, 3.f, 4.f, 5.f}).bytes);
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_TRUE(whole->notes.empty());
+}
+
+TEST(Ct, NumbersThatAreNoHounsfieldUnitsAreNoted) {
+  const auto read =
+      read_bytes(Nifti(2, std::initializer_list<std::uint8_t>{0, 9, 99, 255, 5, 6, 7, 8, 9, 1, 2, 3}).bytes);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(has_note(read, "do not look like Hounsfield units"));
+  EXPECT_TRUE(has_note(read, "from 0 to 255"));
+}
+
+std::string segmentation(const std::string& keys, const char* sizes = "2 2 2", const char* dimension = "3",
+                         const char* directions = "(1,0,0) (0,1,0) (0,0,1)", std::size_t count = 8) {
+  std::string samples;
+  for (std::size_t n = 0; n < count; n++) samples += char(n % 3);
+  return std::string("NRRD0004\ntype: uchar\ndimension: ") + dimension +
+         "\nspace: left-posterior-superior\nsizes: " + sizes + "\nspace directions: " + directions +
+         "\nencoding: raw\nspace origin: (0,0,0)\n" + keys + "\n" + samples;
+}
+
+TEST(Ct, LabelsOfASegmentationHaveTheNamesThatItsFileSays) {
+  const fs::path file = fresh_folder() / "s.seg.nrrd";
+  write(file, segmentation("Segment0_ID:=Segment_1\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n"
+                           "Segment0_Name:=liver\nSegment1_LabelValue:=7\nSegment1_Name:=my tumour\n"));
+  const auto read = read_labels(file);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(read->has_names);
+  EXPECT_EQ(read->names, (LabelNames{{1, "liver"}, {7, "my tumour"}}));
+  EXPECT_EQ(read_label_names(file), read->names);
+}
+
+TEST(Ct, LabelsWithoutNamesHaveThoseOfTheUsualTool) {
+  const fs::path file = fresh_folder() / "s.nrrd";
+  write(file, segmentation(""));
+  const auto read = read_labels(file);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_FALSE(read->has_names);
+  EXPECT_EQ(read->names.at(5), "liver");
+  EXPECT_TRUE(read_label_names(file).empty());
+}
+
+TEST(Ct, SegmentsInSeveralLayersAreRefused) {
+  const fs::path file = fresh_folder() / "s.seg.nrrd";
+  write(file,
+        segmentation("Segment0_Name:=liver\nSegment0_Layer:=0\nSegment1_Name:=tumour\nSegment1_Layer:=1\n",
+                     "2 2 2 2", "4", "none (1,0,0) (0,1,0) (0,0,1)", 16));
+  EXPECT_REFUSED(read_labels(file), "s.seg.nrrd", "several layers (2)", "expected one layer");
+}
+
+/// Labels 0, 1, 2 with an extension between header and samples.
+std::string nifti_with(int kind, std::string text) {
+  Nifti file(2, std::initializer_list<std::uint8_t>{0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2});
+  text.resize((text.size() + 8 + 15) / 16 * 16 - 8, '\0');
+  std::string extension(8, '\0');
+  const auto size = std::int32_t(text.size() + 8), code = std::int32_t(kind);
+  std::memcpy(extension.data(), &size, 4);
+  std::memcpy(extension.data() + 4, &code, 4);
+  file.put<float>(108, 352 + float(size));
+  file.bytes[348] = 1;
+  file.bytes.insert(352, extension + text);
+  return file.bytes;
+}
+
+TEST(Ct, ANiftiExtensionNamesLabels) {
+  const char* xml =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?><CaretExtension><VolumeInformation Index=\"0\"><LabelTable>"
+      "<Label Key=\"1\" Red=\"0.2\" Green=\"0.3\" Blue=\"0\" Alpha=\"1\"><![CDATA[liver]]></Label>"
+      "<Label Key=\"2\"><![CDATA[left lobe & "
+      "more]]></Label></LabelTable></VolumeInformation></CaretExtension>";
+  const struct {
+    int kind;
+    std::string text;
+  } cases[] = {{0, xml},
+               {30, xml},
+               {6, R"({"1": "liver", "2": "left lobe & more"})"},
+               {6, R"({"labels": {"liver": 1, "left lobe & more": 2}})"},
+               {44, R"({1: 'liver', 2: 'left lobe & more'})"}};
+  for (const auto& c : cases) {
+    const fs::path file = fresh_folder() / "s.nii";
+    write(file, nifti_with(c.kind, c.text));
+    const auto read = read_labels(file);
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->names, (LabelNames{{1, "liver"}, {2, "left lobe & more"}})) << c.text;
+    EXPECT_EQ(read->labels.samples[1], 1);
+  }
+}
+
+TEST(Ct, AnExtensionThatNamesNothingIsPassedOver) {
+  for (const char* text : {"made by hand", "<a><b>", "{", "{\"a\": \"b\"}", "<Label Key=\"0\">x</Label>"}) {
+    const fs::path file = fresh_folder() / "s.nii";
+    write(file, nifti_with(6, text));
+    const auto read = read_labels(file);
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_FALSE(read->has_names) << text;
+  }
+}
+
+TEST(Ct, LabelsOfAnotherGridAreRefusedAndTheDifferenceIsNamed) {
+  const fs::path file = fresh_folder() / "s.nii";
+  LabelVolume labels{make_ct().grid, std::vector<std::uint16_t>(sample_count(make_ct().grid), 1)};
+  ASSERT_TRUE(write_labels(file, labels));
+  EXPECT_TRUE(read_labels_of(file, labels.grid));
+  Grid other = labels.grid;
+  other.origin.z += 0.01;
+  EXPECT_REFUSED(read_labels_of(file, other), "s.nii", "origin", "expected a segmentation of this CT");
+}
+
+TEST(Ct, WhatIsNoFileIsRefusedAndNotWaitedFor) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(mkfifo((folder / "pipe.nii").c_str(), 0600), 0);
+  EXPECT_REFUSED(read_ct(kExec, folder / "pipe.nii"), "is a pipe; expected a file");
+  EXPECT_REFUSED(read_labels(folder / "pipe.nii"), "is a pipe");
+  EXPECT_REFUSED(read_vectors(folder / "pipe.nii"), "is a pipe");
+  EXPECT_TRUE(read_label_names(folder / "pipe.nii").empty());
+  EXPECT_REFUSED(read_file(folder / "pipe.nii"), "is a pipe");
+  EXPECT_REFUSED(read_surface(folder / "pipe.nii", 1), "is a pipe");
+  EXPECT_REFUSED(read_solid(folder / "pipe.nii", 1), "is a pipe");
+  EXPECT_REFUSED(read_ct(kExec, "/dev/zero"), "is a device; expected a file");
+  EXPECT_REFUSED(read_labels("/dev/zero"), "is a device");
+  EXPECT_REFUSED(read_file("/dev/zero"), "is a device");
+  EXPECT_REFUSED(read_surface("/dev/zero", 1), "is a device");
+  EXPECT_FALSE(read_ct(kExec, "/proc/self/mem"));
+  EXPECT_FALSE(read_surface("/proc/self/mem", 1));
+  fs::create_symlink("nowhere", folder / "link.nii");
+  EXPECT_REFUSED(read_ct(kExec, folder / "link.nii"), "a link to a file that does not exist");
+}
+
 TEST(Ct, NiftiOfTheOtherByteOrderIsRead) {
   std::string bytes = int32_file().bytes;
   const auto swap = [&](std::size_t at, std::size_t size) {
@@ -271,6 +420,9 @@ TEST(Ct, BadTextHeadersAreRefusedByTheirField) {
     const auto file = folder / (text.starts_with("NRRD") ? "a.nrrd" : "a.mha");
     write(file, text + std::string(16, '\0'));
     EXPECT_REFUSED(read_ct(kExec, file), word);
+    const std::string message = read_ct(kExec, file).error().message;
+    for (const char* library : {"itk", "ITK", "nrrd_", "[nrrd]", "MetaImage: "})  // sentences are our own
+      EXPECT_EQ(message.find(library), std::string::npos) << message;
   };
   write(folder / "a.nrrd", nrrd + std::string(16, '\0'));
   EXPECT_TRUE(read_ct(kExec, folder / "a.nrrd"));

@@ -1,64 +1,20 @@
 #include "turgor/io/dicom.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include "folders.hpp"
-#include "refused.hpp"
+#include "io/dicom_series.hpp"
 
 namespace turgor {
 namespace {
 
 using test::bytes_of;
 using test::fresh_folder;
+using test::make_ct;
+using test::Series;
+using test::set_value;
 using test::write;
 
 namespace fs = std::filesystem;
 
 const Exec kExec(2);
-
-CtVolume make_ct(int slices = 6) {
-  const Vec3d i = normalized(Vec3d{1, 0.1, 0.05}), k = normalized(cross(i, Vec3d{-0.1, 1, 0.02}));
-  CtVolume ct{{.size = {9, 7, slices},
-               .spacing = {0.75e-3, 0.5e-3, 1.25e-3},
-               .origin = {0.1, -0.2, 0.3},
-               .axes = {{i, cross(k, i), k}}},
-              {}};
-  for (std::size_t n = 0; n < sample_count(ct.grid); n++)
-    ct.samples.push_back(std::int16_t(int(n * 7919 % 5000) - 2000));
-  return ct;
-}
-
-/// Replaces the value of an element in an explicit little-endian file, its length included.
-void set_value(const fs::path& file, std::uint16_t group, std::uint16_t element, std::string value) {
-  std::string bytes = bytes_of(file);
-  const std::string tag{char(group & 255), char(group >> 8), char(element & 255), char(element >> 8)};
-  const std::size_t at = bytes.find(tag, 132);
-  ASSERT_NE(at, std::string::npos);
-  const std::size_t length =
-      std::size_t((unsigned char)bytes[at + 6]) + 256 * std::size_t((unsigned char)bytes[at + 7]);
-  if (value.size() % 2) value += ' ';
-  bytes.replace(at + 8, length, value);
-  bytes[at + 6] = char(value.size() & 255);
-  bytes[at + 7] = char(value.size() >> 8);
-  write(file, bytes);
-}
-
-struct Series {
-  const std::filesystem::path folder = fresh_folder();
-  CtVolume ct;
-  fs::path path = folder / "ct";
-
-  explicit Series(int slices = 6) : ct(make_ct(slices)) {
-    const Status written = write_dicom(kExec, path, ct, "Test^Patient");
-    EXPECT_TRUE(written) << written.error().message;
-  }
-  fs::path slice(int number) const { return path / ("slice-0000" + std::to_string(number) + ".dcm"); }
-  void set_every(std::uint16_t group, std::uint16_t element, const std::string& value) const {
-    for (const auto& entry : fs::directory_iterator(path)) set_value(entry.path(), group, element, value);
-  }
-  Result<CtFile> read(const std::string& series = "") const { return read_ct(kExec, path, {series, {}}); }
-};
 
 TEST(Dicom, GivesBackAnObliqueAnisotropicCt) {
   const Series s;
@@ -269,6 +225,64 @@ TEST(Dicom, PaddingBecomesAir) {
   ASSERT_TRUE(read) << read.error().message;
   for (std::size_t n = 0; n < s.ct.samples.size(); n++)
     EXPECT_EQ(read->ct.samples[n], s.ct.samples[n] == pad ? kAirHu : s.ct.samples[n]);
+}
+
+TEST(Dicom, PaddingAndClampedSamplesAreCounted) {
+  const Series s;
+  for (int number = 1; number <= 6; number++) {
+    std::string bytes = bytes_of(s.slice(number));
+    const std::size_t at = bytes.find(std::string("\x28\0\x03\x01US", 6), 132);
+    const std::int16_t low = -2000, high = -1500;
+    const auto element = [](char low_byte, std::int16_t value) {
+      return std::string("\x28\0", 2) + low_byte + std::string("\x01SS\x02\0", 5) + char(value & 255) +
+             char(value >> 8);
+    };
+    bytes.insert(at + 10, element('\x20', low) + element('\x21', high));
+    write(s.slice(number), bytes);
+  }
+  const auto padded = std::count_if(s.ct.samples.begin(), s.ct.samples.end(),
+                                    [](int hu) { return hu >= -2000 && hu <= -1500; });
+  const auto read = s.read();
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->notes.size(), 1u);
+  EXPECT_TRUE(read->notes[0].starts_with(std::to_string(padded) + " samples became air (-1000 HU)"))
+      << read->notes[0];
+  s.set_every(0x28, 0x1053, "20");
+  const auto clamped =
+      std::count_if(s.ct.samples.begin(), s.ct.samples.end(), [](int hu) { return hu > 1638 || hu < -2000; });
+  const auto scaled = s.read();
+  ASSERT_TRUE(scaled) << scaled.error().message;
+  ASSERT_EQ(scaled->notes.size(), 3u);  // the third doubts that these are Hounsfield units
+  EXPECT_TRUE(scaled->notes[1].starts_with(std::to_string(clamped) + " samples lay outside"))
+      << scaled->notes[1];
+}
+
+TEST(Dicom, AScaleThatIsNoWholeNumberIsNoted) {
+  const Series s;
+  s.set_every(0x28, 0x1053, "0.5");
+  const auto read = s.read();
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->notes.size(), 1u);
+  EXPECT_NE(read->notes[0].find("rounded to whole Hounsfield units: RescaleSlope 0.5"), std::string::npos)
+      << read->notes[0];
+}
+
+TEST(Dicom, ValuesThatDoNotStartAtTheLowestBitAreRefused) {
+  const Series s;
+  s.set_every(0x28, 0x101, std::string("\x0c\0", 2));  // 12 bits, from bit 15 down
+  EXPECT_REFUSED(s.read(), "HighBit (0028,0102) is 15 with 12 bits stored", "expected 11");
+}
+
+TEST(Dicom, CompressedPixelsOfAnotherSizeThanTheHeaderSaysAreRefusedBeforeTheyAreDecoded) {
+  for (const char* name : {"jpeg.dcm", "jpegls.dcm", "j2k.dcm"}) {
+    const fs::path file = fresh_folder() / name;
+    fs::copy(kCorpus / name, file);
+    set_value(file, 0x28, 0x10, std::string("\x0f\0", 2));
+    EXPECT_REFUSED(read_ct(kExec, file), name, "16 x 15", "compressed pixels say 16 x 16");
+    set_value(file, 0x28, 0x10, std::string("\x30\x75", 2));
+    set_value(file, 0x28, 0x11, std::string("\x30\x75", 2));
+    EXPECT_REFUSED(read_ct(kExec, file), name, "30000 x 30000 pixels", "at most 67108864");
+  }
 }
 
 TEST(Dicom, AFolderWithoutImagesIsRefused) {

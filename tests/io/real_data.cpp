@@ -4,6 +4,7 @@
 #include "turgor/geometry/label_measures.hpp"
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
+#include "turgor/models/lattice/body_nodes.hpp"
 
 namespace turgor {
 namespace {
@@ -28,7 +29,7 @@ void expect_known(const char* ct_name, const char* labels_name, const std::vecto
   ASSERT_TRUE(ct) << ct.error().message;
   const auto stored = read_labels(kData / labels_name);
   ASSERT_TRUE(stored) << stored.error().message;
-  const auto labels = on_grid(*stored, ct->ct.grid);
+  const auto labels = on_grid(stored->labels, ct->ct.grid);
   ASSERT_TRUE(labels) << "the segmentation lies on the CT";
   const auto measures = measure_labels(*labels, &ct->ct);
   for (const Known& known : table) {
@@ -53,6 +54,36 @@ TEST(RealData, OrgansOfANiftiSlabHaveTheirVolumesAndPlaces) {
                {{5, 38634, 1043.118, {64.35, 185.03, 150.14}, 45.29},
                 {1, 9452, 255.204, {}, 0},
                 {2, 3947, 106.569, {}, 0}});
+}
+
+TEST(RealData, OfNoCtThereIsDoubtWhetherItIsOne) {
+  SKIP_WITHOUT(kData / "dicom-abdomen");
+  for (const char* name : {"abdomen-slab.nii.gz", "dicom-abdomen", "dicom-jpeg2000", "torso-3mm.nii.gz"}) {
+    const auto ct = read_ct(Exec(2), kData / name);
+    ASSERT_TRUE(ct) << ct.error().message;
+    EXPECT_TRUE(ct->notes.empty()) << name << ": " << ct->notes[0];
+  }
+}
+
+TEST(RealData, NoNodeLiesInTheTableAtAnyStep) {
+  SKIP_WITHOUT(kData / "dicom-abdomen");
+  const auto ct = read_ct(Exec(2), kData / "dicom-abdomen");
+  ASSERT_TRUE(ct) << ct.error().message;
+  constexpr double kTable = 0.357;  // where it begins, behind the first row [m]
+  for (const double step : {3e-3, 4e-3, 6e-3, 8e-3, 10e-3}) {
+    lattice::Params params;
+    for (int axis = 0; axis < 3; axis++)
+      params.block[axis] = std::max(1, int(std::lround(step / ct->ct.grid.spacing[axis])));
+    const auto nodes = lattice::classify(Exec(2), ct->ct, nullptr, params);
+    ASSERT_TRUE(nodes) << nodes.error().message;
+    const Int3 size = nodes->grid.size;
+    std::size_t behind = 0;
+    for (std::size_t n = 0; n < nodes->tissue.size(); n++) {
+      const double depth = double(n / std::size_t(size.x) % std::size_t(size.y)) * nodes->grid.spacing.y;
+      behind += lattice::is_body(nodes->tissue[n]) && depth > kTable;
+    }
+    EXPECT_EQ(behind, 0u) << "of a lattice of " << step * 1e3 << " mm";
+  }
 }
 
 TEST(RealData, TheLiverOfAJpeg2000SeriesLiesWhereItsMirroredLabelsSay) {

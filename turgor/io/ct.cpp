@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "turgor/geometry/grid_difference.hpp"
+#include "turgor/geometry/hounsfield.hpp"
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/dicom.hpp"
-#include "turgor/io/names.hpp"
+#include "turgor/io/input_file.hpp"
 #include "turgor/io/volume_file.hpp"
 
 namespace turgor {
@@ -22,18 +23,8 @@ using io::SampleType;
 
 namespace {
 
-Status check_readable(const fs::path& path) {
-  std::error_code failed;
-  if (!fs::exists(path, failed)) return Error{io::not_found(path)};
-  if (fs::is_directory(path, failed))
-    return Error{fmt::format("{}: is a folder; expected a file", path.string())};
-  if (!fs::is_regular_file(path, failed)) return Error{fmt::format("{}: is not a file", path.string())};
-  if (!std::ifstream(path)) return Error{fmt::format("{}: cannot be opened (no permission?)", path.string())};
-  return Done{};
-}
-
 Result<RawVolume> read_raw(const fs::path& path, int components) {
-  if (Status readable = check_readable(path); !readable) return readable.error();
+  if (Status input = io::check_input(path); !input) return input.error();
   if (io::is_dicom(path))
     return Error{fmt::format("{}: holds DICOM; expected NIfTI, NRRD or MetaImage here", path.string())};
   Result<RawVolume> raw = io::read_volume_file(path);
@@ -43,16 +34,39 @@ Result<RawVolume> read_raw(const fs::path& path, int components) {
   return raw;
 }
 
-std::int16_t to_hu(double value) {
-  return std::isnan(value) ? kAirHu : std::int16_t(std::lrint(std::clamp(value, -32768.0, 32767.0)));
+/// How many samples became another number of Hounsfield units than the file says.
+struct Changed {
+  std::size_t no_number = 0, rounded = 0, clamped = 0;
+};
+
+std::int16_t to_hu(double value, Changed& changed) {
+  if (std::isnan(value)) return changed.no_number++, kAirHu;
+  const double kept = std::clamp(value, -32768.0, 32767.0), whole = std::nearbyint(kept);
+  changed.clamped += kept != value;
+  changed.rounded += whole != kept;
+  return std::int16_t(whole);
 }
 
-std::vector<std::int16_t> hounsfield(const Exec& exec, const RawVolume& raw) {
+std::vector<std::int16_t> hounsfield(const Exec& exec, const RawVolume& raw,
+                                     std::vector<std::string>& notes) {
+  constexpr std::size_t kBlock = std::size_t{1} << 16;
   std::vector<std::int16_t> hu(raw.value_count());
+  std::vector<Changed> blocks((hu.size() + kBlock - 1) / kBlock);
   visit_samples(raw, [&](const auto* stored) {
-    const auto convert = [&](std::size_t i) { hu[i] = to_hu(raw.slope * double(stored[i]) + raw.intercept); };
-    parallel_for(exec, hu.size(), convert, std::size_t{1} << 16);
+    parallel_for(exec, blocks.size(), [&](std::size_t b) {
+      for (std::size_t i = b * kBlock; i < std::min(hu.size(), (b + 1) * kBlock); i++)
+        hu[i] = to_hu(raw.slope * double(stored[i]) + raw.intercept, blocks[b]);
+    });
   });
+  Changed all;
+  for (const Changed& b : blocks)
+    all.no_number += b.no_number, all.rounded += b.rounded, all.clamped += b.clamped;
+  const auto note = [&](std::size_t count, const std::string& what) {
+    if (count > 0) notes.push_back(fmt::format("{} of {} samples {}", count, hu.size(), what));
+  };
+  note(all.rounded, "were rounded to whole Hounsfield units");
+  note(all.no_number, fmt::format("are no numbers (NaN) and became air ({} HU)", kAirHu));
+  note(all.clamped, "lay outside of -32768 to 32767 HU and were moved to the nearer end");
   return hu;
 }
 
@@ -79,20 +93,33 @@ Error no_label(const fs::path& path, const RawVolume& raw, std::size_t at) {
 
 Result<CtFile> read_ct(const Exec& exec, const fs::path& path, const ReadOptions& options) {
   std::error_code failed;
-  if (!fs::exists(path, failed)) return Error{io::not_found(path)};
   if (fs::is_directory(path, failed)) return io::read_dicom(exec, path, options);
-  if (Status readable = check_readable(path); !readable) return readable.error();
+  if (Status input = io::check_input(path); !input) return input.error();
   if (io::is_dicom(path)) return io::read_dicom(exec, path, options);
   const Result<RawVolume> raw = read_raw(path, 1);
   if (!raw) return raw.error();
   CtFile file;
   file.format = name(raw->format);
-  file.ct = right_handed(CtVolume{raw->grid, hounsfield(exec, *raw)});
+  file.ct = right_handed(CtVolume{raw->grid, hounsfield(exec, *raw, file.notes)});
+  if (std::string doubt = doubt_of_hounsfield_units(file.ct); !doubt.empty()) file.notes.push_back(doubt);
   if (options.progress) options.progress(1);
   return file;
 }
 
-Result<LabelVolume> read_labels(const fs::path& path) {
+LabelNames read_label_names(const fs::path& path) { return io::read_header_names(path); }
+
+Result<LabelFile> read_labels_of(const fs::path& path, const Grid& ct) {
+  Result<LabelFile> read = read_labels(path);
+  if (!read) return read;
+  std::optional<LabelVolume> placed = on_grid(read->labels, ct);
+  if (!placed)
+    return Error{fmt::format("{}: its grid is not the CT's: {}; expected a segmentation of this CT",
+                             path.string(), grid_difference(read->labels.grid, ct))};
+  read->labels = std::move(*placed);
+  return read;
+}
+
+Result<LabelFile> read_labels(const fs::path& path) {
   const Result<RawVolume> raw = read_raw(path, 1);
   if (!raw) return raw.error();
   if (const auto at = first_without_label(*raw)) return no_label(path, *raw, *at);
@@ -101,7 +128,9 @@ Result<LabelVolume> read_labels(const fs::path& path) {
     std::transform(stored, stored + labels.samples.size(), labels.samples.begin(),
                    [&](auto v) { return std::uint16_t(raw->slope * double(v) + raw->intercept); });
   });
-  return right_handed(std::move(labels));
+  LabelFile file{right_handed(std::move(labels)), raw->label_names, !raw->label_names.empty()};
+  if (!file.has_names) file.names = usual_names();
+  return file;
 }
 
 Result<VectorVolume> read_vectors(const fs::path& path) {

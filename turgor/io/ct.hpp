@@ -12,6 +12,7 @@
 #include "turgor/core/progress.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/volume.hpp"
+#include "turgor/io/organ_names.hpp"
 
 namespace turgor {
 
@@ -37,8 +38,18 @@ Result<CtFile> read_ct(const Exec& exec, const std::filesystem::path& path, cons
 /// What a DICOM folder holds by its headers alone, one line a series; empty for anything else. Says something
 /// even where read_ct refuses.
 std::string list_dicom_series(const Exec& exec, const std::filesystem::path& folder);
-/// A segmentation: .nii, .nii.gz, .nrrd, .mha, .mhd with whole numbers in 0…65535.
-Result<LabelVolume> read_labels(const std::filesystem::path& path);
+/// A segmentation and what its labels are called.
+struct LabelFile {
+  LabelVolume labels;
+  LabelNames names;        // the file's own, else the usual tool's
+  bool has_names = false;  // are they the file's own?
+};
+/// A segmentation: .nii, .nii.gz, .nrrd, .seg.nrrd, .mha, .mhd with whole numbers in 0…65535.
+Result<LabelFile> read_labels(const std::filesystem::path& path);
+/// The same, laid along the axes of a CT. Error: its samples do not lie where those of the CT do.
+Result<LabelFile> read_labels_of(const std::filesystem::path& path, const Grid& ct);
+/// What a segmentation calls its labels, by its header alone; empty if it names none, or cannot be read.
+LabelNames read_label_names(const std::filesystem::path& path);
 /// Directions: a three-component image (.nrrd, .nii.gz, .mha) in the patient frame LPS.
 Result<VectorVolume> read_vectors(const std::filesystem::path& path);
 

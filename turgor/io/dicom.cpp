@@ -1,8 +1,13 @@
 #include "turgor/io/dicom.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 
 #include <fmt/format.h>
+
+#include "turgor/geometry/hounsfield.hpp"
+#include "turgor/io/mesh_cursor.hpp"
 
 namespace turgor {
 
@@ -12,48 +17,68 @@ namespace io {
 
 namespace {
 
+/// The slices of one series, and what there is to say about the files beside them.
+struct ChosenSlices {
+  std::vector<DicomSlice> slices;
+  std::vector<std::string> notes;
+};
+
 /// A file stands for its series: its folder is read, and other series there do not count.
-Result<std::vector<DicomSlice>> slices_beside(const Exec& exec, const fs::path& file,
-                                              const Progress& progress) {
-  const Result<std::optional<DicomSlice>> named = read_dicom_header(file);
-  if (!named) return named.error();
-  if (!*named)
-    return Error{fmt::format("{}: a DICOM file without an image; expected a slice of a CT", file.string())};
+Result<ChosenSlices> slices_beside(const Exec& exec, const fs::path& file, const Progress& progress) {
+  const DicomFile named = read_dicom_header(file);
+  if (!named.slice)
+    return Error{fmt::format("{}: {}; expected a slice of a CT", file.string(), named.problem)};
   const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
   Result<DicomFolder> found = scan_dicom(exec, folder, false, progress);
   if (!found) return found.error();
-  std::erase_if(found->slices, [&](const DicomSlice& s) { return s.series != (*named)->series; });
-  return std::move(found->slices);
+  ChosenSlices chosen;
+  const std::string series = named.slice->series;
+  if (const Status rest = judge_rest(*found, series, chosen.notes); !rest) return rest.error();
+  std::erase_if(found->slices, [&](const DicomSlice& s) { return s.series != series; });
+  chosen.slices = std::move(found->slices);
+  return chosen;
 }
 
-Result<std::vector<DicomSlice>> slices_in(const Exec& exec, const fs::path& folder,
-                                          const ReadOptions& options, const Progress& progress) {
-  Result<DicomFolder> found = scan_dicom(exec, folder, true, progress);
+Error no_images(const fs::path& folder, const DicomFolder& found) {
+  for (const DicomFile& f : found.rest)
+    if (f.kind == DicomFile::Kind::kDamaged)
+      return {fmt::format("{}: {} ({} files in {}, no DICOM image can be read)", f.file.string(), f.problem,
+                          found.file_count, folder.string())};
+  return {fmt::format("{}: no DICOM images among {} files; expected the slices of a CT", folder.string(),
+                      found.file_count)};
+}
+
+Result<ChosenSlices> slices_in(const Exec& exec, const fs::path& folder, const ReadOptions& options,
+                               const Progress& progress) {
+  const Result<DicomFolder> found = scan_dicom(exec, folder, true, progress);
   if (!found) return found.error();
-  if (!found->unreadable.empty()) {
-    const std::size_t more = found->unreadable.size() - 1;
-    return Error{found->unreadable[0] + (more ? fmt::format(" (and {} more)", more) : "")};
-  }
-  if (found->slices.empty())
-    return Error{fmt::format("{}: no DICOM images among {} files; expected the slices of a CT",
-                             folder.string(), found->file_count)};
-  return choose_series(folder, std::move(found->slices), options.series);
+  if (found->slices.empty()) return no_images(folder, *found);
+  Result<std::vector<DicomSlice>> slices = choose_series(folder, found->slices, options.series);
+  if (!slices) return slices.error();
+  ChosenSlices chosen{std::move(*slices), {}};
+  const std::string series = chosen.slices.front().series;
+  if (const Status rest = judge_rest(*found, series, chosen.notes); !rest) return rest.error();
+  return chosen;
 }
 
-Status read_plain(const Exec& exec, std::span<const DicomSlice* const> slices,
-                  std::span<const std::span<std::int16_t>> hu, const Progress& progress) {
-  std::vector<std::optional<Error>> errors(slices.size());
+Result<ChangedSamples> read_plain(const Exec& exec, std::span<const DicomSlice* const> slices,
+                                  std::span<const std::span<std::int16_t>> hu, const Progress& progress) {
+  std::vector<Result<ChangedSamples>> read(slices.size(), ChangedSamples{});
   std::atomic<std::size_t> done{0};
   parallel_for(exec, slices.size(), [&](std::size_t k) {
-    if (const Status read = read_plain_samples(*slices[k], hu[k]); !read) errors[k] = read.error();
+    read[k] = read_plain_samples(*slices[k], hu[k]);
     if (progress) progress(double(++done) / double(slices.size()));
   });
-  for (const auto& error : errors)
-    if (error) return *error;
-  return Done{};
+  ChangedSamples changed;
+  for (const auto& slice : read) {
+    if (!slice) return slice.error();
+    changed += *slice;
+  }
+  return changed;
 }
 
-Status read_all_samples(const Exec& exec, const DicomVolume& volume, CtVolume& ct, const Progress& progress) {
+Result<ChangedSamples> read_all_samples(const Exec& exec, const DicomVolume& volume, CtVolume& ct,
+                                        const Progress& progress) {
   const std::size_t area = std::size_t(ct.grid.size.x) * std::size_t(ct.grid.size.y);
   std::vector<const DicomSlice*> plain, compressed;
   std::vector<std::span<std::int16_t>> plain_hu, compressed_hu;
@@ -62,8 +87,34 @@ Status read_all_samples(const Exec& exec, const DicomVolume& volume, CtVolume& c
     (slice.is_compressed ? compressed : plain).push_back(&slice);
     (slice.is_compressed ? compressed_hu : plain_hu).push_back(std::span(ct.samples).subspan(k * area, area));
   }
-  if (Status read = read_plain(exec, plain, plain_hu, progress); !read) return read;
-  return decode_dicom_samples(exec, compressed, compressed_hu, progress);
+  Result<ChangedSamples> changed = read_plain(exec, plain, plain_hu, progress);
+  if (!changed) return changed;
+  const Result<ChangedSamples> decoded = decode_dicom_samples(exec, compressed, compressed_hu, progress);
+  if (!decoded) return decoded;
+  *changed += *decoded;
+  return changed;
+}
+
+/// What of the samples is not as it was stored.
+void note_changes(const std::vector<DicomSlice>& slices, const ChangedSamples& changed,
+                  std::vector<std::string>& notes) {
+  const auto padded =
+      std::find_if(slices.begin(), slices.end(), [](const auto& s) { return s.padding.has_value(); });
+  if (changed.padding > 0)
+    notes.push_back(
+        fmt::format("{} became air ({} HU): their stored value says that nothing was measured there "
+                    "(PixelPaddingValue {})",
+                    counted(changed.padding, "sample"), kAirHu, *padded->padding));
+  if (changed.clamped > 0)
+    notes.push_back(fmt::format("{} lay outside of -32768 to 32767 HU and {} moved to the nearer end",
+                                counted(changed.clamped, "sample"), changed.clamped == 1 ? "was" : "were"));
+  const auto is_fraction = [](double v) { return v != std::floor(v); };
+  if (std::any_of(slices.begin(), slices.end(),
+                  [&](const DicomSlice& s) { return is_fraction(s.slope) || is_fraction(s.intercept); }))
+    notes.push_back(
+        fmt::format("samples were rounded to whole Hounsfield units: RescaleSlope {}, "
+                    "RescaleIntercept {}",
+                    slices.front().slope, slices.front().intercept));
 }
 
 }  // namespace
@@ -86,16 +137,17 @@ Result<CtFile> read_dicom(const Exec& exec, const fs::path& path, const ReadOpti
   };
   std::error_code failed;
   const bool is_folder = fs::is_directory(path, failed);
-  Result<std::vector<DicomSlice>> slices =
+  Result<ChosenSlices> chosen =
       is_folder ? slices_in(exec, path, options, part(0, 0.3)) : slices_beside(exec, path, part(0, 0.3));
-  if (!slices) return slices.error();
-  Result<DicomVolume> volume = stack_slices(path, std::move(*slices));
+  if (!chosen) return chosen.error();
+  Result<DicomVolume> volume = stack_slices(path, std::move(chosen->slices));
   if (!volume) return volume.error();
   if (std::int64_t(sample_count(volume->grid)) > std::int64_t{1} << 33)
     return Error{fmt::format("{}: more samples than the largest volume of 2^33", path.string())};
   CtFile file;
   file.ct = {volume->grid, std::vector<std::int16_t>(sample_count(volume->grid))};
-  if (Status read = read_all_samples(exec, *volume, file.ct, part(0.3, 1)); !read) return read.error();
+  const Result<ChangedSamples> changed = read_all_samples(exec, *volume, file.ct, part(0.3, 1));
+  if (!changed) return changed.error();
   const DicomSlice& first = volume->slices.front();
   file.format = "DICOM";
   file.patient = first.patient;
@@ -103,7 +155,10 @@ Result<CtFile> read_dicom(const Exec& exec, const fs::path& path, const ReadOpti
   file.series = first.description.empty() ? first.series : first.description;
   file.modality = first.modality;
   file.files = int(volume->slices.size());
-  file.notes = std::move(volume->notes);
+  file.notes = std::move(chosen->notes);
+  file.notes.insert(file.notes.end(), volume->notes.begin(), volume->notes.end());
+  note_changes(volume->slices, *changed, file.notes);
+  if (std::string doubt = doubt_of_hounsfield_units(file.ct); !doubt.empty()) file.notes.push_back(doubt);
   return file;
 }
 

@@ -20,7 +20,7 @@ struct DicomSlice {
   std::string series, description, modality, patient, study, image_type, photometric, transfer_syntax;
   std::vector<DicomFragment> fragments;  // of compressed pixels
   int rows = 0, columns = 0, frames = 1, samples_per_pixel = 1;
-  int bits_allocated = 16, bits_stored = 16;
+  int bits_allocated = 16, bits_stored = 16, high_bit = 15;
   bool is_signed = false, is_compressed = false;
   std::uint64_t file_size = 0, pixel_offset = 0, pixel_length = 0;  // [bytes]
   double slope = 1, intercept = 0;                                  // HU = slope · stored + intercept
@@ -31,9 +31,23 @@ struct DicomSlice {
   double thickness = 0;                        // [mm]; 0 if not said
 };
 
+/// What one file turned out to be: a slice, or something else and why.
+struct DicomFile {
+  std::filesystem::path file;
+  std::optional<DicomSlice> slice;
+  std::string problem;                // without a slice: "is empty", "truncated or corrupt DICOM file: …"
+  std::optional<std::string> series;  // of a damaged file, if that much could be read
+  enum class Kind {
+    kDamaged,
+    kOtherObject,
+    kNoDicom
+  } kind = Kind::kDamaged;  // without a slice; the second
+                            // is sound, but no image: a directory, a report, contours
+};
+
 struct DicomFolder {
-  std::vector<DicomSlice> slices;       // images only, by name of file
-  std::vector<std::string> unreadable;  // sentences about damaged DICOM files
+  std::vector<DicomSlice> slices;  // images only, by name of file
+  std::vector<DicomFile> rest;     // all other files
   std::size_t file_count = 0;
 };
 
@@ -46,10 +60,12 @@ struct DicomVolume {
 
 /// Whether a file begins as DICOM files do.
 bool is_dicom(const std::filesystem::path& file);
-/// The header of one file: nothing if it is not a DICOM image, an error if it is damaged.
-Result<std::optional<DicomSlice>> read_dicom_header(const std::filesystem::path& file);
+DicomFile read_dicom_header(const std::filesystem::path& file);
 Result<DicomFolder> scan_dicom(const Exec& exec, const std::filesystem::path& folder, bool recursive,
                                const Progress& progress);
+/// Files beside a series that was chosen: an error if one of them is a damaged slice of it, or looks like one
+/// by its name; notes about all others. `slices` are those of the whole folder.
+Status judge_rest(const DicomFolder& folder, const std::string& series, std::vector<std::string>& notes);
 /// One line a series: its number, slices, size, modality, description and identifier.
 std::string list_series(const std::vector<DicomSlice>& slices);
 /// The slices of the series asked for; an error that lists the series if that is not one.
@@ -57,13 +73,23 @@ Result<std::vector<DicomSlice>> choose_series(const std::filesystem::path& folde
                                               std::vector<DicomSlice> slices, const std::string& wanted);
 /// Sorts along the normal and refuses what is not a straight stack of evenly spaced CT slices.
 Result<DicomVolume> stack_slices(const std::filesystem::path& folder, std::vector<DicomSlice> slices);
+/// Samples whose Hounsfield units are not what was stored.
+struct ChangedSamples {
+  std::size_t padding = 0;  // became air
+  std::size_t clamped = 0;  // lay outside of int16
+
+  void operator+=(const ChangedSamples& other) { padding += other.padding, clamped += other.clamped; }
+};
 /// The Hounsfield units of one uncompressed slice, columns fastest, into rows · columns samples.
-Status read_plain_samples(const DicomSlice& slice, std::span<std::int16_t> hu);
+Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, std::span<std::int16_t> hu);
 /// The same for compressed slices of one size.
-Status decode_dicom_samples(const Exec& exec, std::span<const DicomSlice* const> slices,
-                            std::span<const std::span<std::int16_t>> hu, const Progress& progress);
+Result<ChangedSamples> decode_dicom_samples(const Exec& exec, std::span<const DicomSlice* const> slices,
+                                            std::span<const std::span<std::int16_t>> hu,
+                                            const Progress& progress);
+/// Checks that compressed pixels are of the size that the header promises, by what they say of themselves.
+Status check_frame(const DicomSlice& slice);
 /// Stored values, as the slice's header describes them, as Hounsfield units.
-void convert_to_hu(const DicomSlice& slice, const char* stored, std::span<std::int16_t> hu);
+ChangedSamples convert_to_hu(const DicomSlice& slice, const char* stored, std::span<std::int16_t> hu);
 
 Result<CtFile> read_dicom(const Exec& exec, const std::filesystem::path& path, const ReadOptions& options);
 

@@ -41,11 +41,17 @@ class SharedMemory {
   void* data_;
 };
 
+/// What a child leaves behind of one slice, besides its samples.
+struct Decoded {
+  std::atomic<Progressed> state;
+  ChangedSamples changed;
+};
+
 struct Work {
   std::span<const DicomSlice* const> slices;
-  std::size_t area;                // samples of a slice
-  std::int16_t* samples;           // shared, slice after slice
-  std::atomic<Progressed>* state;  // shared, one a slice
+  std::size_t area;       // samples of a slice
+  std::int16_t* samples;  // shared, slice after slice
+  Decoded* decoded;       // shared, one a slice
 };
 
 /// The compressed pixels as GDCM wants them.
@@ -64,7 +70,7 @@ gdcm::SmartPointer<gdcm::SequenceOfFragments> load_fragments(const DicomSlice& s
 }
 
 /// False if GDCM refuses. It may also crash.
-bool decode(const DicomSlice& slice, std::span<std::int16_t> hu) {
+bool decode(const DicomSlice& slice, std::span<std::int16_t> hu, ChangedSamples& changed) {
   gdcm::Image image;
   image.SetNumberOfDimensions(2);
   image.SetDimension(0, unsigned(slice.columns));
@@ -82,24 +88,38 @@ bool decode(const DicomSlice& slice, std::span<std::int16_t> hu) {
   if (image.GetBufferLength() != wanted) return false;
   std::vector<char> stored(wanted);
   if (!image.GetBuffer(stored.data())) return false;
-  convert_to_hu(slice, stored.data(), hu);
+  changed = convert_to_hu(slice, stored.data(), hu);
   return true;
+}
+
+/// A codec that believes a damaged image asks for memory without end: no more than decoding one slice takes.
+void limit_memory(const Work& work) {
+  constexpr rlim_t kCodec = rlim_t{256} << 20, kBytesPerSample = 32;
+  rlim_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;  // what was mapped before counts, too
+  rlimit limit{};
+  if (pages == 0 || getrlimit(RLIMIT_AS, &limit) != 0) return;
+  const rlim_t wanted = pages * rlim_t(sysconf(_SC_PAGESIZE)) + kCodec + kBytesPerSample * work.area;
+  limit.rlim_cur = std::min(wanted, limit.rlim_max);
+  setrlimit(RLIMIT_AS, &limit);
 }
 
 /// What a child does: every step-th slice. Never returns.
 [[noreturn]] void decode_stripe(const Work& work, std::size_t first, std::size_t step) {
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
+  limit_memory(work);
   const int nowhere = open("/dev/null", O_WRONLY);  // codecs talk about what they find
   dup2(nowhere, STDERR_FILENO);
   for (std::size_t k = first; k < work.slices.size(); k += step) {
-    work.state[k] = Progressed::kWorking;
+    Decoded& decoded = work.decoded[k];
+    decoded.state = Progressed::kWorking;
     bool done = false;
     try {
-      done = decode(*work.slices[k], std::span(work.samples + k * work.area, work.area));
+      done = decode(*work.slices[k], std::span(work.samples + k * work.area, work.area), decoded.changed);
     } catch (...) {
     }
-    work.state[k] = done ? Progressed::kDone : Progressed::kRefused;
+    decoded.state = done ? Progressed::kDone : Progressed::kRefused;
   }
   _exit(0);
 }
@@ -117,8 +137,8 @@ std::vector<pid_t> start_children(const Work& work, std::size_t count) {
 void wait_for(const std::vector<pid_t>& children, const Work& work, const Progress& progress) {
   for (const pid_t child : children)
     while (waitpid(child, nullptr, progress ? WNOHANG : 0) == 0) {
-      const auto finished = [](const std::atomic<Progressed>& s) { return s.load() >= Progressed::kDone; };
-      progress(double(std::count_if(work.state, work.state + work.slices.size(), finished)) /
+      const auto finished = [](const Decoded& d) { return d.state.load() >= Progressed::kDone; };
+      progress(double(std::count_if(work.decoded, work.decoded + work.slices.size(), finished)) /
                double(work.slices.size()));
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
@@ -126,27 +146,30 @@ void wait_for(const std::vector<pid_t>& children, const Work& work, const Progre
 
 }  // namespace
 
-Status decode_dicom_samples(const Exec& exec, std::span<const DicomSlice* const> slices,
-                            std::span<const std::span<std::int16_t>> hu, const Progress& progress) {
-  if (slices.empty()) return Done{};
+Result<ChangedSamples> decode_dicom_samples(const Exec& exec, std::span<const DicomSlice* const> slices,
+                                            std::span<const std::span<std::int16_t>> hu,
+                                            const Progress& progress) {
+  if (slices.empty()) return ChangedSamples{};
   const std::size_t area = hu[0].size(), count = slices.size();
   static_assert(std::atomic<Progressed>::is_always_lock_free);
-  const SharedMemory shared(count * area * sizeof(std::int16_t) + count);
+  const std::size_t table = count * sizeof(Decoded);  // first, where memory is aligned
+  const SharedMemory shared(table + count * area * sizeof(std::int16_t));
   if (!shared)
     return Error{fmt::format("{}: not enough memory to decode {} slices", slices[0]->file.string(), count)};
-  auto* samples = reinterpret_cast<std::int16_t*>(shared.data());
-  auto* state =
-      reinterpret_cast<std::atomic<Progressed>*>(shared.data() + count * area * sizeof(std::int16_t));
-  const Work work{slices, area, samples, state};  // fresh shared memory is zero: all waiting
+  auto* samples = reinterpret_cast<std::int16_t*>(shared.data() + table);
+  auto* decoded = reinterpret_cast<Decoded*>(shared.data());
+  const Work work{slices, area, samples, decoded};  // fresh shared memory is zero: all waiting
   wait_for(start_children(work, std::min(count, std::size_t(exec.threads()))), work, progress);
+  ChangedSamples changed;
   for (std::size_t k = 0; k < count; k++) {
-    if (state[k] != Progressed::kDone)
+    if (decoded[k].state != Progressed::kDone)
       return Error{fmt::format(
           "{}: damaged, or compressed in an unknown way: the pixels cannot be decoded (transfer syntax {})",
           slices[k]->file.string(), slices[k]->transfer_syntax)};
     std::copy_n(samples + k * area, area, hu[k].begin());
+    changed += decoded[k].changed;
   }
-  return Done{};
+  return changed;
 }
 
 }  // namespace turgor::io

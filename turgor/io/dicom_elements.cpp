@@ -1,7 +1,7 @@
 // [DICOM PS3.5, 7 and annex A] Little endian only; big endian and deflated files are named and refused.
 #include "turgor/io/dicom_elements.hpp"
 
-#include <array>
+#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
@@ -14,38 +14,42 @@ constexpr std::uint32_t kUndefined = 0xffffffff;
 constexpr std::uint32_t kItem = 0xfffee000, kItemEnd = 0xfffee00d, kSequenceEnd = 0xfffee0dd,
                         kPixels = 0x7fe00010;
 constexpr int kDeepest = 12;
+constexpr std::size_t kMostElements = 4'000'000;
+constexpr std::size_t kLongestValue = 4096;  // of those that are kept [bytes]
 
 struct Header {
   std::uint32_t tag = 0, length = 0;
-  std::string_view vr;  // empty if implicit
+  std::string vr;  // empty if implicit
 };
 
 /// Walks through the bytes. The first thing that is wrong ends the walk and is kept in `problem`.
 class Walk {
  public:
-  Walk(std::string_view bytes, std::uint64_t file_size) : bytes_(bytes), file_size_(file_size) {}
+  explicit Walk(FileWindow& file) : file_(file), file_size_(file.size()) {}
 
-  std::size_t at = 0;
+  std::uint64_t at = 0;
   std::string problem;
 
   std::uint32_t number(std::size_t size) {
-    if (at + size > bytes_.size()) return fail("the file ends within an element"), 0;
+    const std::string_view bytes = view(at, size);
+    if (bytes.empty()) return fail("the file ends within an element"), 0;
     std::uint32_t value = 0;
-    for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes_[at + i]);
+    for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[i]);
     at += size;
     return value;
   }
 
   Header header(bool is_explicit) {
     Header h;
+    if (++headers_ > kMostElements) return fail("more elements than any image has"), h;
     const std::uint32_t group = number(2);
     h.tag = group << 16 | number(2);
     if (group == 0xfffe || !is_explicit) {
       h.length = number(4);
       return h;
     }
-    if (at + 2 > bytes_.size()) return fail("the file ends within an element"), h;
-    h.vr = bytes_.substr(at, 2);
+    h.vr = view(at, 2);
+    if (h.vr.empty()) return fail("the file ends within an element"), h;
     at += 2;
     if (h.vr[0] < 'A' || h.vr[0] > 'Z' || h.vr[1] < 'A' || h.vr[1] > 'Z')
       fail_at(h.tag, "has no value representation");
@@ -62,12 +66,10 @@ class Walk {
     at += h.length;
     return true;
   }
-  std::string_view view(std::size_t from, std::size_t length) const {
-    return from + length <= bytes_.size() ? bytes_.substr(from, length) : std::string_view{};
-  }
+  std::string_view view(std::uint64_t from, std::size_t length) const { return file_.view(from, length); }
 
   /// The items of a sequence, up to `end` or, if that is not known, to the sequence's delimiter.
-  void sequence(bool is_explicit, std::optional<std::size_t> end, int depth) {
+  void sequence(bool is_explicit, std::optional<std::uint64_t> end, int depth) {
     if (depth > kDeepest) return fail("sequences are nested too deep");
     while (problem.empty() && !(end && at >= *end)) {
       const Header item = header(is_explicit);
@@ -93,7 +95,7 @@ class Walk {
     sequence(is_explicit, at + h.length, depth);
   }
 
-  void dataset(bool is_explicit, std::optional<std::size_t> end, int depth) {
+  void dataset(bool is_explicit, std::optional<std::uint64_t> end, int depth) {
     while (problem.empty() && !(end && at >= *end)) {
       const Header h = header(is_explicit);
       if (!problem.empty() || (h.tag == kItemEnd && !end)) return;
@@ -133,8 +135,9 @@ class Walk {
       if (vr == known) return true;
     return false;
   }
-  std::string_view bytes_;
+  FileWindow& file_;
   std::uint64_t file_size_;
+  std::size_t headers_ = 0;
 };
 
 std::string uid(std::string_view value) {
@@ -145,13 +148,14 @@ std::string uid(std::string_view value) {
 /// The elements of group 2, which are always explicit.
 void read_meta(Walk& walk, DicomElements& found) {
   while (walk.problem.empty()) {
-    const std::size_t start = walk.at;
-    if (walk.view(start, 2) != std::string_view("\2\0", 2)) return;
+    if (walk.view(walk.at, 2) != std::string_view("\2\0", 2)) return;
     const Header h = walk.header(true);
-    const std::size_t from = walk.at;
+    const std::uint64_t from = walk.at;
     if (!walk.problem.empty() || h.length == kUndefined || !walk.skip(h))
       return walk.fail("the file's meta information is corrupt");
+    if (h.length > kLongestValue) continue;
     if (h.tag == 0x00020010) found.transfer_syntax = uid(walk.view(from, h.length));
+    if (h.tag == 0x00020002) found.media_class = uid(walk.view(from, h.length));
   }
 }
 
@@ -178,30 +182,53 @@ void read_dataset(Walk& walk, bool is_explicit, bool is_encapsulated, DicomEleme
     const Header h = walk.header(is_explicit);
     if (!walk.problem.empty()) return;
     if (h.tag == kPixels) return read_pixels(walk, h, is_encapsulated, found);
-    const std::size_t from = walk.at;
+    const std::uint64_t from = walk.at;
     walk.value(h, is_explicit, 0);
-    if (h.length != kUndefined) found.values[h.tag] = walk.view(from, h.length);
+    if (walk.problem.empty() && h.length <= kLongestValue) found.values[h.tag] = walk.view(from, h.length);
   }
 }
 
 }  // namespace
 
-Result<DicomElements> find_elements(std::string_view bytes, std::uint64_t file_size) {
-  Walk walk(bytes, file_size);
-  DicomElements found;
-  if (walk.view(128, 4) == "DICM") walk.at = 132;
+FileWindow::FileWindow(const std::filesystem::path& file) : stream_(file, std::ios::binary) {
+  std::error_code failed;
+  const std::uintmax_t size = std::filesystem::file_size(file, failed);
+  size_ = failed ? 0 : size;
+}
+
+std::string_view FileWindow::view(std::uint64_t at, std::size_t length) {
+  constexpr std::size_t kWindow = std::size_t{1} << 15;  // most headers are shorter
+  if (length > size_ || at > size_ - length) return {};
+  if (at < start_ || at + length > start_ + bytes_.size()) {
+    start_ = at;
+    bytes_.resize(std::size_t(std::min<std::uint64_t>(std::max(length, kWindow), size_ - at)));
+    stream_.clear();
+    stream_.seekg(std::streamoff(at));
+    stream_.read(bytes_.data(), std::streamsize(bytes_.size()));
+    bytes_.resize(std::size_t(std::max<std::streamsize>(stream_.gcount(), 0)));
+    if (bytes_.size() < length) return {};
+  }
+  return std::string_view(bytes_).substr(std::size_t(at - start_), length);
+}
+
+Status find_elements(FileWindow& file, DicomElements& found) {
+  Walk walk(file);
+  found.has_magic = walk.view(128, 4) == "DICM";
+  if (found.has_magic) walk.at = 132;
   read_meta(walk, found);
   const std::string& syntax = found.transfer_syntax;
   constexpr std::string_view kStandard = "1.2.840.10008.1.2";
-  if (syntax == "1.2.840.10008.1.2.2") return Error{"big endian (a retired transfer syntax) is not read"};
-  if (syntax == "1.2.840.10008.1.2.1.99") return Error{"deflated transfer syntax is not read"};
+  if (syntax == "1.2.840.10008.1.2.2")
+    return Error{"a DICOM file in big endian byte order (a retired transfer syntax), which is not read"};
+  if (syntax == "1.2.840.10008.1.2.1.99")
+    return Error{"a deflated DICOM file (a transfer syntax), which is not read"};
   if (!syntax.empty() && !syntax.starts_with(kStandard))
-    return Error{fmt::format("transfer syntax {} is not read", syntax)};
+    return Error{fmt::format("a DICOM file of transfer syntax {}, which is not read", syntax)};
   const bool is_explicit = syntax.empty() ? looks_explicit(walk) : syntax != kStandard;
   const bool is_encapsulated = !syntax.empty() && syntax != kStandard && syntax != "1.2.840.10008.1.2.1";
   read_dataset(walk, is_explicit, is_encapsulated, found);
-  if (!walk.problem.empty()) return Error{walk.problem};
-  return found;
+  if (!walk.problem.empty()) return Error{"truncated or corrupt DICOM file: " + walk.problem};
+  return Done{};
 }
 
 }  // namespace turgor::io

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 #include <string_view>
@@ -19,22 +21,42 @@ struct DicomFragment {
 };
 
 struct DicomElements {
-  std::map<std::uint32_t, std::string_view>
-      values;                    // group · 65536 + element → value; top level, up to the pixels
-  std::string transfer_syntax;   // empty: not said
-  bool is_encapsulated = false;  // pixels are compressed fragments
+  std::map<std::uint32_t, std::string>
+      values;                   // group · 65536 + element → value; top level, up to the pixels, short ones
+  std::string transfer_syntax;  // empty: not said
+  std::string media_class;      // (0002,0002), what kind of object the file holds; empty: not said
+  bool has_magic = false;       // "DICM" stands where it should
+  bool is_encapsulated = false;                      // pixels are compressed fragments
   std::uint64_t pixel_offset = 0, pixel_length = 0;  // in the file; of all fragments together if encapsulated
   std::vector<DicomFragment> fragments;              // of compressed pixels
 
+  bool has(std::uint16_t group, std::uint16_t element) const {
+    return values.contains(std::uint32_t(group) << 16 | element);
+  }
   std::string_view value(std::uint16_t group, std::uint16_t element) const {
     const auto found = values.find(std::uint32_t(group) << 16 | element);
-    return found == values.end() ? std::string_view{} : found->second;
+    return found == values.end() ? std::string_view{} : std::string_view(found->second);
   }
 };
 
-/// `bytes` are the whole file, or its first part when all elements before the pixels lie in it; `file_size`
-/// is that of the whole file. Values point into `bytes`. The error says what is wrong and where; it names no
-/// file.
-Result<DicomElements> find_elements(std::string_view bytes, std::uint64_t file_size);
+/// Parts of a file, read when they are asked for: elements are skipped by their length, so that little of a
+/// large file is ever read.
+class FileWindow {
+ public:
+  explicit FileWindow(const std::filesystem::path& file);
+  std::uint64_t size() const { return size_; }
+  bool is_open() const { return stream_.is_open(); }
+  /// Empty if the file ends before. Valid until the next call.
+  std::string_view view(std::uint64_t at, std::size_t length);
+
+ private:
+  std::ifstream stream_;
+  std::uint64_t size_ = 0, start_ = 0;
+  std::string bytes_;
+};
+
+/// What is found before the first thing that is wrong stays in `found`. The error says what is wrong and
+/// where; it names no file.
+Status find_elements(FileWindow& file, DicomElements& found);
 
 }  // namespace turgor::io

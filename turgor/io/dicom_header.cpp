@@ -1,6 +1,5 @@
-// The headers of DICOM files, and of all files of a folder.
+// The headers of DICOM files.
 #include <algorithm>
-#include <atomic>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -11,6 +10,7 @@
 #include "turgor/io/dicom.hpp"
 #include "turgor/io/dicom_elements.hpp"
 #include "turgor/io/header_text.hpp"
+#include "turgor/io/input_file.hpp"
 
 namespace turgor::io {
 
@@ -65,6 +65,7 @@ void read_pixel_layout(const DicomElements& set, DicomSlice& slice) {
   slice.columns = integer(0x0011, 0);
   slice.bits_allocated = integer(0x0100, 16);
   slice.bits_stored = integer(0x0101, slice.bits_allocated);
+  slice.high_bit = integer(0x0102, slice.bits_stored - 1);
   slice.is_signed = integer(0x0103, 0) == 1;
   slice.photometric = text(set, 0x0028, 0x0004);
   slice.frames = int(number(set, 0x0028, 0x0008, 1));
@@ -111,31 +112,21 @@ DicomSlice describe(const fs::path& file, std::uint64_t file_size, const DicomEl
   return slice;
 }
 
-Result<std::vector<fs::path>> list_files(const fs::path& folder, bool recursive) {
-  constexpr std::size_t kMost = 200000;
-  std::vector<fs::path> files;
-  std::error_code failed;
-  const auto options = fs::directory_options::skip_permission_denied;
-  for (auto it = fs::recursive_directory_iterator(folder, options, failed);
-       !failed && it != fs::recursive_directory_iterator(); it.increment(failed)) {
-    std::error_code unknown;
-    if (!recursive || it->path().filename().string().starts_with('.')) it.disable_recursion_pending();
-    if (it->is_regular_file(unknown)) files.push_back(it->path());
-    if (files.size() > kMost)
-      return Error{
-          fmt::format("{}: holds more than {} files; expected the folder of one CT", folder.string(), kMost)};
-  }
-  if (failed) return Error{fmt::format("{}: cannot be listed: {}", folder.string(), failed.message())};
-  std::sort(files.begin(), files.end());
-  return files;
+constexpr std::string_view kCtImage = "1.2.840.10008.5.1.4.1.1.2";  // and enhanced ones behind a point
+
+/// What kind of object the file says it is: its SOP class.
+std::string object_class(const DicomElements& set) {
+  const std::string own = text(set, 0x0008, 0x0016);
+  return own.empty() ? set.media_class : own;
 }
 
-std::string first_bytes(const fs::path& file, std::uint64_t count) {
-  std::string bytes(std::size_t(count), '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(bytes.data(), std::streamsize(bytes.size()));
-  bytes.resize(std::size_t(std::max<std::streamsize>(stream.gcount(), 0)));
-  return bytes;
+/// A file without rows of pixels: a directory, a report, contours; or an image that ends too early.
+void judge_without_image(const DicomElements& set, DicomFile& result) {
+  const std::string kind = object_class(set);
+  result.problem = "truncated or corrupt DICOM file: no Rows (0028,0010), no Columns (0028,0011)";
+  if (kind.empty() || kind == kCtImage || kind.starts_with(std::string(kCtImage) + ".")) return;
+  result.kind = DicomFile::Kind::kOtherObject;
+  result.problem = "a DICOM file without an image";
 }
 
 }  // namespace
@@ -149,46 +140,30 @@ bool is_dicom(const fs::path& file) {
   return stream.gcount() >= 8 && (start[0] == 2 || start[0] == 8) && start[1] == 0 && start[3] == 0;
 }
 
-Result<std::optional<DicomSlice>> read_dicom_header(const fs::path& file) {
-  if (!is_dicom(file)) return std::optional<DicomSlice>{};
-  constexpr std::uint64_t kUsual = std::uint64_t{1} << 15;  // most headers are shorter
-  std::error_code failed;
-  const std::uint64_t size = fs::file_size(file, failed);
-  std::string bytes = first_bytes(file, std::min(size, kUsual));
-  Result<DicomElements> found = find_elements(bytes, size);
-  if ((!found || found->is_encapsulated) && size > kUsual) {
-    bytes = first_bytes(file, size);
-    found = find_elements(bytes, size);
+DicomFile read_dicom_header(const fs::path& file) {
+  const auto no_dicom = [&](const char* why) {
+    return DicomFile{
+        .file = file, .slice = {}, .problem = why, .series = {}, .kind = DicomFile::Kind::kNoDicom};
+  };
+  DicomFile result{.file = file, .slice = {}, .problem = {}, .series = {}};
+  if (const Status input = check_input(file); !input) {
+    result.problem = input.error().message.substr(file.string().size() + 2);
+    return result;
   }
-  if (!found && (bytes.size() < 132 || bytes.compare(128, 4, "DICM") != 0))
-    return std::optional<DicomSlice>{};  // something else after all
+  FileWindow window(file);
+  if (window.size() == 0) return no_dicom("is empty");
+  if (!is_dicom(file)) return no_dicom("is no DICOM file");
+  DicomElements set;
+  const Status found = find_elements(window, set);
+  if (!found && !set.has_magic) return no_dicom("is no DICOM file");
+  if (set.has(0x0020, 0x000e)) result.series = text(set, 0x0020, 0x000e);
   if (!found)
-    return Error{
-        fmt::format("{}: truncated or corrupt DICOM file: {}", file.string(), found.error().message)};
-  DicomSlice slice = describe(file, size, *found);
-  if (slice.rows <= 0 || slice.columns <= 0)
-    return std::optional<DicomSlice>{};  // a directory, a report, contours
-  return std::optional(std::move(slice));
-}
-
-Result<DicomFolder> scan_dicom(const Exec& exec, const fs::path& folder, bool recursive,
-                               const Progress& progress) {
-  const Result<std::vector<fs::path>> files = list_files(folder, recursive);
-  if (!files) return files.error();
-  std::vector<std::optional<Result<std::optional<DicomSlice>>>> headers(files->size());
-  std::atomic<std::size_t> done{0};
-  parallel_for(exec, headers.size(), [&](std::size_t i) {
-    headers[i] = read_dicom_header((*files)[i]);
-    if (progress) progress(double(++done) / double(headers.size()));
-  });
-  DicomFolder found{.slices = {}, .unreadable = {}, .file_count = files->size()};
-  for (auto& header : headers) {
-    if (!*header)
-      found.unreadable.push_back(header->error().message);
-    else if (**header)
-      found.slices.push_back(std::move(***header));
-  }
-  return found;
+    result.problem = found.error().message;
+  else if (DicomSlice slice = describe(file, window.size(), set); slice.rows > 0 && slice.columns > 0)
+    result.slice = std::move(slice);
+  else
+    judge_without_image(set, result);
+  return result;
 }
 
 }  // namespace turgor::io

@@ -15,7 +15,7 @@ namespace {
 
 /// Stored → HU. T is the type that holds a stored value; its bits above bits_stored may be anything.
 template <class T>
-void convert(const DicomSlice& slice, const char* stored, std::span<std::int16_t> hu) {
+ChangedSamples convert(const DicomSlice& slice, const char* stored, std::span<std::int16_t> hu) {
   using Wide = std::conditional_t<sizeof(T) == 4, std::int64_t, std::int32_t>;
   const int unused = int(sizeof(T)) * 8 - slice.bits_stored;
   const float slope = float(slice.slope), intercept = float(slice.intercept);
@@ -23,6 +23,7 @@ void convert(const DicomSlice& slice, const char* stored, std::span<std::int16_t
   const Wide pad = Wide(slice.padding.value_or(0)),
              limit = Wide(slice.padding_limit.value_or(slice.padding.value_or(0)));
   const Wide pad_low = std::min(pad, limit), pad_high = std::max(pad, limit);
+  ChangedSamples changed;
   for (std::size_t i = 0; i < hu.size(); i++) {
     T raw;
     std::memcpy(&raw, stored + i * sizeof(T), sizeof(T));
@@ -30,13 +31,17 @@ void convert(const DicomSlice& slice, const char* stored, std::span<std::int16_t
         static_cast<T>(static_cast<T>(static_cast<std::make_unsigned_t<T>>(raw) << unused) >> unused);
     const float scaled = std::nearbyint(slope * float(value) + intercept);
     const bool padding = padded && value >= pad_low && value <= pad_high;
-    hu[i] = padding ? kAirHu : std::int16_t(std::clamp(scaled, -32768.0f, 32767.0f));
+    const float kept = std::clamp(scaled, -32768.0f, 32767.0f);
+    hu[i] = padding ? kAirHu : std::int16_t(kept);
+    changed.padding += padding;
+    changed.clamped += !padding && kept != scaled;
   }
+  return changed;
 }
 
 }  // namespace
 
-void convert_to_hu(const DicomSlice& slice, const char* stored, std::span<std::int16_t> hu) {
+ChangedSamples convert_to_hu(const DicomSlice& slice, const char* stored, std::span<std::int16_t> hu) {
   switch (slice.bits_allocated) {
     case 8:
       return slice.is_signed ? convert<std::int8_t>(slice, stored, hu)
@@ -50,7 +55,7 @@ void convert_to_hu(const DicomSlice& slice, const char* stored, std::span<std::i
   }
 }
 
-Status read_plain_samples(const DicomSlice& slice, std::span<std::int16_t> hu) {
+Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, std::span<std::int16_t> hu) {
   const std::size_t wanted = hu.size() * std::size_t(slice.bits_allocated) / 8;
   std::vector<char> stored(wanted);
   std::ifstream stream(slice.file, std::ios::binary);
@@ -60,8 +65,7 @@ Status read_plain_samples(const DicomSlice& slice, std::span<std::int16_t> hu) {
   if (found < wanted || slice.pixel_length < wanted)
     return Error{fmt::format("{}: truncated or corrupt: {} bytes of pixels, expected {} ({} x {})",
                              slice.file.string(), found, wanted, slice.columns, slice.rows)};
-  convert_to_hu(slice, stored.data(), hu);
-  return Done{};
+  return convert_to_hu(slice, stored.data(), hu);
 }
 
 }  // namespace turgor::io

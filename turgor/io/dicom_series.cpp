@@ -53,11 +53,20 @@ void drop_localizers(DicomVolume& volume) {
   volume.notes.push_back(fmt::format("{} localizer images of the series were left out", count));
 }
 
-/// Before memory is taken for what a header promises: the file must be large enough to hold it.
+/// Before memory is taken for what a header promises: the file must be large enough to hold it, and
+/// compressed pixels must say the same of themselves.
 Status check_size(const DicomSlice& s) {
+  constexpr std::int64_t kMostPixels = std::int64_t{1} << 26;
+  if (std::int64_t(s.rows) * s.columns > kMostPixels)
+    return Error{fmt::format("{}: {} x {} pixels; expected a slice of a CT, of at most {} pixels",
+                             s.file.string(), s.columns, s.rows, kMostPixels)};
   const auto promised =
       std::uint64_t(s.rows) * std::uint64_t(s.columns) * std::uint64_t(s.bits_allocated) / 8;
-  if (s.pixel_length * (s.is_compressed ? 1000 : 1) >= promised) return Done{};
+  if (s.is_compressed && s.pixel_length > 4 * promised + 65536)
+    return Error{fmt::format("{}: corrupt: {} bytes of compressed pixels for {} x {} of {} bits",
+                             s.file.string(), s.pixel_length, s.columns, s.rows, s.bits_allocated)};
+  if (s.pixel_length * (s.is_compressed ? 1000 : 1) >= promised)
+    return s.is_compressed ? check_frame(s) : Status(Done{});
   return Error{fmt::format("{}: truncated or corrupt: {} bytes of pixels cannot hold {} x {} of {} bits",
                            s.file.string(), s.pixel_length, s.columns, s.rows, s.bits_allocated)};
 }
@@ -77,6 +86,12 @@ Status check_slice(const DicomSlice& s) {
       s.bits_stored > s.bits_allocated)
     return Error{fmt::format("{}: {} bits stored in {}; expected at most 8, 16 or 32", file, s.bits_stored,
                              s.bits_allocated)};
+  if (s.high_bit != s.bits_stored - 1)
+    return Error{
+        fmt::format("{}: HighBit (0028,0102) is {} with {} bits stored; expected {}: values that do not "
+                    "start at the lowest "
+                    "bit are not read",
+                    file, s.high_bit, s.bits_stored, s.bits_stored - 1)};
   if (!s.position)
     return Error{
         fmt::format("{}: no ImagePositionPatient (0020,0032): the slice has no place in space", file)};

@@ -4,14 +4,13 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "turgor/io/names.hpp"
+#include "turgor/io/input_file.hpp"
 
 namespace turgor {
 
@@ -113,13 +112,18 @@ Status write_file(const fs::path& path, std::string_view bytes) {
   return file->commit();
 }
 
+/// As many bytes as the file says it has: some, such as those of /proc, never end.
 Result<std::string> read_file(const fs::path& path) {
+  if (Status input = io::check_input(path); !input) return input.error();
+  std::error_code error;
+  std::string bytes(fs::file_size(path, error), '\0');
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (stream.is_open() && !stream.bad()) return bytes;
-  std::error_code error;
-  if (!fs::exists(path, error)) return Error{io::not_found(path)};
+  stream.read(bytes.data(), std::streamsize(bytes.size()));
+  if (stream.is_open() && !stream.bad() && !error) {
+    bytes.resize(std::size_t(stream.gcount()));
+    return bytes;
+  }
   return Error{fmt::format("{}: cannot read the file: {}", path.string(), std::strerror(errno))};
 }
 

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
+#include "turgor/io/input_file.hpp"
+
 namespace turgor {
 
 namespace {
@@ -95,10 +97,13 @@ Result<Hdf5File> Hdf5File::create(const std::filesystem::path& path) {
 
 Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) {
   begin();
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored))
+  std::error_code failed;
+  const bool exists = std::filesystem::exists(path, failed);
+  if (!exists && !failed)
     return Error{fmt::format("{}: expected an HDF5 file, found nothing there", path.string())};
-  if (!std::filesystem::is_regular_file(path, ignored) || H5Fis_hdf5(path.c_str()) <= 0)
+  const bool is_file = std::filesystem::is_regular_file(path, failed);
+  if (Status input = io::check_input(path); (is_file || !exists) && !input) return input.error();
+  if (!is_file || H5Fis_hdf5(path.c_str()) <= 0)
     return Error{fmt::format("{}: expected an HDF5 file, found something else", path.string())};
   const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id < 0) return Error{fmt::format("{}: the HDF5 file is damaged or cut short", path.string())};

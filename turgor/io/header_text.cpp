@@ -88,7 +88,10 @@ Result<TextFields> read_nrrd_fields(const fs::path& path, std::string_view head,
     if (line.empty()) return fields;
     if (line.starts_with('#')) continue;
     const std::size_t colon = line.find(": "), free_text = line.find(":=");
-    if (free_text < colon) continue;
+    if (free_text < colon) {  // "key:=value" may say anything; the first one counts
+      fields.free.emplace(line.substr(0, free_text), trimmed(line.substr(free_text + 2)));
+      continue;
+    }
     if (colon == line.npos)
       return Error{fmt::format("{}: corrupt: header line \"{}\"", path.string(), line.substr(0, 60))};
     std::string key(line.substr(0, colon));

@@ -15,6 +15,7 @@ namespace turgor::io {
 
 struct TextFields {
   std::map<std::string, std::string, std::less<>> values;
+  std::map<std::string, std::string, std::less<>> free;  // NRRD: "key:=value", of whoever wrote the file
 
   bool has(std::string_view key) const { return values.find(key) != values.end(); }
   std::string get(std::string_view key) const {

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "turgor/io/file.hpp"
-#include "turgor/io/names.hpp"
 
 namespace turgor::io {
 
@@ -186,7 +185,6 @@ std::size_t MeshCursor::count(int bytes, ItemSize item, std::string_view what) {
 
 Result<std::string> read_mesh_bytes(const fs::path& path) {
   std::error_code failed;
-  if (!fs::exists(path, failed)) return Error{not_found(path)};
   if (fs::is_directory(path, failed))
     return Error{fmt::format("{}: expected a mesh file, found a folder", path.string())};
   Result<std::string> bytes = read_file(path);

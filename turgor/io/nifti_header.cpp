@@ -146,6 +146,20 @@ Status read_sizes(const fs::path& path, const Fields& f, VolumeHeader& header) {
   return Done{};
 }
 
+/// Extensions lie between the header and the samples: size, kind, and a text in those that interest us.
+/// TotalSegmentator says kind 0, others 6 (a comment), Caret 30.
+void read_extensions(const Fields& f, std::string_view head, VolumeHeader& header) {
+  const std::size_t end = std::min(head.size(), std::size_t(header.data_offset));
+  if (head[348] == 0) return;
+  for (std::size_t at = 352; at + 8 <= end;) {
+    const auto size = f.get<std::int32_t>(at);
+    if (size < 8 || std::size_t(size) > end - at) return;
+    if (header.label_names.empty())
+      header.label_names = label_names_in(head.substr(at + 8, std::size_t(size) - 8));
+    at += std::size_t(size);
+  }
+}
+
 }  // namespace
 
 Result<VolumeHeader> parse_nifti(const fs::path& path, std::string_view head) {
@@ -175,6 +189,7 @@ Result<VolumeHeader> parse_nifti(const fs::path& path, std::string_view head) {
     return Error{
         fmt::format("{}: corrupt: samples start at byte {}; expected 352 or more", path.string(), offset)};
   header.data_offset = std::int64_t(offset);
+  read_extensions(f, head, header);
   const double slope = f.get<float>(112), intercept = f.get<float>(116);
   if (std::isfinite(slope) && slope != 0)
     header.slope = slope, header.intercept = std::isfinite(intercept) ? intercept : 0;

@@ -48,7 +48,7 @@ std::vector<std::byte> interleaved(const std::vector<std::byte>& planes, std::si
 
 Result<RawVolume> read_nifti_samples(const std::filesystem::path& path, const VolumeHeader& header) {
   RawVolume raw{header.format, header.grid,      header.type, header.components,
-                header.slope,  header.intercept, {}};
+                header.slope,  header.intercept, {},          {}};
   const std::size_t size = byte_size(raw.type), components = std::size_t(raw.components);
   raw.bytes.resize(sample_count(raw.grid) * components * size);
   const std::size_t found = read_bytes(path, header.data_offset, raw.bytes);

@@ -72,6 +72,33 @@ Status read_sizes(const fs::path& path, const TextFields& fields, VolumeHeader& 
   return Done{};
 }
 
+std::string free_text(const TextFields& fields, const std::string& key) {
+  const auto found = fields.free.find(key);
+  return found == fields.free.end() ? std::string{} : found->second;
+}
+
+/// Segments as 3D Slicer writes them. Those that overlap lie in several layers: components of the image.
+Status read_segments(const fs::path& path, const TextFields& fields, VolumeHeader& header) {
+  constexpr int kMost = 65536;
+  for (int segment = 0; segment < kMost; segment++) {
+    const std::string key = fmt::format("Segment{}_", segment);
+    const std::string name = free_text(fields, key + "Name"), layer = free_text(fields, key + "Layer"),
+                      value = free_text(fields, key + "LabelValue");
+    if (name.empty() && value.empty() && free_text(fields, key + "ID").empty()) break;
+    if (header.components > 1 || (!layer.empty() && layer != "0"))
+      return Error{
+          fmt::format("{}: a segmentation of several layers ({}), in which segments overlap, is not read; "
+                      "expected one layer: "
+                      "export it as a label map, or let its segments not overlap",
+                      path.string(), header.components)};
+    const std::vector<std::int64_t> label =
+        value.empty() ? std::vector<std::int64_t>{segment + 1} : whole_numbers(value);
+    if (label.size() == 1 && label[0] > 0 && label[0] <= 65535 && !name.empty())
+      header.label_names.emplace(int(label[0]), name);
+  }
+  return Done{};
+}
+
 Status check_numbers(const fs::path& path, const TextFields& fields) {
   for (const char* key : {"spacings", "space directions", "space origin"})
     if (fields.has(key) && !all_finite(fields.get(key)))
@@ -92,6 +119,7 @@ Result<VolumeHeader> parse_nrrd(const fs::path& path, std::string_view head) {
     return Error{fmt::format("{}: NRRD sample type \"{}\" is not read; expected whole or real numbers",
                              path.string(), fields.get("type"))};
   if (Status sizes = read_sizes(path, fields, header); !sizes) return sizes.error();
+  if (Status segments = read_segments(path, fields, header); !segments) return segments.error();
   if (Status numbers = check_numbers(path, fields); !numbers) return numbers.error();
   const std::string encoding = fields.get("encoding");
   if (encoding == "gzip" || encoding == "gz")

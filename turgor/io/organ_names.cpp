@@ -1,11 +1,18 @@
 #include "turgor/io/organ_names.hpp"
 
 #include <array>
+#include <charconv>
 #include <string_view>
 
 #include "turgor/geometry/phantom.hpp"
 
 namespace turgor {
+
+namespace {
+
+constexpr int kMostNamed = 255;  // no label above has a name of ours
+
+}  // namespace
 
 std::string organ_name(int label) {
   static constexpr std::array<std::string_view, 117> kNames = {"spleen",
@@ -128,6 +135,22 @@ std::string organ_name(int label) {
   if (label == kNoduleLabel) return "nodule";  // of our phantoms
   return label >= 1 && label <= int(kNames.size()) ? std::string(kNames[std::size_t(label - 1)])
                                                    : std::string{};
+}
+
+LabelNames usual_names() {
+  LabelNames names;
+  for (int label = 1; label <= kMostNamed; label++)
+    if (std::string name = organ_name(label); !name.empty()) names.emplace(label, std::move(name));
+  return names;
+}
+
+int label_number(const LabelNames& names, std::string_view name) {
+  for (const auto& [label, own] : names)
+    if (own == name) return label;
+  int label = 0;
+  const char* end = name.data() + name.size();
+  const auto [stop, error] = std::from_chars(name.data(), end, label);
+  return error == std::errc() && stop == end && label > 0 && label <= 65535 ? label : -1;
 }
 
 }  // namespace turgor

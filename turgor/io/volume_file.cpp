@@ -66,25 +66,17 @@ Status check_grid(const fs::path& path, const Grid& grid) {
   return Done{};
 }
 
-/// ITK's own message, without the lines around it that speak of its sources.
-std::string sentence(const itk::ExceptionObject& error) {
-  std::string text = error.GetDescription();
-  for (char& c : text)
-    if (c == '\n') c = ' ';
-  return text;
-}
-
 /// Runs body and turns what ITK throws into an error.
 template <class Body>
 auto guarded(const fs::path& path, const char* what, const Body& body) -> decltype(body()) {
   try {
     return body();
-  } catch (const itk::ExceptionObject& error) {
-    return Error{fmt::format("{}: cannot be {}: {}", path.string(), what, sentence(error))};
   } catch (const std::bad_alloc&) {
     return Error{fmt::format("{}: cannot be {}: not enough memory", path.string(), what)};
-  } catch (const std::exception& error) {
-    return Error{fmt::format("{}: cannot be {}: {}", path.string(), what, error.what())};
+  } catch (const std::exception&) {  // what ITK says speaks of its sources
+    return Error{
+        fmt::format("{}: cannot be {}: the file or its folder is damaged, full, or not as its header says",
+                    path.string(), what)};
   }
 }
 
@@ -104,7 +96,7 @@ Result<RawVolume> read_samples(const fs::path& path, const VolumeHeader& header)
   io->SetIORegion(region);
   const Result<SampleType> type = sample_type(path, io->GetComponentType());
   if (!type) return type.error();
-  RawVolume raw{header.format, itk_grid(*io, header), *type, int(io->GetNumberOfComponents()), 1, 0, {}};
+  RawVolume raw{header.format, itk_grid(*io, header), *type, int(io->GetNumberOfComponents()), 1, 0, {}, {}};
   if (raw.components != header.components)
     return Error{fmt::format("{}: corrupt: {} components, expected {}", path.string(), raw.components,
                              header.components)};
@@ -123,6 +115,7 @@ Result<RawVolume> read_volume_file(const fs::path& path) {
                                                   : read_samples(path, *header);
   });
   if (!raw) return raw;
+  raw->label_names = header->label_names;
   if (Status placed = check_grid(path, raw->grid); !placed) return placed.error();
   return raw;
 }

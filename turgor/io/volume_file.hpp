@@ -18,6 +18,7 @@ struct RawVolume {
   int components = 1;
   double slope = 1, intercept = 0;  // value = slope · stored + intercept
   std::vector<std::byte> bytes;     // components fastest, then i
+  LabelNames label_names;           // of a segmentation, if the file says
 
   std::size_t value_count() const { return bytes.size() / byte_size(type); }
 };

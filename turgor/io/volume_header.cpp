@@ -9,11 +9,15 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include "turgor/io/input_file.hpp"
+
 namespace turgor::io {
 
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr std::size_t kLongestHeader = std::size_t{1} << 18;
 
 struct CloseGzip {
   void operator()(gzFile_s* file) const { gzclose(file); }
@@ -155,8 +159,13 @@ Status check_extent(const fs::path& path, const VolumeHeader& header) {
   return Done{};
 }
 
+LabelNames read_header_names(const fs::path& path) {
+  if (!check_input(path)) return {};
+  const Result<VolumeHeader> header = parse(path, read_head(path, kLongestHeader));
+  return header ? header->label_names : LabelNames{};
+}
+
 Result<VolumeHeader> read_volume_header(const fs::path& path) {
-  constexpr std::size_t kLongestHeader = std::size_t{1} << 16;
   Result<VolumeHeader> header = parse(path, read_head(path, kLongestHeader));
   if (!header) return header;
   if (starts_with_gzip_magic(path)) {

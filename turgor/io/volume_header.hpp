@@ -10,6 +10,7 @@
 
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/grid.hpp"
+#include "turgor/io/organ_names.hpp"
 
 namespace turgor::io {
 
@@ -30,9 +31,16 @@ struct VolumeHeader {
   std::filesystem::path data_file;  // where the samples are: the file itself, or the one it names
   std::int64_t data_offset = 0;     // in data_file, after decompression where the whole file is compressed
   std::int64_t packed_length = 0;   // of compressed data; 0 = up to the end of the file [bytes]
+  LabelNames label_names;           // of a segmentation, if the file says
   enum class Packing { kRaw, kGzip, kZlib, kGzipFile } packing = Packing::kRaw;
 };
 
+/// The label names that a NIfTI extension holds: XML with <Label Key="5">liver</Label>, or pairs of a number
+/// and a name, in either order, as in {"5": "liver"}. Empty if there are none.
+LabelNames label_names_in(std::string_view text);
+
+/// What a file whose samples do not matter calls its labels; empty if that cannot be read.
+LabelNames read_header_names(const std::filesystem::path& path);
 /// Reads and checks the header of a file, recognised by its content; then checks that the samples are all
 /// there.
 Result<VolumeHeader> read_volume_header(const std::filesystem::path& path);

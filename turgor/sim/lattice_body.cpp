@@ -30,12 +30,13 @@ struct ReadFields {
   std::optional<LabelVolume> labels;
   std::optional<VectorVolume> lines;
 };
-Result<ReadFields> read_fields(const LatticeScene& scene, std::optional<LabelVolume> phantom_labels) {
+Result<ReadFields> read_fields(const LatticeScene& scene, const Grid& ct,
+                               std::optional<LabelVolume> phantom_labels) {
   ReadFields fields{std::move(phantom_labels), std::nullopt};
   if (!scene.labels.empty()) {
-    Result<LabelVolume> read = read_labels(scene.labels);
+    Result<LabelFile> read = read_labels_of(scene.labels, ct);
     if (!read) return read.error();
-    fields.labels = std::move(*read);
+    fields.labels = std::move(read->labels);
   }
   if (!scene.direction_field.empty()) {
     Result<VectorVolume> read = read_vectors(scene.direction_field);
@@ -82,7 +83,8 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   if (!ct) return ct.error();
   body.ct = std::move(ct->volume);
   body.notes = std::move(ct->notes);
-  const Result<ReadFields> fields = read_fields(scene, std::move(ct->labels));
+  if (!scene.label_note.empty()) body.notes.push_back(scene.label_note);
+  const Result<ReadFields> fields = read_fields(scene, body.ct.grid, std::move(ct->labels));
   if (!fields) return fields.error();
   const Int3 block = scene.step > 0 ? block_of(body.ct.grid, scene.step) : scene.params.block;
   if (scene.only > 0) {

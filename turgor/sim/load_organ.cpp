@@ -48,9 +48,9 @@ Result<OrganMesh> from_labels(const Exec& exec, const LabelledOrgan& source,
   if (source.phantom) {
     make_phantom(exec, *source.phantom, &labels, begin_work(begin, "painting"));
   } else {
-    Result<LabelVolume> read = read_labels(source.file);
+    Result<LabelFile> read = read_labels(source.file);
     if (!read) return read.error();
-    labels = std::move(*read);
+    labels = std::move(read->labels);
   }
   std::vector<int> wanted{source.label};
   for (const InsideScene& part : inside) wanted.push_back(part.label);
@@ -58,6 +58,7 @@ Result<OrganMesh> from_labels(const Exec& exec, const LabelledOrgan& source,
       mesh_of_labels(exec, labels, wanted, source.resolution, begin_work(begin, "meshing"));
   const std::string name = source.phantom ? "the phantom" : source.file.string();
   if (!made) return Error{fmt::format("{}: {}", name, made.error().message)};
+  if (!source.label_note.empty()) made->notes.push_back(source.label_note);
   return made;
 }
 

@@ -56,10 +56,12 @@ Result<rhombus::Body> load_body(const RhombusSource& source, const std::vector<O
 }
 
 Result<std::vector<double>> load_stiffness(const Exec& exec, const StiffnessScene& scene,
-                                           const rhombus::Surface& surface, const BeginWork& begin) {
+                                           const rhombus::Surface& surface, const BeginWork& begin,
+                                           std::vector<std::string>& notes) {
   if (const auto* by_ct = std::get_if<CtStiffness>(&scene.source)) {
     const Result<LoadedCt> ct = load_ct(exec, by_ct->ct, begin ? begin("reading", "") : Progress());
     if (!ct) return ct.error();
+    notes.insert(notes.end(), ct->notes.begin(), ct->notes.end());
     return rhombus::stiffness_below(surface, scene.depth, rhombus::factor_of_ct(ct->volume, by_ct->factors));
   }
   const auto& by_label = std::get<LabelStiffness>(scene.source);
@@ -67,9 +69,10 @@ Result<std::vector<double>> load_stiffness(const Exec& exec, const StiffnessScen
   if (by_label.phantom) {
     make_phantom(exec, *by_label.phantom, &labels, begin ? begin("painting", "") : Progress());
   } else {
-    Result<LabelVolume> read = read_labels(by_label.labels);
+    Result<LabelFile> read = read_labels(by_label.labels);
     if (!read) return read.error();
-    labels = std::move(*read);
+    labels = std::move(read->labels);
+    if (!by_label.label_note.empty()) notes.push_back(by_label.label_note);
   }
   return rhombus::stiffness_below(surface, scene.depth, rhombus::factor_of_labels(labels, by_label.factors));
 }
@@ -147,7 +150,8 @@ Result<RhombusOrgan> load_rhombus_organ(const Exec& exec, const RhombusScene& sc
   Result<rhombus::Model> model = rhombus::build(*body, scene.params);
   if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
   if (scene.stiffness) {
-    Result<std::vector<double>> stiffness = load_stiffness(exec, *scene.stiffness, model->surface, begin);
+    Result<std::vector<double>> stiffness =
+        load_stiffness(exec, *scene.stiffness, model->surface, begin, organ.notes);
     if (!stiffness) return Error{fmt::format("{}.stiffness: {}", scene.place, stiffness.error().message)};
     body->stiffness = std::move(*stiffness);
     model = rhombus::build(std::move(*body), scene.params);

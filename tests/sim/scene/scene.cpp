@@ -157,8 +157,8 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("tissue = { fat_max = -500 }"),
        "expected air_max < fat_max < bone_min, found -449 < -500 < 200 HU"},
       {small_scene("labels = \"s.nii\"\ntissue = { labels = { livre = 3e3 } }"),
-       "body.torso.tissue.labels.livre: expected a label's number (1 to 65535) or an organ's name; did you "
-       "mean liver?"},
+       "body.torso.tissue.labels.livre: expected a label's number (1 to 65535) or an organ's name, found "
+       "\"livre\"; did you mean liver?"},
       {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\ntissue = { labels = { liver = 3e3 } }",
        "stiffness by label needs a segmentation"},
       {small_scene("skin = { tension = 400 }"),

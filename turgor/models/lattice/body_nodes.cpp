@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "turgor/models/lattice/beside_body.hpp"
+
 namespace turgor::lattice {
 
 namespace {
@@ -26,9 +28,18 @@ Range block_range(int i, int block, int voxels) {
   return {std::clamp(i * block - reach, 0, voxels - 1), std::clamp(i * block + reach, 1, voxels)};
 }
 
+/// Adds a row of voxels, those beside the body as air.
+void add_row(const std::int16_t* row, const std::uint8_t* beside, int cell, double air_max,
+             std::vector<int>& sums) {
+  for (std::size_t i = 0; i < sums.size(); i++)
+    sums[i] += beside[i / std::size_t(cell)] && row[i] >= air_max ? kAirHu : row[i];
+}
+
 /// Means over blocks, one layer of nodes: sums over j and k first, as whole rows.
 struct AverageLayer {
   const CtVolume& ct;
+  const BesideBody& beside;
+  double air_max;
   Int3 block;
   const Grid& nodes;
   std::int16_t* hu;
@@ -43,6 +54,10 @@ struct AverageLayer {
       for (int vk = ks.begin; vk < ks.end; vk++)
         for (int vj = js.begin; vj < js.end; vj++) {
           const std::int16_t* row = &ct.samples[sample_index(ct.grid, 0, vj, vk)];
+          if (beside.has_row(vj, vk)) {
+            add_row(row, beside.row(vj, vk), beside.cell.x, air_max, sums);
+            continue;
+          }
           for (int vi = 0; vi < nx; vi++) sums[std::size_t(vi)] += row[vi];
         }
       const int rows = (ks.end - ks.begin) * (js.end - js.begin);
@@ -162,7 +177,9 @@ Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolu
     return Error{"a lattice of " + std::to_string(count) + " nodes is too large: expected at most " +
                  std::to_string(kMostNodes) + ", choose a larger block"};
   nodes.hu.resize(count);
-  parallel_for(exec, std::size_t(size.z), AverageLayer{ct, params.block, nodes.grid, nodes.hu.data()});
+  const BesideBody beside = find_beside_body(exec, ct, params.tissue.air_max);
+  parallel_for(exec, std::size_t(size.z),
+               AverageLayer{ct, beside, params.tissue.air_max, params.block, nodes.grid, nodes.hu.data()});
 
   std::vector<std::uint8_t> outside = outside_air(nodes, params.tissue.air_max);
   if (keep_largest(nodes.grid, outside) == 0)

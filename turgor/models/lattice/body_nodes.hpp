@@ -14,8 +14,8 @@ struct BodyNodes {
   std::vector<std::uint8_t> fixed;  // 1 = never moves
 };
 
-/// Mean of each node's block, the outside by flood fill from the sides, the largest connected rest as the
-/// body (the table goes), tissues by Hounsfield units. [STC 4.1.1]
+/// What lies beside the body, as the table, becomes air; mean of each node's block, the outside by flood fill
+/// from the sides, the largest connected rest as the body, tissues by Hounsfield units. [STC 4.1.1]
 Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolume* labels,
                            const Params& params);
 

@@ -33,6 +33,7 @@ struct LabelStiffness {
   std::filesystem::path labels;
   std::optional<PhantomParams> phantom;  // instead of a file
   std::map<int, double> factors;         // by label [1]
+  std::string label_note;                // when names of labels were not the file's own
 };
 /// How many times as stiff tissue of a grey value is: linear between the given values, constant beyond.
 struct CtStiffness {

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <map>
 
-#include "turgor/io/names.hpp"
+#include "turgor/io/input_file.hpp"
 #include "turgor/sim/scene/scene_cloth.hpp"
 #include "turgor/sim/scene/scene_lattice.hpp"
 #include "turgor/sim/scene/scene_rhombus.hpp"
@@ -353,9 +353,9 @@ Result<Scene> parse_scene(std::string_view text, const fs::path& file,
 
 Result<Scene> read_scene(const fs::path& file, const std::vector<std::string>& overrides) {
   std::error_code error;
-  if (!fs::exists(file, error)) return Error{io::not_found(file)};
   if (fs::is_directory(file, error))
     return Error{fmt::format("{}: expected a scene file (.toml), found a folder", file.string())};
+  if (const Status input = io::check_input(file); !input) return input.error();
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
     return Error{fmt::format("{}: cannot read the scene: {}", file.string(), std::strerror(errno))};

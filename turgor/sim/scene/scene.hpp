@@ -28,6 +28,7 @@ struct LatticeScene {
   std::filesystem::path labels;           // a segmentation of the same patient; may be empty
   std::filesystem::path direction_field;  // Langer's lines as a vector volume; may be empty
   double step = 0;             // lattice step to come near to, instead of params.block; 0 = not given [m]
+  std::string label_note;      // when names of labels were not the file's own
   int only = 0;                // label whose largest part is the body, the rest becomes air; 0 = all is
   std::optional<HeldBy> held;  // besides what params fix
   bool has_gravity = true;

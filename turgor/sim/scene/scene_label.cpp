@@ -1,20 +1,60 @@
 #include "turgor/sim/scene/scene_label.hpp"
 
-#include "turgor/sim/scene/label_number.hpp"
+#include "turgor/io/ct.hpp"
+#include "turgor/sim/scene/nearest_name.hpp"
 
 namespace turgor {
 
-void read_label(SceneTable& table, const std::string& key, int& label) {
+namespace {
+
+constexpr const char* kExpected = "a label's number (1 to 65535) or an organ's name";
+
+/// "; did you mean liver?" for a misspelt name.
+std::string suggestion(const std::string& name, const SceneLabels& labels) {
+  std::vector<std::string> names;
+  for (const auto& [label, own] : labels.names) names.push_back(own);
+  const std::string nearest = nearest_name(name, names);
+  if (!nearest.empty()) return "; did you mean " + nearest + "?";
+  return labels.is_usual || labels.file.empty() ? "" : fmt::format("; {} has no such label", labels.file);
+}
+
+}  // namespace
+
+SceneLabels scene_labels(SceneTable& table) {
+  SceneLabels labels;
+  const toml::node* node = table.find("labels");
+  if (node && !node->is_table()) {
+    std::filesystem::path file;
+    table.read_path("labels", file);
+    labels.file = file.string();
+    labels.names = read_label_names(file);
+    labels.is_usual = labels.names.empty();
+  }
+  if (labels.names.empty()) labels.names = usual_names();
+  return labels;
+}
+
+int find_label(SceneTable& table, const std::string& key, const std::string& name, SceneLabels& labels) {
+  const int label = label_number(labels.names, name);
+  if (label < 0) {
+    table.fail(key, fmt::format("expected {}, found \"{}\"{}", kExpected, name, suggestion(name, labels)));
+    return 0;
+  }
+  const bool is_name = name.find_first_not_of("0123456789") != name.npos;
+  if (labels.is_usual && is_name)
+    labels.note = fmt::format(
+        "{}: the file names none of its labels: \"{}\" is taken to be label {}, as TotalSegmentator numbers "
+        "them",
+        labels.file, name, label);
+  return label;
+}
+
+void read_label(SceneTable& table, const std::string& key, SceneLabels& labels, int& label) {
   const toml::node* node = table.find(key);
   if (!node) return;
-  const std::string expected = "a label's number (1 to 65535) or an organ's name";
   if (node->is_integer()) return table.read(key, label, within(1, 65535));
-  if (!node->is_string()) return table.fail_value(key, *node, expected);
-  const std::string name = node->as_string()->get();
-  if (const int number = label_number(name); number > 0)
-    label = number;
-  else
-    table.fail(key, fmt::format("expected {}, found \"{}\"{}", expected, name, label_suggestion(name)));
+  if (!node->is_string()) return table.fail_value(key, *node, kExpected);
+  label = find_label(table, key, node->as_string()->get(), labels);
 }
 
 }  // namespace turgor

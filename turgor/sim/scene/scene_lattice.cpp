@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "turgor/sim/scene/label_number.hpp"
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
@@ -20,8 +19,8 @@ bool has_labels(SceneTable& body) {
   return body.has("labels") || (ct && ct->is_table());
 }
 
-void read_only(SceneTable& body, LatticeScene& scene) {
-  read_label(body, "only", scene.only);
+void read_only(SceneTable& body, SceneLabels& labels, LatticeScene& scene) {
+  read_label(body, "only", labels, scene.only);
   if (scene.only > 0 && !has_labels(body))
     body.fail("only", "one label alone needs a segmentation: add labels = \"seg.nii.gz\" to the body");
 }
@@ -65,20 +64,17 @@ void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>
   }
 }
 
-void read_young_of_labels(SceneTable& tissue, lattice::TissueParams& params) {
-  SceneTable labels = tissue.table("labels");
-  for (const std::string& name : labels.names()) {
+void read_young_of_labels(SceneTable& tissue, SceneLabels& labels, lattice::TissueParams& params) {
+  SceneTable table = tissue.table("labels");
+  for (const std::string& name : table.names()) {
     double young = 0;
-    labels.read(name, young, positive("Pa"));
-    const int label = label_number(name);
-    if (label < 0)
-      labels.fail(name, "expected a label's number (1 to 65535) or an organ's name" + label_suggestion(name));
-    else if (young > 0)
-      params.young_of_label[label] = young;
+    table.read(name, young, positive("Pa"));
+    const int label = find_label(table, name, name, labels);
+    if (label > 0 && young > 0) params.young_of_label[label] = young;
   }
 }
 
-void read_tissue(SceneTable& body, lattice::TissueParams& params) {
+void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& params) {
   SceneTable tissue = body.table("tissue");
   tissue.read("gas", params.gas, positive("Pa"));
   tissue.read("fat", params.fat, positive("Pa"));
@@ -88,7 +84,7 @@ void read_tissue(SceneTable& body, lattice::TissueParams& params) {
   tissue.read("fat_max", params.fat_max, within(-1024, 3071, "HU"));
   tissue.read("bone_min", params.bone_min, within(-1024, 3071, "HU"));
   tissue.read("volume", params.volume, within(0, 100));
-  read_young_of_labels(tissue, params);
+  read_young_of_labels(tissue, labels, params);
   if (params.air_max >= params.fat_max || params.fat_max >= params.bone_min)
     tissue.fail("", fmt::format("expected air_max < fat_max < bone_min, found {} < {} < {} HU",
                                 params.air_max, params.fat_max, params.bone_min));
@@ -149,11 +145,13 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name) {
   scene.name = name, scene.place = body.place();
   scene.ct = read_ct_source(body);
   body.read_path("labels", scene.labels);
+  SceneLabels labels = scene_labels(body);
   read_block(body, scene.params.block, scene.step);
-  read_only(body, scene);
+  read_only(body, labels, scene);
   read_fixed(body, scene.params, scene.held);
   body.read("gravity", scene.has_gravity);
-  read_tissue(body, scene.params.tissue);
+  read_tissue(body, labels, scene.params.tissue);
+  scene.label_note = labels.note;
   read_skin(body, scene.params.skin, scene.direction_field);
   read_solver(body, scene.params.solver);
   const bool fibre = scene.params.skin.enabled && scene.params.skin.law == SkinLaw::kFibre;

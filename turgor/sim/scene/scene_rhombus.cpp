@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "turgor/models/rhombus/tissues.hpp"
-#include "turgor/sim/scene/label_number.hpp"
 #include "turgor/sim/scene/scene_ct.hpp"
+#include "turgor/sim/scene/scene_label.hpp"
 
 namespace turgor {
 
@@ -75,17 +75,14 @@ LabelStiffness read_label_stiffness(SceneTable& table) {
     stiffness.phantom = read_phantom(table.table("labels"));
   else
     table.read_path("labels", stiffness.labels);
+  SceneLabels names = scene_labels(table);
   SceneTable factors = table.table("factors");
   for (const std::string& name : factors.names()) {
     double factor = 1;
     factors.read(name, factor, positive(""));
-    const int label = label_number(name);
-    if (label <= 0 || label > 65535)
-      factors.fail(
-          name, fmt::format("expected a label's number (1 to 65535) or an organ's name, found \"{}\"{}", name,
-                            label_suggestion(name)));
-    stiffness.factors[label] = factor;
+    stiffness.factors[find_label(factors, name, name, names)] = factor;
   }
+  stiffness.label_note = names.note;
   factors.finish();
   return stiffness;
 }

@@ -11,7 +11,7 @@ namespace {
 const Allowed kResolution = within(1e-4, 1, "m");
 const Allowed kScale = inside(0, 1e6, "m");
 
-LabelledOrgan read_labelled_organ(SceneTable& body) {
+LabelledOrgan read_labelled_organ(SceneTable& body, SceneLabels& names) {
   LabelledOrgan organ;
   const toml::node* labels = body.find("labels");
   if (labels->is_table())
@@ -19,7 +19,7 @@ LabelledOrgan read_labelled_organ(SceneTable& body) {
   else
     body.read_path("labels", organ.file);
   body.require({"label"}, "which label is the organ: a number, or a name such as \"liver\"");
-  read_label(body, "label", organ.label);
+  read_label(body, "label", names, organ.label);
   body.read("resolution", organ.resolution, kResolution);
   return organ;
 }
@@ -34,7 +34,7 @@ HexBlock read_hex_block(SceneTable table) {
   return block;
 }
 
-SolidSource read_source(SceneTable& body) {
+SolidSource read_source(SceneTable& body, SceneLabels& labels) {
   const std::vector<std::string> kinds = {"mesh", "surface", "labels", "block"};
   body.require(kinds, "where the organ's shape comes from");
   std::string given;
@@ -43,7 +43,7 @@ SolidSource read_source(SceneTable& body) {
     if (!given.empty()) body.fail(kind, fmt::format("a body has one shape: either {} or {}", given, kind));
     given = given.empty() ? kind : given;
   }
-  if (given == "labels") return read_labelled_organ(body);
+  if (given == "labels") return read_labelled_organ(body, labels);
   if (given == "block") return read_hex_block(body.table("block"));
   if (given == "surface") {
     ClosedSurface surface;
@@ -82,14 +82,14 @@ bool read_place(SceneTable& table, const std::string& key, Vec3d& place) {
   return table.has(by_fraction);
 }
 
-std::vector<InsideScene> read_inside(SceneTable& body, const sfem::Material& around) {
+std::vector<InsideScene> read_inside(SceneTable& body, const sfem::Material& around, SceneLabels& labels) {
   std::vector<InsideScene> parts;
   SceneTable table = body.table("inside");
   for (const std::string& name : table.names()) {
     InsideScene part{name, 0, around};
     SceneTable inner = table.table(name);
     inner.require({"label"}, "the number of its elements in the file or the segmentation");
-    read_label(inner, "label", part.label);
+    read_label(inner, "label", labels, part.label);
     read_material(inner, part.material);
     inner.finish();
     parts.push_back(part);
@@ -139,9 +139,11 @@ void read_cache(SceneTable& body, SfemScene& scene) {
 SfemScene read_sfem_scene(SceneTable body, const std::string& name) {
   SfemScene scene;
   scene.name = name, scene.place = body.place();
-  scene.source = read_source(body);
+  SceneLabels labels = scene_labels(body);
+  scene.source = read_source(body, labels);
   read_material(body, scene.material);
-  scene.inside = read_inside(body, scene.material);
+  scene.inside = read_inside(body, scene.material, labels);
+  if (auto* organ = std::get_if<LabelledOrgan>(&scene.source)) organ->label_note = labels.note;
   scene.inclusions = read_inclusions(body, scene.material);
   scene.fixed = read_held(body);
   body.read_choice<sfem::Formulation>(

@@ -30,6 +30,7 @@ struct LabelledOrgan {
   std::filesystem::path file;            // of labels
   std::optional<PhantomParams> phantom;  // instead of a file
   int label = 0;
+  std::string label_note;     // when names of labels were not the file's own
   double resolution = 0.012;  // of the tetrahedra's lattice [m]
 };
 /// Hexahedra from the origin to `size`.

@@ -1,0 +1,99 @@
+// What a run makes of a CT and of a segmentation beside it: whose names, whose grid, and what it doubts.
+#include "app/program.hpp"
+
+namespace turgor {
+namespace {
+
+using nlohmann::json;
+using namespace test;
+
+/// A phantom's CT and labels as files, and the scene of a body that is made of them.
+fs::path folder_with_ct() {
+  const fs::path folder = fresh_folder();
+  EXPECT_EQ(run_program("phantom torso --size 48 40 32 -o ct.nii.gz --labels l.nii.gz", folder).code, 0);
+  return folder;
+}
+
+std::string scene_of(const std::string& body) {
+  return "[world]\nduration = 0.02\nframe_rate = 50\n[body.torso]\nmodel = \"lattice\"\nct = "
+         "\"ct.nii.gz\"\nblock = 2\n" +
+         body +
+         "\n[output]\nsnapshots = { every = 1, size = [80, 64] }\nvolume_rendering = false\nmeshes = false\n"
+         "recording = false\nvideo = false\n";
+}
+
+/// The labels as 3D Slicer writes them: label 5, the liver, is called something else.
+void write_segmentation(const fs::path& folder, const std::string& name) {
+  ASSERT_EQ(run_program("import l.nii.gz -o l.nrrd", folder).code, 0);
+  std::string bytes = bytes_of(folder / "l.nrrd");
+  bytes.insert(bytes.find("\n\n") + 1,
+               "Segment0_LabelValue:=5\nSegment0_Layer:=0\nSegment0_Name:=" + name + "\n");
+  write(folder / "l.seg.nrrd", bytes);
+}
+
+bool warns(const json& report, const std::string& words) {
+  for (const json& warning : report["warnings"])
+    if (warning.get<std::string>().find(words) != std::string::npos) return true;
+  return false;
+}
+
+TEST(Labels, AreCalledWhatTheirFileCallsThem) {
+  const fs::path folder = folder_with_ct();
+  write_segmentation(folder, "tumour");
+  const Ended info = run_program("info ct.nii.gz --labels l.seg.nrrd", folder);
+  EXPECT_EQ(info.code, 0) << info.printed;
+  EXPECT_NE(info.printed.find("    5 tumour "), std::string::npos) << info.printed;
+  EXPECT_EQ(info.printed.find("liver"), std::string::npos) << info.printed;
+  EXPECT_EQ(info.printed.find("TotalSegmentator"), std::string::npos) << info.printed;
+  write(folder / "s.toml",
+        scene_of("labels = \"l.seg.nrrd\"\nonly = \"tumour\"\ntissue = { labels = { tumour = 9e3 } }"));
+  const Ended run = run_program("run s.toml -o by-name", folder);
+  ASSERT_EQ(run.code, 0) << run.printed;
+  EXPECT_FALSE(warns(report_in(folder / "by-name"), "TotalSegmentator"));
+  write(folder / "n.toml", scene_of("labels = \"l.seg.nrrd\"\nonly = 5\ntissue = { labels = { 5 = 9e3 } }"));
+  ASSERT_EQ(run_program("run n.toml -o by-number", folder).code, 0);
+  EXPECT_EQ(report_in(folder / "by-name")["state_hash"], report_in(folder / "by-number")["state_hash"]);
+  write(folder / "w.toml", scene_of("labels = \"l.seg.nrrd\"\nonly = \"liver\""));
+  const Ended wrong = run_program("run w.toml -o wrong", folder);
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.printed.find("found \"liver\""), std::string::npos) << wrong.printed;
+}
+
+TEST(Labels, NamesThatTheFileDoesNotSayAreNoted) {
+  const fs::path folder = folder_with_ct();
+  const Ended info = run_program("info ct.nii.gz --labels l.nii.gz", folder);
+  EXPECT_NE(info.printed.find("names none of its labels"), std::string::npos) << info.printed;
+  write(folder / "s.toml", scene_of("labels = \"l.nii.gz\"\nonly = \"liver\""));
+  ASSERT_EQ(run_program("run s.toml -o out", folder).code, 0);
+  EXPECT_TRUE(warns(report_in(folder / "out"), "\"liver\" is taken to be label 5, as TotalSegmentator"));
+}
+
+TEST(Labels, OfAnotherPatientsGridAreRefusedByRunAsByInfo) {
+  const fs::path folder = folder_with_ct();
+  ASSERT_EQ(run_program("phantom torso --size 48 40 30 -o other.nii.gz --labels o.nii.gz", folder).code, 0);
+  write(folder / "s.toml", scene_of("labels = \"o.nii.gz\"\nonly = \"liver\""));
+  for (const char* command : {"info ct.nii.gz --labels o.nii.gz", "run s.toml -o out"}) {
+    const Ended ended = run_program(command, folder);
+    EXPECT_EQ(ended.code, 2) << ended.printed;
+    EXPECT_NE(ended.printed.find("o.nii.gz: its grid is not the CT's: size 48 x 40 x 30, not 48 x 40 x 32"),
+              std::string::npos)
+        << ended.printed;
+  }
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST(Labels, GivenAsACtAreDoubtedByInfoImportAndRun) {
+  const fs::path folder = folder_with_ct();
+  EXPECT_NE(run_program("info l.nii.gz", folder).printed.find("do not look like Hounsfield"),
+            std::string::npos);
+  EXPECT_NE(run_program("import l.nii.gz -o l.mha", folder).printed.find("do not look like Hounsfield"),
+            std::string::npos);
+  write(folder / "s.toml", scene_of("fixed = \"none\"\ngravity = false\nskin = false"));
+  ASSERT_EQ(run_program("run s.toml -o out --set body.torso.ct=l.nii.gz", folder).code, 0);
+  EXPECT_TRUE(warns(report_in(folder / "out"), "do not look like Hounsfield units"));
+  ASSERT_EQ(run_program("run s.toml -o sound", folder).code, 0);
+  EXPECT_FALSE(warns(report_in(folder / "sound"), "Hounsfield"));
+}
+
+}  // namespace
+}  // namespace turgor

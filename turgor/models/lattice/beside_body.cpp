@@ -1,0 +1,183 @@
+#include "turgor/models/lattice/beside_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "turgor/geometry/row_components.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+constexpr double kCell = 3e-3;   // side of a cell, if voxels are smaller [m]
+constexpr double kLength = 0.1;  // of what does not belong to the body, at least [m]
+
+using Mask = std::vector<std::uint8_t>;
+
+/// Densest and least dense voxel of every cell against a bound.
+struct PoolLayer {
+  const CtVolume& ct;
+  const BesideBody& cells;
+  std::int16_t bound;
+  std::uint8_t *any, *all;
+
+  void operator()(std::size_t layer) const {
+    const Int3 n = ct.grid.size, c = cells.cell;
+    std::vector<std::int16_t> extremes(
+        2 * static_cast<std::size_t>(n.x));  // of every column of this row of cells
+    std::int16_t *least = extremes.data(), *most = least + n.x;
+    const int k0 = int(layer) * c.z, k1 = std::min(k0 + c.z, n.z);
+    for (int row = 0; row < cells.size.y; row++) {
+      std::fill_n(least, n.x, std::int16_t(32767));
+      std::fill_n(most, n.x, std::int16_t(-32768));
+      for (int k = k0; k < k1; k++)
+        for (int j = row * c.y; j < std::min((row + 1) * c.y, n.y); j++) {
+          const std::int16_t* hu = &ct.samples[sample_index(ct.grid, 0, j, k)];
+          TURGOR_LANES
+          for (int i = 0; i < n.x; i++)
+            least[i] = std::min(least[i], hu[i]), most[i] = std::max(most[i], hu[i]);
+        }
+      const std::size_t first =
+          (layer * std::size_t(cells.size.y) + std::size_t(row)) * std::size_t(cells.size.x);
+      for (int i = 0; i < cells.size.x; i++) {
+        const int begin = i * c.x, end = std::min(begin + c.x, n.x);
+        all[first + std::size_t(i)] = *std::min_element(least + begin, least + end) >= bound;
+        any[first + std::size_t(i)] = *std::max_element(most + begin, most + end) >= bound;
+      }
+    }
+  }
+};
+
+/// out(p) = op over mask(p + shift), shift 0 and `way` along each axis in turn: boxes grow or shrink by a
+/// cell. Cells beyond the border count as the border's own.
+template <class Op>
+Mask combined(const Exec& exec, const Mask& mask, Int3 size, int way, const Op& op) {
+  Mask from = mask, to(mask.size());
+  const std::ptrdiff_t strides[3] = {1, size.x, std::ptrdiff_t(size.x) * size.y};
+  for (int axis = 0; axis < 3; axis++) {
+    parallel_for(exec, std::size_t(size.z), [&](std::size_t k) {
+      for (int j = 0; j < size.y; j++) {
+        const std::size_t row = (k * std::size_t(size.y) + std::size_t(j)) * std::size_t(size.x);
+        const int place = axis == 1 ? j : int(k);
+        const bool at_end = axis > 0 && (place + way < 0 || place + way >= size[axis]);
+        const int begin = axis == 0 && way < 0 ? 1 : 0, end = axis == 0 && way > 0 ? size.x - 1 : size.x;
+        const std::uint8_t* here = from.data() + row;
+        const std::uint8_t* there = here + (at_end ? 0 : way * strides[axis]);
+        std::uint8_t* result = to.data() + row;
+        if (begin > 0) result[0] = here[0];
+        if (end < size.x) result[size.x - 1] = here[size.x - 1];
+        for (int i = begin; i < end; i++) result[i] = op(here[i], there[i]);
+      }
+    });
+    std::swap(from, to);
+  }
+  return from;
+}
+
+constexpr std::bit_or<std::uint8_t> either;
+
+Mask with_neighbours(const Exec& exec, const Mask& mask, Int3 size) {
+  return combined(exec, combined(exec, mask, size, 1, either), size, -1, either);
+}
+
+/// The largest part of the cells that are dense throughout: any gap of a voxel ends it, and so does a sheet
+/// thinner than a cell.
+Mask core_of(const Mask& dense, Int3 size) {
+  const RowComponents parts = row_components(dense, size);
+  Mask core(dense.size());
+  const int largest = parts.largest();
+  for (const CellRun& run : parts.runs)
+    if (run.part == largest)
+      std::fill_n(core.begin() + ((std::ptrdiff_t(run.k) * size.y + run.j) * size.x + run.begin),
+                  run.end - run.begin, std::uint8_t(1));
+  return core;
+}
+
+/// First and last core cell of rows and columns of each layer: what lies beyond is seen from the side.
+class Silhouette {
+ public:
+  Silhouette(const Mask& core, Int3 size)
+      : size_(size),
+        rows_(std::size_t(size.y * size.z), kNone),
+        columns_(std::size_t(size.x * size.z), kNone) {
+    for (int k = 0; k < size.z; k++)
+      for (int j = 0; j < size.y; j++)
+        for (int i = 0; i < size.x; i++)
+          if (core[(std::size_t(k) * std::size_t(size.y) + std::size_t(j)) * std::size_t(size.x) +
+                   std::size_t(i)])
+            widen(rows_[std::size_t(k * size.y + j)], i), widen(columns_[std::size_t(k * size.x + i)], j);
+  }
+  bool is_beyond(int i, int j, int k) const {
+    const Extent row = rows_[std::size_t(k * size_.y + j)], column = columns_[std::size_t(k * size_.x + i)];
+    return i < row.first || i > row.last || j < column.first || j > column.last;
+  }
+
+ private:
+  struct Extent {
+    int first, last;
+  };
+  static constexpr Extent kNone{1 << 30, -1};
+  static void widen(Extent& e, int at) { e.first = std::min(e.first, at), e.last = std::max(e.last, at); }
+  Int3 size_;
+  std::vector<Extent> rows_, columns_;
+};
+
+/// Which parts are long, and for the greater part beyond the body's silhouette.
+std::vector<std::uint8_t> strange_parts(const RowComponents& parts, const Silhouette& silhouette,
+                                        Vec3d side) {
+  struct Seen {
+    Int3 low{1 << 30, 1 << 30, 1 << 30}, high{};
+    std::size_t beyond = 0;
+  };
+  std::vector<Seen> seen(parts.sizes.size());
+  for (const CellRun& run : parts.runs) {
+    Seen& s = seen[std::size_t(run.part)];
+    s.low = min(s.low, Int3{run.begin, run.j, run.k});
+    s.high = max(s.high, Int3{run.end, run.j + 1, run.k + 1});
+    for (int i = run.begin; i < run.end; i++) s.beyond += silhouette.is_beyond(i, run.j, run.k);
+  }
+  std::vector<std::uint8_t> strange(seen.size());
+  for (std::size_t p = 0; p < seen.size(); p++) {
+    const Vec3d length = hadamard(Vec3d(seen[p].high - seen[p].low), side);
+    strange[p] = std::max({length.x, length.y, length.z}) >= kLength && 2 * seen[p].beyond > parts.sizes[p];
+  }
+  return strange;
+}
+
+}  // namespace
+
+BesideBody find_beside_body(const Exec& exec, const CtVolume& ct, double air_max) {
+  BesideBody found;
+  for (int a = 0; a < 3; a++) {
+    found.cell[a] = std::max(1, int(std::lround(kCell / ct.grid.spacing[a])));
+    found.size[a] = (ct.grid.size[a] + found.cell[a] - 1) / found.cell[a];
+  }
+  const Int3 size = found.size;
+  const std::size_t count = std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z);
+  Mask any(count), all(count);
+  const auto bound = std::int16_t(std::clamp(std::ceil(air_max), -32768.0, 32767.0));
+  parallel_for(exec, std::size_t(size.z), PoolLayer{ct, found, bound, any.data(), all.data()});
+
+  const Mask core = core_of(all, size), near_core = with_neighbours(exec, core, size);
+  Mask rest(count);
+  for (std::size_t n = 0; n < count; n++) rest[n] = any[n] & std::uint8_t(1 - near_core[n]);
+  const RowComponents parts = row_components(rest, size);
+  const std::vector<std::uint8_t> strange =
+      strange_parts(parts, Silhouette(core, size), hadamard(ct.grid.spacing, Vec3d(found.cell)));
+  found.mask.assign(count, 0);
+  found.row_mask.assign(std::size_t(size.y) * std::size_t(size.z), 0);
+  for (const CellRun& run : parts.runs)
+    if (strange[std::size_t(run.part)])
+      std::fill_n(found.mask.begin() + ((std::ptrdiff_t(run.k) * size.y + run.j) * size.x + run.begin),
+                  run.end - run.begin, std::uint8_t(1));
+  // Where it touches the body's rim, it takes the rim's cells that are not the body's core.
+  found.mask = with_neighbours(exec, found.mask, size);
+  for (std::size_t n = 0; n < count; n++) {
+    found.mask[n] = found.mask[n] & any[n] & std::uint8_t(1 - core[n]);
+    found.row_mask[n / std::size_t(size.x)] |= found.mask[n];
+  }
+  return found;
+}
+
+}  // namespace turgor::lattice

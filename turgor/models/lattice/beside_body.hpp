@@ -1,0 +1,30 @@
+// What a CT shows beside the body: the table, a mattress's cover, a belt. It must be found before blocks of
+// voxels are averaged: at coarse steps their means join it to the body.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/geometry/volume.hpp"
+
+namespace turgor::lattice {
+
+/// Cells of a few voxels each, i fastest: 1 where dense voxels do not belong to the body.
+struct BesideBody {
+  Int3 cell{1, 1, 1};                        // voxels a side
+  Int3 size;                                 // cells
+  std::vector<std::uint8_t> mask, row_mask;  // of cells; of rows that have any
+
+  bool has_row(int j, int k) const { return row_mask[std::size_t(k / cell.z * size.y + j / cell.y)] != 0; }
+  /// The cells of the row that voxel row (j, k) lies in.
+  const std::uint8_t* row(int j, int k) const {
+    return mask.data() + std::size_t(k / cell.z * size.y + j / cell.y) * std::size_t(size.x);
+  }
+};
+
+/// The body is the largest part that holds together by more than some 3 mm. Beside it lies what is longer
+/// than a hand, hangs on it by less than that, and is seen from the sides of the scan; ears and fingers stay.
+BesideBody find_beside_body(const Exec& exec, const CtVolume& ct, double air_max);
+
+}  // namespace turgor::lattice
