@@ -67,7 +67,7 @@ void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>
 
 void read_young_of_labels(SceneTable& tissue, lattice::TissueParams& params) {
   SceneTable labels = tissue.table("labels");
-  for (const std::string& name : labels.names()) {
+  for (const std::string& name : labels.keys()) {
     double young = 0;
     labels.read(name, young, positive("Pa"));
     const int label = label_number(name);

@@ -76,7 +76,7 @@ LabelStiffness read_label_stiffness(SceneTable& table) {
   else
     table.read_path("labels", stiffness.labels);
   SceneTable factors = table.table("factors");
-  for (const std::string& name : factors.names()) {
+  for (const std::string& name : factors.keys()) {
     double factor = 1;
     factors.read(name, factor, positive(""));
     const int label = label_number(name);
