@@ -71,11 +71,7 @@ std::vector<CurvePoint> curve_of_scene(const Exec& exec, const CalibrateOptions&
   return felt_curve(world, options.input);
 }
 
-void write_plot(const Plot& plot, const fs::path& file) {
-  const std::string svg = plot_svg(plot, file.parent_path());
-  if (svg.empty()) return;  // without gnuplot the numbers stand alone
-  required(write_file(file, "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n" + svg));
-}
+void write_plot(const Plot& plot, const fs::path& file) { required(write_file(file, plot_svg_file(plot))); }
 
 /// The curves, as a table and as pictures.
 void write_curves(const std::vector<CurvePoint>& curve, const rhombus::Fit& fit, const fs::path& folder) {
@@ -135,7 +131,7 @@ void calibrate(const Exec& exec, const CalibrateOptions& options) {
   Result<rhombus::Fit> fit = rhombus::calibrate(curve, start);
   if (!fit) throw Failure{2, options.input.string() + ": " + fit.error().message};
   write_curves(curve, *fit, folder.path());
-  required(write_file(folder.path() / kReportFile, to_json(options, curve, *fit).dump(1) + "\n"));
+  required(write_file(folder.path() / kReportFile, json_text(to_json(options, curve, *fit)) + "\n"));
   commit_results(folder);
   print(*fit, folder.goal());
 }

@@ -16,6 +16,7 @@
 #include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/report/report_touch.hpp"
+#include "turgor/view/video.hpp"
 
 namespace turgor {
 
@@ -103,7 +104,7 @@ Measures simulate(const Exec& exec, const Scene& scene, World& world, Outputs& o
 
 void write_report(const Json& report, const fs::path& folder) {
   required(write_file(folder / "report.html", report_html(report, folder)));
-  required(write_file(folder / kReportFile, report.dump(1) + "\n"));
+  required(write_file(folder / kReportFile, json_text(report) + "\n"));
 }
 
 void print_row(const std::string& what, const std::string& value) { fmt::print("  {:<34}{}\n", what, value); }
@@ -227,6 +228,8 @@ void run(const Exec& exec, const RunOptions& options) {
   for (const ClothBody& body : world.clothes)
     for (const std::string& note : body.notes) outputs.facts.warnings.push_back(body.name + ": " + note);
 
+  if (scene.output.video && !has_ffmpeg())
+    outputs.facts.warnings.push_back("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)");
   std::optional<RecordingWriter> recording;
   if (scene.output.recording)
     recording.emplace(required(RecordingWriter::create(folder.path() / "recording.h5", scene, world)));
@@ -237,7 +240,7 @@ void run(const Exec& exec, const RunOptions& options) {
   for (std::string& warning : touch_warnings(world)) outputs.facts.warnings.push_back(std::move(warning));
   Json report = simulation_report(exec, scene, world, measures, outputs.facts);
   if (recording) {
-    required(recording->finish(world, report.dump()));
+    required(recording->finish(world, json_text(report, -1)));
     recording.reset();
     outputs.facts.files.push_back("recording.h5");
   }
@@ -286,7 +289,9 @@ void add_run_command(CLI::App& program, Global& global) {
       "All keys of a scene are listed in docs/scene.md.");
   command->add_option("scene", options->scene, "The scene, a TOML file");
   command->add_option("-o,--out", options->out, "Folder for the results (default: out/SCENE)");
-  command->add_option("--set", options->overrides, "key=value: overrides a key of the scene; may be repeated")
+  command
+      ->add_option("--set", options->overrides,
+                   "key=value: overrides a key of the scene, key= removes it; may be repeated")
       ->type_size(1)
       ->allow_extra_args(false);
   command->add_option("--replay", options->replay, "Draw this recording.h5 again instead of simulating");

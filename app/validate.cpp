@@ -33,9 +33,7 @@ T required(Result<T> result) {
 double error_percent(double found, double expected) { return 100 * (found / expected - 1); }
 
 void write_plot(const Plot& plot, const fs::path& folder, const std::string& file) {
-  const std::string svg = plot_svg(plot, folder);
-  if (svg.empty()) return;  // without gnuplot the numbers stand alone
-  required(write_file(folder / file, "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n" + svg));
+  required(write_file(folder / file, plot_svg_file(plot)));
 }
 
 ordered_json report_plate(const std::vector<PlateRow>& rows) {

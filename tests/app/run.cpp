@@ -46,6 +46,20 @@ TEST(Run, TheStateHashIsTheSameOnOneTwoAndEightThreads) {
   EXPECT_EQ(hashes.size(), 1u);
 }
 
+TEST(Run, WithoutFfmpegItGoesOnAndNamesThePackage) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", small_scene());
+  const std::string path = getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  const Ended ended = run_program("run s.toml --out out --set output.volume_rendering=false", folder);
+  setenv("PATH", path.c_str(), 1);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_NE(ended.printed.find("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)"),
+            std::string::npos)
+      << ended.printed;
+  EXPECT_FALSE(fs::exists(folder / "out" / "video.mp4"));
+}
+
 TEST(Run, AReplayDrawsTheSamePicturesWithoutSimulating) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", small_scene());

@@ -60,7 +60,7 @@ TEST(MeshFiles, VtuHoldsPointsCellsAndFieldsInItsBinaryEnd) {
   });
   EXPECT_EQ(attribute(text, "<Piece", "NumberOfPoints"), "4");
   EXPECT_EQ(attribute(text, "<Piece", "NumberOfCells"), "2");
-  EXPECT_EQ(appended<float>(text, "stretch &lt;1>"), stretch);
+  EXPECT_EQ(appended<float>(text, "stretch &lt;1&gt;"), stretch);
   EXPECT_EQ(appended<float>(text, "points"), (std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.5f}));
   EXPECT_EQ(appended<std::int32_t>(text, "connectivity"), (std::vector<std::int32_t>{0, 1, 2, 2, 1, 3}));
   EXPECT_EQ(appended<std::int64_t>(text, "offsets"), (std::vector<std::int64_t>{3, 6}));

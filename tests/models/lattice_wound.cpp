@@ -95,6 +95,18 @@ TEST(lattice_wound, fibre_skin_gapes_as_the_reference_and_least_along_the_lines)
   }
 }
 
+TEST(lattice_wound, a_blade_off_the_body_is_told_where_the_body_is) {
+  const Model model = reference_model(SkinLaw::kFibre, 45, 45, 1);
+  const auto off =
+      lay_blade(model, make_state(model), {.name = "a", .from = {0.1, 0.1, 0.536}, .to = {0.14, 0.1, 0.536}});
+  ASSERT_FALSE(off);
+  const std::string& message = off.error().message;
+  for (const char* part :
+       {"of (0.1, 0.1, 0.536) m", "the body lies between (0, 0, 0.036) m and (0.188, 0.188, 0.036) m",
+        "its nearest point, (0.1, 0.1, 0.036) m, is 0.5 m away"})
+    EXPECT_NE(message.find(part), std::string::npos) << part << " is not in: " << message;
+}
+
 TEST(lattice_wound, a_blade_without_skin_or_length_is_refused) {
   const Model model = reference_model(SkinLaw::kFibre, 45, 45, 1);
   const State state = make_state(model);
@@ -104,7 +116,8 @@ TEST(lattice_wound, a_blade_without_skin_or_length_is_refused) {
   EXPECT_NE(no_length.error().message.find("same point"), std::string::npos);
   const auto off = lay_blade(model, state, {.name = "a", .from = on, .to = {0.5, 0.1, 0.036}});
   ASSERT_FALSE(off);
-  EXPECT_NE(off.error().message.find("no skin within 100 mm"), std::string::npos) << off.error().message;
+  EXPECT_NE(off.error().message.find("no skin within 0.1 m of (0.19, 0.1, 0.036) m"), std::string::npos)
+      << off.error().message;
 }
 
 }  // namespace

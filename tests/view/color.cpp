@@ -42,14 +42,6 @@ TEST(Color, ScreenColorUndoesLinearColor) {
   EXPECT_GT(screen_color({3, 3, 3}).r, 250);
 }
 
-TEST(Color, TicksAreRoundAndInside) {
-  EXPECT_EQ(round_ticks(0, 8.3, 6), (std::vector<double>{0, 2, 4, 6, 8}));
-  EXPECT_EQ(round_ticks(-1, 1, 5), (std::vector<double>{-1, -0.5, 0, 0.5, 1}));
-  EXPECT_EQ(round_ticks(100, 900, 5), (std::vector<double>{200, 400, 600, 800}));
-  EXPECT_TRUE(round_ticks(1, 1, 5).empty());
-  EXPECT_TRUE(round_ticks(0, std::numeric_limits<double>::infinity(), 5).empty());
-}
-
 TEST(Color, ScaleWithoutExtentIsItsMiddle) {
   EXPECT_EQ(scale_fraction({.low = 2, .high = 2, .label = {}, .factor = 1}, 2), 0.5f);
   EXPECT_EQ(scale_fraction({.low = 2, .high = 4, .label = {}, .factor = 1}, 3.5f), 0.75f);

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -126,6 +127,50 @@ TEST_F(Video, WithoutFfmpegTheErrorSaysSo) {
   setenv("PATH", before.c_str(), 1);
   ASSERT_FALSE(status);
   EXPECT_NE(status.error().message.find("ffmpeg is not on the PATH"), std::string::npos);
+}
+
+/// Puts a program named ffmpeg first on the PATH while it lives.
+struct FakeFfmpeg {
+  std::string before = std::getenv("PATH");
+  FakeFfmpeg(const fs::path& folder, const std::string& script) {
+    fs::create_directories(folder / "bin");
+    std::ofstream(folder / "bin" / "ffmpeg") << "#!/bin/sh\n" << script << "\n";
+    fs::permissions(folder / "bin" / "ffmpeg", fs::perms::owner_all);
+    setenv("PATH", ((folder / "bin").string() + ":" + before).c_str(), 1);
+  }
+  ~FakeFfmpeg() { setenv("PATH", before.c_str(), 1); }
+};
+
+TEST_F(Video, AnFfmpegThatMisbehavesGetsItsOwnSentenceAndLeavesNothing) {
+  const std::vector<fs::path> frames = make_frames(2);
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"sleep 1000", "having got no further for 0.5 s"},
+      {"trap '' TERM INT ALRM; while :; do sleep 1; done", "having got no further for 0.5 s"},
+      {"kill -SEGV $$", "it crashed (Segmentation fault)"},
+      {"kill -KILL $$", "it was killed, perhaps because the machine's memory ran out"},
+      {"exit 3", "it ended with status 3"},
+      {"printf '\\033[31mno\\007 codec\\n' >&2; exit 1", "ffmpeg failed:  [31mno  codec"},
+      {"echo garbage > video.mp4", "what it wrote is no video"},
+      {"exit 0", "what it wrote is no video"},
+      {"cat; exit 4", "it ended with status 4"}};
+  for (const auto& [script, sentence] : cases) {
+    const FakeFfmpeg fake(folder, script);
+    const Status status = write_video(frames, 30, folder / "out.mp4", 0.5);
+    ASSERT_FALSE(status) << script;
+    EXPECT_NE(status.error().message.find(sentence), std::string::npos) << status.error().message;
+    EXPECT_NE(status.error().message.find("out.mp4"), std::string::npos);
+    EXPECT_EQ(others(), 1) << "only the folder of the program";
+  }
+}
+
+TEST_F(Video, AnFfmpegThatCannotBeStartedSaysWhy) {
+  const std::vector<fs::path> frames = make_frames(1);
+  const FakeFfmpeg fake(folder, "");
+  std::ofstream(folder / "bin" / "ffmpeg") << "#!/no/such/shell\n";
+  setenv("PATH", (folder / "bin").c_str(), 1);  // else the next one is tried
+  const Status status = write_video(frames, 30, folder / "out.mp4");
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("could not be started"), std::string::npos) << status.error().message;
 }
 
 }  // namespace

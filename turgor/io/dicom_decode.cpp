@@ -2,19 +2,15 @@
 // images, and a damaged file must end in a sentence, not in the end of the program.
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <fstream>
-#include <thread>
+#include <new>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <gdcmImage.h>
 #include <gdcmSequenceOfFragments.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
+#include "turgor/io/child.hpp"
 #include "turgor/io/dicom.hpp"
 
 namespace turgor::io {
@@ -22,6 +18,11 @@ namespace turgor::io {
 namespace {
 
 enum class Progressed : std::uint8_t { kWaiting, kWorking, kDone, kRefused };
+
+// A slice takes far less than a second; a codec that circles has lost its way.
+constexpr double kSecondsPerSlice = 60;
+// One that believes a damaged image asks for memory without end: no more than decoding one slice takes.
+constexpr std::size_t kCodecBytes = std::size_t{256} << 20, kBytesPerSample = 32;
 
 /// Memory that child processes share with this one.
 class SharedMemory {
@@ -92,56 +93,47 @@ bool decode(const DicomSlice& slice, std::span<std::int16_t> hu, ChangedSamples&
   return true;
 }
 
-/// A codec that believes a damaged image asks for memory without end: no more than decoding one slice takes.
-void limit_memory(const Work& work) {
-  constexpr rlim_t kCodec = rlim_t{256} << 20, kBytesPerSample = 32;
-  rlim_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;  // what was mapped before counts, too
-  rlimit limit{};
-  if (pages == 0 || getrlimit(RLIMIT_AS, &limit) != 0) return;
-  const rlim_t wanted = pages * rlim_t(sysconf(_SC_PAGESIZE)) + kCodec + kBytesPerSample * work.area;
-  limit.rlim_cur = std::min(wanted, limit.rlim_max);
-  setrlimit(RLIMIT_AS, &limit);
-}
-
-/// What a child does: every step-th slice. Never returns.
-[[noreturn]] void decode_stripe(const Work& work, std::size_t first, std::size_t step) {
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
-  limit_memory(work);
-  const int nowhere = open("/dev/null", O_WRONLY);  // codecs talk about what they find
-  dup2(nowhere, STDERR_FILENO);
+/// What a child does: every step-th slice.
+int decode_stripe(const Work& work, std::size_t first, std::size_t step) {
   for (std::size_t k = first; k < work.slices.size(); k += step) {
     Decoded& decoded = work.decoded[k];
     decoded.state = Progressed::kWorking;
     bool done = false;
     try {
       done = decode(*work.slices[k], std::span(work.samples + k * work.area, work.area), decoded.changed);
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (...) {
     }
     decoded.state = done ? Progressed::kDone : Progressed::kRefused;
   }
-  _exit(0);
+  return 0;
 }
 
-std::vector<pid_t> start_children(const Work& work, std::size_t count) {
-  std::vector<pid_t> children;
-  for (std::size_t child = 0; child < count; child++) {
-    const pid_t id = fork();
-    if (id == 0) decode_stripe(work, child, count);
-    if (id > 0) children.push_back(id);
-  }
-  return children;
+std::vector<ChildEnd> decode_all(const Work& work, std::size_t count, const ChildLimits& limits,
+                                 const Progress& progress) {
+  std::vector<Child> children;
+  for (std::size_t c = 0; c < count; c++)
+    children.push_back(start_child([&, c] { return decode_stripe(work, c, count); }, limits));
+  return wait_for(children, limits, [&] {
+    const auto finished = [](const Decoded& d) { return d.state.load() >= Progressed::kDone; };
+    const auto done = double(std::count_if(work.decoded, work.decoded + work.slices.size(), finished));
+    if (progress) progress(done / double(work.slices.size()));
+    return done;
+  });
 }
 
-void wait_for(const std::vector<pid_t>& children, const Work& work, const Progress& progress) {
-  for (const pid_t child : children)
-    while (waitpid(child, nullptr, progress ? WNOHANG : 0) == 0) {
-      const auto finished = [](const Decoded& d) { return d.state.load() >= Progressed::kDone; };
-      progress(double(std::count_if(work.decoded, work.decoded + work.slices.size(), finished)) /
-               double(work.slices.size()));
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
+/// Why a slice has no samples.
+Error why_not(const DicomSlice& slice, Progressed state, const ChildEnd& end, const ChildLimits& limits) {
+  const std::string file = slice.file.string();
+  if (state == Progressed::kRefused || end)
+    return {fmt::format(
+        "{}: damaged, or compressed in an unknown way: the pixels cannot be decoded (transfer syntax {})",
+        file, slice.transfer_syntax)};
+  return {fmt::format("{}: the pixels cannot be decoded (transfer syntax {}): {}{}", file,
+                      slice.transfer_syntax,
+                      end.kind == ChildEnd::Kind::kCrashed ? "the file is damaged, or the decoder is: " : "",
+                      describe(end, limits))};
 }
 
 }  // namespace
@@ -159,13 +151,13 @@ Result<ChangedSamples> decode_dicom_samples(const Exec& exec, std::span<const Di
   auto* samples = reinterpret_cast<std::int16_t*>(shared.data() + table);
   auto* decoded = reinterpret_cast<Decoded*>(shared.data());
   const Work work{slices, area, samples, decoded};  // fresh shared memory is zero: all waiting
-  wait_for(start_children(work, std::min(count, std::size_t(exec.threads()))), work, progress);
+  const std::size_t processes = std::min(count, std::size_t(exec.threads()));
+  const ChildLimits limits{.seconds = kSecondsPerSlice, .memory = kCodecBytes + kBytesPerSample * area};
+  const std::vector<ChildEnd> ends = decode_all(work, processes, limits, progress);
   ChangedSamples changed;
   for (std::size_t k = 0; k < count; k++) {
-    if (decoded[k].state != Progressed::kDone)
-      return Error{fmt::format(
-          "{}: damaged, or compressed in an unknown way: the pixels cannot be decoded (transfer syntax {})",
-          slices[k]->file.string(), slices[k]->transfer_syntax)};
+    const Progressed state = decoded[k].state;
+    if (state != Progressed::kDone) return why_not(*slices[k], state, ends[k % processes], limits);
     std::copy_n(samples + k * area, area, hu[k].begin());
     changed += decoded[k].changed;
   }

@@ -8,25 +8,11 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/io/file.hpp"
+#include "turgor/io/xml_text.hpp"
 
 namespace turgor {
 
 namespace {
-
-std::string xml_text(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&')
-      escaped += "&amp;";
-    else if (c == '<')
-      escaped += "&lt;";
-    else if (c == '"')
-      escaped += "&quot;";
-    else
-      escaped += c;
-  }
-  return escaped;
-}
 
 const char* byte_order() { return std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian"; }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/timing.hpp"
+#include "turgor/geometry/where_is.hpp"
 #include "turgor/io/surface_files.hpp"
 #include "turgor/sim/cloth_body.hpp"
 #include "turgor/sim/tool_mesh.hpp"
@@ -85,7 +86,9 @@ Result<ClothHold> load_hold(const HoldScene& scene, const TriMesh& mesh, const c
     if (max(min(x, high), low) == x) hold.vertices.push_back(v);
   }
   if (hold.vertices.empty() && !scene.ball)
-    return Error{fmt::format("hold.{}: no vertex of the cloth lies in the box", scene.name)};
+    return Error{fmt::format("hold.{}: no vertex of the cloth lies in the box; {}", scene.name,
+                             where_is(std::vector<Vec3d>(mesh.vertices.begin(), mesh.vertices.end()),
+                                      ((*scene.box)[0] + (*scene.box)[1]) * 0.5))};
   // Once each, though several may have been welded into one.
   const auto place = [&model](int v) { return model.place[std::size_t(v)]; };
   std::sort(hold.vertices.begin(), hold.vertices.end(), [&](int a, int b) { return place(a) < place(b); });

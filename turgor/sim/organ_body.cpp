@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "turgor/geometry/box.hpp"
+#include "turgor/geometry/where_is.hpp"
 
 namespace turgor {
 
@@ -65,8 +65,9 @@ Status add_inclusions(const SfemScene& scene, sfem::Body& body) {
     if (!holds_an_element(body.mesh, inclusion))
       return Error{fmt::format(
           "{}.inclusion.{}: no element has its middle in the sphere around {:.4g}, {:.4g}, {:.4g} m with the "
-          "radius {} m; expected a place inside the body and a radius above half of an element",
-          scene.place, given.name, inclusion.centre.x, inclusion.centre.y, inclusion.centre.z, given.radius)};
+          "radius {} m; expected a place inside the body and a radius above half of an element; {}",
+          scene.place, given.name, inclusion.centre.x, inclusion.centre.y, inclusion.centre.z, given.radius,
+          where_is(body.mesh.vertices, inclusion.centre))};
     body.materials.push_back(given.material);
     body.inclusions.push_back(inclusion);
   }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/round_ticks.hpp"
 #include "turgor/view/text.hpp"
 
 namespace turgor {

@@ -79,21 +79,6 @@ float scale_fraction(const ColorScale& scale, float scalar) {
   return scale.high == scale.low ? 0.5f : (scalar - scale.low) / (scale.high - scale.low);
 }
 
-std::vector<double> round_ticks(double low, double high, int count) {
-  std::vector<double> ticks;
-  if (!(high > low) || !std::isfinite(high - low)) return ticks;
-  const double rough = (high - low) / std::max(count - 1, 1),
-               decade = std::pow(10.0, std::floor(std::log10(rough)));
-  const double step = decade * (rough < 1.5 * decade   ? 1
-                                : rough < 3.5 * decade ? 2
-                                : rough < 7.5 * decade ? 5
-                                                       : 10);
-  const double slack = 1e-9 * (high - low);
-  for (double i = std::ceil((low - slack) / step); i * step <= high + slack; i++)
-    ticks.push_back(i * step + 0.0);
-  return ticks;
-}
-
 Vec3 linear_color(Rgb color) { return {decode(color.r), decode(color.g), decode(color.b)}; }
 
 Rgb screen_color(Vec3 linear) {

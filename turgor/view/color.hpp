@@ -22,8 +22,6 @@ struct ColorScale {
 Rgb map_color(float fraction);
 /// Where a scalar lies between the ends of its scale; 0.5 when the scale has no extent.
 float scale_fraction(const ColorScale& scale, float scalar);
-/// Round numbers (1, 2 or 5 times a power of ten apart) from low to high, about `count` of them.
-std::vector<double> round_ticks(double low, double high, int count);
 
 /// Linear light, 0…1 a component.
 Vec3 linear_color(Rgb color);

@@ -9,13 +9,11 @@
 #include <fstream>
 #include <string>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-extern char** environ;
+#include "turgor/core/one_line.hpp"
+#include "turgor/io/child.hpp"
 
 namespace turgor {
 
@@ -61,32 +59,56 @@ Status link_frames(const std::vector<fs::path>& frames, const fs::path& folder) 
   return Done{};
 }
 
-// Runs a program in `folder`, its errors into the log there; its exit status, or -1.
-int run_in(const fs::path& folder, std::vector<std::string> arguments) {
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, kLog, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  pid_t child = -1;
-  const int failed = posix_spawnp(&child, pointers[0], &actions, nullptr, pointers.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed) return -1;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-std::string first_line(const fs::path& path) {
-  std::ifstream file(path);
+/// Why there is no video: what ffmpeg printed first, or how it ended.
+std::string reason(const fs::path& log, const io::ChildEnd& end, const io::ChildLimits& limits) {
+  constexpr std::size_t kLongest = 300;
+  std::ifstream file(log);
   std::string line;
   std::getline(file, line);
-  return line.empty() ? "it gave no reason" : line;
+  if (end.kind != io::ChildEnd::Kind::kExited || line.empty()) return io::describe(end, limits);
+  return on_one_line(line.substr(0, kLongest));
+}
+
+/// Every MP4 starts with a box of this kind.
+bool is_mp4(const fs::path& path) {
+  char start[8] = {};
+  std::ifstream(path, std::ios::binary).read(start, sizeof start);
+  return std::string_view(start + 4, 4) == "ftyp";
+}
+
+/// Runs ffmpeg in the folder; it is watched by what it writes.
+Status encode(const fs::path& folder, double frames_per_second, double patience) {
+  const io::ChildLimits limits{.seconds = patience, .memory = 16ull << 30};
+  const io::Child child = io::start_program({"ffmpeg",
+                                             "-y",
+                                             "-nostdin",
+                                             "-xerror",  // else a full disk is no failure to it
+                                             "-loglevel",
+                                             "error",
+                                             "-framerate",
+                                             fmt::format("{}", frames_per_second),
+                                             "-i",
+                                             "%06d.png",
+                                             "-vf",
+                                             "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                                             "-c:v",
+                                             "libx264",
+                                             "-pix_fmt",
+                                             "yuv420p",
+                                             "-crf",
+                                             "18",
+                                             "-movflags",
+                                             "+faststart",
+                                             kVideo},
+                                            folder, kLog, limits);
+  const io::ChildEnd end = io::wait_for({&child, 1}, limits, [&] {
+    std::error_code none;
+    const auto size = fs::file_size(folder / kVideo, none);
+    return none ? 0.0 : double(size);
+  })[0];
+  if (!end) return Error{"ffmpeg failed: " + reason(folder / kLog, end, limits)};
+  if (!is_mp4(folder / kVideo)) return Error{"ffmpeg failed: what it wrote is no video"};
+  return Done{};
 }
 
 }  // namespace
@@ -102,7 +124,8 @@ bool has_ffmpeg() {
   return false;
 }
 
-Status write_video(const std::vector<fs::path>& frames, double frames_per_second, const fs::path& path) {
+Status write_video(const std::vector<fs::path>& frames, double frames_per_second, const fs::path& path,
+                   double patience) {
   if (frames.empty())
     return Error{fmt::format("{}: a video needs frames, and there are none", path.string())};
   if (!(frames_per_second > 0))
@@ -118,29 +141,8 @@ Status write_video(const std::vector<fs::path>& frames, double frames_per_second
   const WorkFolder folder(*made);
   if (const Status linked = link_frames(frames, folder.path); !linked) return linked;
 
-  // Without -xerror a last part that could not be written (the disk is full) is no failure to ffmpeg.
-  const int exit_status = run_in(folder.path, {"ffmpeg",
-                                               "-y",
-                                               "-xerror",
-                                               "-loglevel",
-                                               "error",
-                                               "-framerate",
-                                               fmt::format("{}", frames_per_second),
-                                               "-i",
-                                               "%06d.png",
-                                               "-vf",
-                                               "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-                                               "-c:v",
-                                               "libx264",
-                                               "-pix_fmt",
-                                               "yuv420p",
-                                               "-crf",
-                                               "18",
-                                               "-movflags",
-                                               "+faststart",
-                                               kVideo});
-  if (exit_status != 0)
-    return Error{fmt::format("{}: ffmpeg failed: {}", path.string(), first_line(folder.path / kLog))};
+  if (const Status made_video = encode(folder.path, frames_per_second, patience); !made_video)
+    return Error{fmt::format("{}: {}", path.string(), made_video.error().message)};
   std::error_code error;
   fs::rename(folder.path / kVideo, path, error);
   if (error) return Error{fmt::format("{}: cannot write the video: {}", path.string(), error.message())};

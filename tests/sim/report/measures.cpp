@@ -1,6 +1,9 @@
 #include "turgor/sim/report/measures.hpp"
 
 #include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
 
 #include "sim/block_scene.hpp"
 
@@ -29,6 +32,62 @@ TEST(Measures, ACutAlongTheLinesIsPulledOpenByTheTensionAcrossThem) {
   const SkinPull oblique = pull_with("[1, 0, 1]");
   EXPECT_NEAR(oblique.angle, 45, 0.1);
   EXPECT_NEAR(oblique.opening, 45, 0.1);
+}
+
+/// A cylinder of fat along z with a core of bone, or a slab, in a CT whose axes are turned; voxels of 3 mm.
+struct TurnedBody {
+  Mat3d turn;  // lattice to patient
+  lattice::Model model;
+};
+constexpr double kRadius = 0.06;
+
+TurnedBody turned_body(bool is_round, double degrees, Vec3d direction, bool by_field) {
+  const double c = std::cos(degrees * std::numbers::pi / 180), s = std::sin(degrees * std::numbers::pi / 180);
+  TurnedBody body;
+  body.turn = {{{c, s, 0}, {-s * c, c * c, s}, {s * s, -c * s, c}}};
+  CtVolume ct;
+  ct.grid = {.size = {56, 56, 40}, .spacing = {0.003, 0.003, 0.003}, .axes = body.turn};
+  ct.grid.origin = body.turn * Vec3d{-0.0825, -0.0825, -0.0585};
+  ct.samples.assign(sample_count(ct.grid), kAirHu);
+  VectorVolume field{ct.grid, std::vector<Vec3>(sample_count(ct.grid), Vec3(body.turn * direction))};
+  for (int k = 2; k < 38; k++)
+    for (int j = 2; j < 54; j++)
+      for (int i = 2; i < 54; i++) {
+        const Vec3d local = Vec3d(Int3{i, j, k}) * 0.003 - Vec3d{0.0825, 0.0825, 0.0585};
+        const double depth = is_round ? kRadius - std::hypot(local.x, local.y) : local.y + kRadius;
+        if (depth > 0) ct.at(i, j, k) = depth > 0.03 ? 1000 : -100;
+      }
+  lattice::Params params;
+  params.block = {1, 1, 1};
+  params.skin.direction = by_field ? Vec3d{0, 0, 1} : body.turn * direction;
+  body.model = lattice::build(Exec(1), ct, {.lines = by_field ? &field : nullptr}, params).value();
+  return body;
+}
+
+double angle_of_cut(const TurnedBody& body, Vec3d line) {
+  const Vec3d middle{0.0007, -kRadius, 0.0004};
+  const lattice::Incision cut{
+      .name = "cut", .from = body.turn * (middle - line * 0.012), .to = body.turn * (middle + line * 0.012)};
+  const lattice::State state = lattice::make_state(body.model);
+  return skin_pull(body.model, lattice::lay_blade(body.model, state, cut).value()).angle;
+}
+
+TEST(Measures, TheAngleToTheLinesIsThatOnTheSkinNotOnTheStepsOfTheLattice) {
+  const double half = std::sqrt(0.5);
+  for (const bool is_round : {false, true})
+    for (const double degrees : {0.0, 27.0})
+      for (const bool by_field : {false, true})
+        for (const Vec3d direction : {Vec3d{0, 0, 1}, Vec3d{1, 0, 0}, Vec3d{0, 0.6, 1}}) {
+          if (is_round && direction.y != 0) continue;  // there such lines turn along the cut
+          const TurnedBody body = turned_body(is_round, degrees, direction, by_field);
+          const Vec3d along = normalized(Vec3d{direction.x, 0, direction.z}), across{along.z, 0, -along.x};
+          const std::string where =
+              fmt::format("round {}, turned {}°, field {}, lines ({}, {}, {})", is_round, degrees, by_field,
+                          direction.x, direction.y, direction.z);
+          EXPECT_LT(angle_of_cut(body, along), 1) << where;
+          EXPECT_GT(angle_of_cut(body, across), 89) << where;
+          EXPECT_NEAR(angle_of_cut(body, (along + across) * half), 45, 1) << where;
+        }
 }
 
 TEST(Measures, TheAreaLawPullsAlikeInAllDirections) {

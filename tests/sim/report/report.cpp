@@ -56,7 +56,7 @@ TEST(Report, ThePageIsOneFileWithPicturesAndCurvesInside) {
   const BlockRun run = block_run();
   const std::string html = report_html(run.report, run.folder);
   EXPECT_NE(html.find("src=\"data:image/png;base64,iVBORw0KGgo"), std::string::npos);  // how every PNG starts
-  EXPECT_NE(html.find("red &lt;square>"), std::string::npos);
+  EXPECT_NE(html.find("red &lt;square&gt;"), std::string::npos);
   EXPECT_NE(html.find("something &amp; else"), std::string::npos);
   EXPECT_NE(html.find("gape, largest [mm]"), std::string::npos);
   EXPECT_NE(html.find("Gape over time"), std::string::npos);
@@ -66,15 +66,52 @@ TEST(Report, ThePageIsOneFileWithPicturesAndCurvesInside) {
   EXPECT_EQ(html.find("url(http"), std::string::npos);
 }
 
-TEST(Report, WithoutGnuplotCurvesAreTables) {
-  const BlockRun run = block_run();
-  const std::string path = getenv("PATH");
-  setenv("PATH", "/nowhere", 1);
-  const std::string html = report_html(run.report, run.folder);
-  setenv("PATH", path.c_str(), 1);
-  EXPECT_EQ(html.find("<svg"), std::string::npos);
-  EXPECT_NE(html.find("<h3>Gape over time</h3>"), std::string::npos);
-  EXPECT_EQ(html.find("nan"), std::string::npos);
+/// Text that would be a tag, end an attribute or start a program, were it not escaped.
+const std::string kEvil = "\"><script>alert('1')</script>\nsystem(\"id\")\n#\x1b[31m\xff";
+
+/// Every text of the report becomes evil, numbers stay; keys that lead to files stay, too.
+void poison(Json& node) {
+  if (node.is_string()) node = kEvil;
+  if (node.is_structured())
+    for (auto& [key, value] : node.items())
+      if (key != "pictures") poison(value);
+}
+
+TEST(Report, WhateverTextSceneAndFilesBringIsTextOnThePage) {
+  BlockRun run = block_run();
+  Json& report = run.report;
+  report["pictures"][0]["caption"] = kEvil;
+  report["tools"] = {{{"name", kEvil},
+                      {"body", kEvil},
+                      {"shape", kEvil},
+                      {"friction", 0.1},
+                      {"force_max_N", 1},
+                      {"depth_max_mm", 2},
+                      {"tick_p50_us", 1.0},
+                      {"tick_p99_us", 1.0},
+                      {"series", Json::array({{0, 1, 1, 0, 1}, {1, 2, 2, 1, 1}})}}};
+  const Json row = Json::array({0.0, 1.0, 2.0, 3.0}), rows = Json::array({row, row});
+  report["profiles"] = {{{"name", kEvil}, {"rows", rows}}};
+  const Json part = {{"name", kEvil}, {"cloth", kEvil}, {"kind", kEvil}, {"series", rows}, {"vertices", 3}};
+  report["clothes"] = {{{"name", kEvil},
+                        {"step_p50_ms", 1},
+                        {"triangles_crossing", 0},
+                        {"method", kEvil},
+                        {"series", rows},
+                        {"snapshots", rows},
+                        {"obstacles", {part}},
+                        {"holds", {part}}}};
+  report["rhombi"] = {{{"name", kEvil}, {"source", kEvil}, {"tissue", kEvil}}};
+  poison(report);
+  const std::string html = report_html(report, run.folder);
+  EXPECT_EQ(html.find("<script"), std::string::npos);
+  EXPECT_EQ(html.find("alert('"), std::string::npos);
+  EXPECT_EQ(html.find('\x1b'), std::string::npos);
+  EXPECT_EQ(html.find('\xff'), std::string::npos);
+  EXPECT_NE(html.find("\" >&quot;&gt;&lt;script&gt;alert(&#39;1&#39;)"), std::string::npos)
+      << "a curve's label";
+  EXPECT_NE(html.find("alt=\"&quot;&gt;&lt;script"), std::string::npos) << "a picture's caption";
+  EXPECT_EQ(Json::parse(json_text(report)).size(), report.size()) << "and JSON takes what is no UTF-8";
 }
 
 }  // namespace

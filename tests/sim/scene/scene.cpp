@@ -1,6 +1,8 @@
 #include "turgor/sim/scene/scene.hpp"
 
 #include <fstream>
+#include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -256,7 +258,7 @@ TEST(Scene, WrongOverridesAreRefusedByName) {
             "--set world.duration: world.duration: expected a number between 0 and 3600 [s], found \"long\"");
   EXPECT_EQ(error("world.duration=3\nworld.x=4"),
             "--set world.duration: world.duration: expected a number between 0 and 3600 [s], found "
-            "\"3\nworld.x=4\"");
+            "\"3 world.x=4\"");
 }
 
 TEST(Scene, SnapshotsAreTheFirstTheLastAndEveryOneBetween) {
@@ -287,6 +289,82 @@ TEST(Scene, ScenesOfTheProjectAreRight) {
     count++;
   }
   EXPECT_GE(count, 3);
+}
+
+TEST(Scene, NothingCanBeNamedByMoreThanLettersAndDigits) {
+  const std::string name = R"("x\nsystem(\"id\")\n#")";
+  const std::string cloth = "[body.a]\nmodel = \"cloth\"\nsheet = { side = [1, 0, 0], up = [0, 0, 1] }\n";
+  const std::string organ = "[body.a]\nmodel = \"sfem\"\nblock = { size = [1, 1, 1], count = [2, 2, 2] }\n";
+  const std::string press =
+      "]\nbody = \"a\"\nshape = { sphere = 0.01 }\npress = { at_fraction = [0.5, 0.5, 1] }\n";
+  const std::vector<std::string> scenes = {
+      "[body." + name + "]\nmodel = \"lattice\"\nct = { phantom = \"leg\" }\n",
+      small_scene("", "[incision." + name + "]\nbody = \"torso\"\nfrom = [0, 0, 0]\nto = [0, 0, 1]\n"),
+      organ + "[tool." + name + press,
+      organ + "[body.a.inside." + name + "]\nlabel = 3\n",
+      organ + "[body.a.inclusion." + name + "]\ncentre = [0, 0, 0]\n",
+      cloth + "[body.a.hold." + name + "]\nvertices = [1]\n",
+      cloth + "[body.a.obstacle." + name + "]\nsphere = { centre = [0, 0, 0], radius = 0.1 }\n"};
+  for (const std::string& text : scenes) {
+    const std::string error = error_of(text);
+    EXPECT_NE(error.find("expected a name of at most 64 letters"), std::string::npos) << text << error;
+    EXPECT_EQ(error.find("\nsystem"), std::string::npos) << "it cannot write lines of its own: " << error;
+  }
+}
+
+TEST(Scene, AnOverrideWithoutAValueRemovesAKey) {
+  const std::string text = small_scene("labels = \"seg.nii\"", "[output]\nwindow = \"bone\"\n");
+  const Result<Scene> scene = parse_scene(text, "s.toml", {"body.torso.labels=", "output.window="});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->lattices[0].labels, "");
+  EXPECT_EQ(scene->output.window, "abdomen") << "as if the scene had not said it";
+  EXPECT_EQ(error_of(text, {"body.torso.label="}),
+            "--set body.torso.label=: the scene has no body.torso.label that could be removed; did you mean "
+            "labels?");
+  EXPECT_NE(error_of(text, {"body.torso.ct="}).find("ct is missing"), std::string::npos);
+  EXPECT_NE(error_of(text, {"output.video="}).find("no output.video that could be removed"),
+            std::string::npos);
+}
+
+TEST(Scene, KnownKeysAreListedOnce) {
+  const std::string error = error_of(small_scene("zzzzzzzz = 1"));
+  ASSERT_NE(error.find("known are"), std::string::npos) << error;
+  std::multiset<std::string> words;
+  std::istringstream stream(error.substr(error.find("known are") + 9));
+  for (std::string word; stream >> word;) words.insert(word.substr(0, word.find(',')));
+  for (const std::string& word : words) EXPECT_EQ(words.count(word), 1u) << word << " in: " << error;
+}
+
+TEST(Scene, AmountsThatFillMemoryOrDiskAreSaidBeforeTheRunStarts) {
+  const auto error = [](const std::string& world, const std::string& output) {
+    return error_of(small_scene("", "[world]\n" + world + "\n[output]\n" + output));
+  };
+  EXPECT_NE(error("duration = 3000\nframe_rate = 1000", "snapshots = { every = 10 }")
+                .find("are 3000000 frames; expected at most 1000000"),
+            std::string::npos);
+  EXPECT_NE(error("duration = 1000", "snapshots = { every = 0.001 }").find("would leave 60000 snapshots"),
+            std::string::npos);
+  EXPECT_NE(error("", "snapshots = { size = [8192, 8192] }")
+                .find("8192 x 8192 are 67.1 million pixels; expected at most 16.8 million"),
+            std::string::npos);
+  EXPECT_NE(error("", "deformed_size = [4096, 4096, 4096]")
+                .find("are 68719 million voxels; expected at most 1074 million"),
+            std::string::npos);
+  EXPECT_EQ(error("duration = 1000\nframe_rate = 1000",
+                  "snapshots = { every = 0.1, size = [4096, 4096] }\ndeformed_size = [1024, 1024, 1024]"),
+            "no error");
+}
+
+TEST(Scene, ASeriesIsChosenByNumberOrName) {
+  for (const char* series : {"2", "\"2\""}) {
+    const Result<Scene> scene = parse_scene("[body.torso]\nmodel = \"lattice\"\nct = \"dicom\"\n", "s.toml",
+                                            {std::string("body.torso.series=") + series});
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_EQ(scene->lattices[0].ct.series, "2");
+  }
+  EXPECT_NE(
+      error_of("[body.torso]\nmodel = \"lattice\"\nct = \"dicom\"\nseries = 0\n").find("body.torso.series"),
+      std::string::npos);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "turgor/geometry/where_is.hpp"
 #include "turgor/models/lattice/skin.hpp"
 
 namespace turgor::lattice {
@@ -49,9 +50,19 @@ double meet(Vec3d origin, Vec3d direction, Vec3d a, Vec3d b, Vec3d c) {
   return inside ? dot(e2, q) / det : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::string millimetres(Vec3d p) {
-  const auto text = [](double v) { return std::to_string(int(std::lround(v * 1e3))); };
-  return "(" + text(p.x) + ", " + text(p.y) + ", " + text(p.z) + ") mm";
+/// The skin's corners, patient frame [m].
+std::vector<Vec3d> skin_points(const Model& model, const State& state) {
+  std::vector<Vec3d> points;
+  for (const SkinTriangle& t : model.skin.triangles)
+    for (int corner = 0; corner < 3; corner++)
+      points.push_back(model.grid.origin + model.grid.axes * skin_corner(model, state, t, corner));
+  return points;
+}
+
+std::string off_skin(const Model& model, const State& state, const std::string& place, Vec3d point) {
+  const Vec3d patient = model.grid.origin + model.grid.axes * point;
+  return place + "no skin within " + number_text(kReach) + " m of " + place_text(patient) +
+         ": expected a line on the skin; " + where_is(skin_points(model, state), patient);
 }
 
 struct Place {
@@ -130,10 +141,7 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
     for (const auto& [a, b, c] : near)
       if (const double t = meet(point, path.into, a, b, c); std::abs(t) < std::abs(best))
         best = t, found = true;
-    if (!found)
-      return Error{place + "no skin within " + std::to_string(int(kReach * 1e3)) + " mm of " +
-                   millimetres(model.grid.origin + model.grid.axes * point) +
-                   ": expected a line on the skin"};
+    if (!found) return Error{off_skin(model, state, place, point)};
     path.skin.push_back(point + path.into * best);
   }
   return path;

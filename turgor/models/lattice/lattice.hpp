@@ -91,6 +91,7 @@ constexpr int kSkinLanes = 16;
 /// + 1]).
 struct Skin {
   std::vector<SkinTriangle> triangles;
+  std::vector<Vec3> lines;  // at each triangle, lattice frame; empty: SkinParams::direction everywhere
   std::vector<int> batch_begin, layer_begin;  // empty without skin
   // Which triangles meet at which node: nodes in slot order; row_begin has one entry per half row of the
   // storage.

@@ -132,6 +132,7 @@ struct MeasureTriangle {
   const Model& model;
   const VectorVolume* lines;
   SkinTriangle* triangles;
+  Vec3* given;  // null without lines
 
   void operator()(std::size_t t) const {
     SkinTriangle& triangle = triangles[t];
@@ -144,8 +145,10 @@ struct MeasureTriangle {
       hu += model.hu[std::size_t(triangle.vertex[c])] / 3.0;
     }
     const Vec3d patient = model.grid.origin + model.grid.axes * centre;
-    const Vec3d line = lines != nullptr ? lines_at(*lines, patient) : model.params.skin.direction;
-    measure_triangle(x, inverse(model.grid.axes) * line, triangle);
+    const Vec3d line = inverse(model.grid.axes) *
+                       (lines != nullptr ? lines_at(*lines, patient) : model.params.skin.direction);
+    if (given != nullptr) given[t] = Vec3(line);
+    measure_triangle(x, line, triangle);
     triangle.stiffness =
         Real(std::clamp((hu - tissue.air_max) / (tissue.bone_min - tissue.air_max), 0.05, 1.0));
   }
@@ -207,7 +210,10 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
     for (const Int3 vertex : layers[k]) skin.triangles.push_back({.vertex = vertex});
   }
   skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
-  parallel_for(exec, skin.triangles.size(), MeasureTriangle{model, lines, skin.triangles.data()}, 1024);
+  if (lines != nullptr) skin.lines.resize(skin.triangles.size());
+  parallel_for(exec, skin.triangles.size(),
+               MeasureTriangle{model, lines, skin.triangles.data(), lines ? skin.lines.data() : nullptr},
+               1024);
   collect_corners(model.lattice, skin);
   if (model.params.solver.method == Method::kDescent) measure_pull(model, skin);
 }

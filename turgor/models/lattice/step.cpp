@@ -136,7 +136,7 @@ std::size_t memory_bytes(const Model& model, const State& state) {
   const Skin& skin = model.skin;
   return slots * per_slot + state.row_cut.size() + state.cut_edges.size() * sizeof(CutEdge) +
          skin.triangles.size() * (sizeof(SkinTriangle) + 1) + skin.corners.size() * sizeof(Skin::Corner) +
-         skin.pull.size() * sizeof(Vec3) +
+         (skin.pull.size() + skin.lines.size()) * sizeof(Vec3) +
          (skin.nodes.size() + skin.corner_begin.size() + skin.row_begin.size() + skin.layer_begin.size()) *
              sizeof(int);
 }

@@ -3,25 +3,56 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace turgor {
 
 namespace {
 
-/// Cosine of the angle between a direction, laid into a triangle of the CT, and Langer's lines there.
-double cosine_to_lines(const lattice::Model& model, const lattice::SkinTriangle& triangle, Vec3d direction) {
-  Vec3d along, across;  // unit, lattice frame
-  for (int q = 0; q < 3; q++) {
-    const Vec3d corner(rest_position(model.lattice, slot_node(model.lattice, triangle.vertex[q])));
-    along += corner * double(triangle.along[q]);
-    across += corner * double(triangle.across[q]);
+/// The skin around a place at rest: its normal, smooth over the steps of the lattice, and Langer's lines.
+struct SkinAround {
+  Vec3d normal, lines;  // lattice frame, not unit
+};
+
+/// Within `reach`, the nearer triangles more.
+SkinAround skin_around(const lattice::Model& model, Vec3d point, double reach) {
+  SkinAround around;
+  const Vec3d everywhere = inverse(model.grid.axes) * model.params.skin.direction;
+  for (std::size_t t = 0; t < model.skin.triangles.size(); t++) {
+    const lattice::SkinTriangle& triangle = model.skin.triangles[t];
+    const Vec3d a(rest_position(model.lattice, slot_node(model.lattice, triangle.vertex.x)));
+    const Vec3d e1(triangle.edge1), e2(triangle.edge2);
+    const Vec3d away = a + (e1 + e2) / 3 - point;
+    const double weight = 1 - dot(away, away) / (reach * reach);
+    if (weight <= 0) continue;
+    const Vec3d line = model.skin.lines.empty() ? everywhere : Vec3d(model.skin.lines[t]);
+    around.normal += cross(e1, e2) * weight;
+    around.lines += line * (dot(line, around.lines) < 0 ? -weight : weight);  // a line has no sign
   }
-  const double c = dot(direction, along), s = dot(direction, across), length = std::hypot(c, s);
-  return length > 0 ? c / length : 0;
+  return around;
 }
 
-bool is_near(const lattice::BladePath& path, Vec3d point, double distance) {
-  return std::any_of(path.skin.begin(), path.skin.end(), [&](Vec3d p) { return norm(p - point) < distance; });
+/// Cosine of the angle between the blade's path and Langer's lines, both in the skin's tangent plane; none
+/// where there is no skin, or lines straight into it.
+std::optional<double> cosine_to_lines(const SkinAround& skin, Vec3d across) {
+  const Vec3d path = cross(across, skin.normal);
+  const Vec3d lines = cross(cross(skin.normal, skin.lines), skin.normal);
+  const double size = norm(path) * norm(lines);
+  if (!(size > 0)) return std::nullopt;
+  return dot(path, lines) / size;
+}
+
+/// cos² of the angle between a cut and the lines, the mean along it: blind to the sign that a line does not
+/// have.
+std::optional<double> share_along_lines(const lattice::Model& model, const lattice::BladePath& path) {
+  const Vec3 step = model.lattice.step;
+  const double reach = std::max(0.01, 3.0 * std::max({step.x, step.y, step.z}));
+  double sum = 0, count = 0;
+  for (const Vec3d point : path.skin)
+    if (const auto cosine = cosine_to_lines(skin_around(model, point, reach), path.across))
+      sum += *cosine * *cosine, count++;
+  if (count == 0) return std::nullopt;
+  return std::clamp(sum / count, 0.0, 1.0);
 }
 
 WoundSample sample_of(const lattice::Wound& wound, double time) {
@@ -32,20 +63,9 @@ WoundSample sample_of(const lattice::Wound& wound, double time) {
 
 SkinPull skin_pull(const lattice::Model& model, const lattice::BladePath& path) {
   const lattice::SkinParams& skin = model.params.skin;
-  const Vec3d cut = normalized(path.skin.back() - path.skin.front());
-  const Vec3 step = model.lattice.step;
-  const double reach = 2 * std::max({step.x, step.y, step.z});
-  // cos² of the angle between cut and lines, weighted by area: blind to the sign that a line does not have.
-  double weighted = 0, area = 0;
-  for (const lattice::SkinTriangle& triangle : model.skin.triangles) {
-    const Vec3d corner(rest_position(model.lattice, slot_node(model.lattice, triangle.vertex.x)));
-    if (!is_near(path, corner, reach)) continue;
-    const double cosine = cosine_to_lines(model, triangle, cut);
-    weighted += triangle.area * cosine * cosine;
-    area += triangle.area;
-  }
-  if (!(area > 0)) return {};
-  const double along = std::clamp(weighted / area, 0.0, 1.0);
+  const std::optional<double> share = share_along_lines(model, path);
+  if (!share) return {};
+  const double along = *share;
   SkinPull pull;
   pull.angle = std::acos(std::sqrt(along)) * 180 / std::numbers::pi;
   if (skin.law == lattice::SkinLaw::kArea) {

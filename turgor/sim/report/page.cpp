@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "turgor/io/xml_text.hpp"
+
 namespace turgor::page {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 /// What a key leads to, table by table; null when there is no such thing.
 const Json* find(const Json& item, std::string_view key) {
@@ -25,43 +25,10 @@ const Json* find(const Json& item, std::string_view key) {
   return at;
 }
 
-/// The curves as a table of at most a dozen rows each, where there is no gnuplot.
-std::string curve_table(const Plot& plot) {
-  std::string html = fmt::format("<div><h3>{}</h3>\n", plot.title);
-  for (const Curve& curve : plot.curves) {
-    if (curve.points.empty()) continue;
-    html +=
-        "<div class=\"scroll\"><table>" + table_row({plot.x_label, plot.y_label + ", " + curve.label}, "th");
-    constexpr std::size_t kRows = 12;
-    const std::size_t stride = std::max<std::size_t>(1, curve.points.size() / kRows);
-    for (std::size_t i = 0; i < curve.points.size(); i += stride)
-      html += table_row(
-          {fmt::format("{:.3g}", curve.points[i].first), fmt::format("{:.3g}", curve.points[i].second)},
-          "td");
-    html += "</table></div>\n";
-  }
-  return html + "</div>\n";
-}
-
 }  // namespace
 
-std::string escaped(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '&')
-      safe += "&amp;";
-    else if (c == '<')
-      safe += "&lt;";
-    else if (c == '"')
-      safe += "&quot;";
-    else
-      safe += c;
-  }
-  return safe;
-}
-
 std::string shown(const Json& value) {
-  if (value.is_string()) return escaped(value.get<std::string>());
+  if (value.is_string()) return xml_text(value.get<std::string>());
   if (value.is_number_integer()) return fmt::format("{}", value.get<std::int64_t>());
   if (!value.is_number()) return "";
   const double number = value.get<double>(), size = std::abs(number);
@@ -102,12 +69,9 @@ Curve curve_of(const std::string& label, const Json& rows, std::size_t x, std::s
   return curve;
 }
 
-std::string drawn(const Plot& plot, const fs::path& folder) {
-  const bool empty =
-      std::all_of(plot.curves.begin(), plot.curves.end(), [](const Curve& c) { return c.points.empty(); });
-  if (empty) return "";
-  const std::string svg = plot_svg(plot, folder);
-  return svg.empty() ? curve_table(plot) : "<div class=\"plot\">" + svg + "</div>\n";
+std::string drawn(const Plot& plot) {
+  const std::string svg = plot_svg(plot);
+  return svg.empty() ? "" : "<div class=\"plot\">" + svg + "</div>\n";
 }
 
 std::string key_figure(const std::string& value, const std::string& label) {

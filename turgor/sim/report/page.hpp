@@ -1,9 +1,7 @@
 // Pieces of the report's page: text, tables and curves as HTML. Used by report_html*.cpp.
 #pragma once
 
-#include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "turgor/sim/report/plot.hpp"
@@ -11,8 +9,7 @@
 
 namespace turgor::page {
 
-std::string escaped(std::string_view text);
-/// A number as people read it: three or four digits; text as it is.
+/// A number as people read it: three or four digits; text escaped.
 std::string shown(const Json& value);
 std::string table_row(const std::vector<std::string>& cells, const char* tag);
 
@@ -26,8 +23,8 @@ std::string quantity_table(const Json& items, const char* heading, const std::ve
 
 /// Two columns of a series as a curve.
 Curve curve_of(const std::string& label, const Json& rows, std::size_t x, std::size_t y);
-/// A plot, or a table where there is no gnuplot; empty without points.
-std::string drawn(const Plot& plot, const std::filesystem::path& folder);
+/// A plot on the page; empty without points.
+std::string drawn(const Plot& plot);
 
 /// A large number with what it is.
 std::string key_figure(const std::string& value, const std::string& label);
@@ -38,7 +35,7 @@ namespace turgor {
 
 /// report_html_touch.cpp: key figures, curves and tables of organs and tools; empty when there are none.
 std::string touch_figures(const Json& report);
-std::string touch_curves(const Json& report, const std::filesystem::path& folder);
+std::string touch_curves(const Json& report);
 std::string touch_tables(const Json& report);
 
 }  // namespace turgor

@@ -2,91 +2,219 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include "turgor/io/file.hpp"
+#include "turgor/core/round_ticks.hpp"
+#include "turgor/io/xml_text.hpp"
 
 namespace turgor {
 
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr const char* kScript = ".plot.gp";
-constexpr const char* kPicture = ".plot.svg";
+using Points = std::vector<std::pair<double, double>>;
 
 /// Colours that are told apart by colour-blind eyes (Okabe and Ito), on light and on dark ground.
 constexpr const char* kColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 
-/// Text between the quotes of a gnuplot string.
-std::string quotable(const std::string& text) {
-  std::string result;
-  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c);
-  return result;
-}
+// Of the picture; in a report it is scaled down to no less than 460 pixels, its type to no less than 11.
+constexpr double kWidth = 560, kCurves = 210, kFont = 14, kLine = 20;  // kCurves: height of their part
+constexpr double kLeft = 76, kRight = 24, kBottom = 48;
+constexpr std::size_t kLongestLabel = 48;  // letters
 
-std::string script_of(const Plot& plot) {
-  std::string text = fmt::format(
-      "set terminal svg size 720,360 dynamic noenhanced font 'sans-serif,13'\n"
-      "set output '{}'\nset border 3 lc rgb '#888888'\nset tics nomirror textcolor rgb '#888888'\n"
-      "set grid lc rgb '#888888' lw 0.3\nset key textcolor rgb '#888888' top {}\n"
-      "set title '{}' textcolor rgb '#888888'\nset xlabel '{}' textcolor rgb '#888888'\n"
-      "set ylabel '{}' textcolor rgb '#888888'\n",
-      kPicture, plot.logarithmic ? "right" : "left", quotable(plot.title), quotable(plot.x_label),
-      quotable(plot.y_label));
-  text += plot.logarithmic ? "set logscale y\nset format y '%.0e'\n" : "set yrange [*<0:*]\n";
-  std::string commands;
-  for (std::size_t c = 0; c < plot.curves.size(); c++) {
-    const Curve& curve = plot.curves[c];
-    text += fmt::format("$curve{} << END\n", c);
-    for (const auto& [x, y] : curve.points)
-      if (std::isfinite(x) && std::isfinite(y)) text += fmt::format("{} {}\n", x, y);
-    text += "END\n";
-    commands += fmt::format("{}$curve{} using 1:2 with {} lw 2 lc rgb '{}' title '{}'", c ? ", " : "", c,
-                            curve.points.size() > 40 ? "lines" : "linespoints pt 7 ps 0.5",
-                            kColors[c % std::size(kColors)], quotable(curve.label));
+struct Range {
+  double low = std::numeric_limits<double>::max(), high = -std::numeric_limits<double>::max();
+  void add(double value) { low = std::min(low, value), high = std::max(high, value); }
+};
+
+/// Where numbers are on the picture [pixels].
+struct Axes {
+  Range x, y;  // y of a logarithmic axis as powers of ten
+  double top = 0;
+  bool logarithmic = false;
+  double bottom() const { return top + kCurves; }
+  double px(double value) const {
+    return kLeft + (kWidth - kLeft - kRight) * (value - x.low) / (x.high - x.low);
   }
-  return text + "plot " + commands + "\n";
+  double py(double value) const { return bottom() - kCurves * (value - y.low) / (y.high - y.low); }
+};
+
+Points drawable(const Points& points, bool logarithmic) {
+  constexpr double kMost = 1e300, kLeast = 1e-290;  // beyond them differences overflow or vanish
+  const auto plain = [](double value) { return std::abs(value) < kLeast ? 0 : value; };
+  Points kept;
+  for (const auto& [x, y] : points)
+    if (std::abs(x) < kMost && std::abs(y) < kMost && (!logarithmic || y > 0))
+      kept.emplace_back(plain(x), logarithmic ? std::log10(y) : plain(y));
+  return kept;
 }
 
-/// Runs gnuplot in the folder, silently; false when it is not there or failed.
-bool run_gnuplot(const fs::path& folder) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
-  char program[] = "gnuplot", script[16];
-  std::copy_n(kScript, std::char_traits<char>::length(kScript) + 1, script);
-  char* arguments[] = {program, script, nullptr};
-  pid_t child = 0;
-  const int failed = posix_spawnp(&child, program, &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  int status = 0;
-  return failed == 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+/// More points than pixels: the lowest and the highest of each stretch stay.
+Points thinned(const Points& points) {
+  constexpr std::size_t kStretches = 600;
+  if (points.size() <= 2 * kStretches) return points;
+  Points kept{points.front()};
+  for (std::size_t s = 0; s < kStretches; s++) {
+    const auto begin = points.begin() + std::ptrdiff_t(s * points.size() / kStretches);
+    const auto end = points.begin() + std::ptrdiff_t((s + 1) * points.size() / kStretches);
+    auto [low, high] =
+        std::minmax_element(begin, end, [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (high < low) std::swap(low, high);
+    kept.push_back(*low);
+    if (low != high) kept.push_back(*high);
+  }
+  kept.push_back(points.back());
+  return kept;
 }
+
+/// So wide that it can be divided.
+void widen(Range& range) {
+  const double size = std::max(std::abs(range.low), std::abs(range.high));
+  if (range.high - range.low > 1e-9 * size) return;
+  const double margin = size > 0 ? 0.05 * size : 1;
+  range = {range.low - margin, range.high + margin};
+}
+
+Axes make_axes(const std::vector<Points>& curves, bool logarithmic, double top) {
+  Axes axes{.top = top, .logarithmic = logarithmic};
+  for (const Points& points : curves)
+    for (const auto& [x, y] : points) axes.x.add(x), axes.y.add(y);
+  widen(axes.x);
+  if (logarithmic) {
+    axes.y = {std::floor(axes.y.low), std::max(std::ceil(axes.y.high), std::floor(axes.y.low) + 1)};
+    return axes;
+  }
+  axes.y.add(0);
+  widen(axes.y);
+  const std::vector<double> ticks = round_ticks(axes.y.low, axes.y.high, 5);
+  const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 0;  // up to the next round number
+  if (ticks.back() < axes.y.high) axes.y.high = ticks.back() + step;
+  if (ticks.front() > axes.y.low) axes.y.low = ticks.front() - step;
+  return axes;
+}
+
+std::string power_of_ten(int exponent) {
+  constexpr const char* kDigits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string text = exponent < 0 ? "10⁻" : "10";
+  for (const char digit : fmt::format("{}", std::abs(exponent))) text += kDigits[digit - '0'];
+  return text;
+}
+
+/// As many digits as tell one number from the next.
+std::string tick_text(double value, const std::vector<double>& ticks) {
+  const double most = std::max(std::abs(ticks.front()), std::abs(ticks.back()));
+  const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : most;
+  if (std::abs(value) < 0.5 * step) return "0";
+  if (most >= 1e5 || step < 1e-4) return fmt::format("{:.4g}", value);
+  return fmt::format("{:.{}f}", value, std::max(0, -int(std::floor(std::log10(step) + 1e-9))));
+}
+
+std::string text_at(double x, double y, const char* place, const std::string& text) {
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, place, xml_text(text));
+}
+
+std::string grid_line(double x1, double y1, double x2, double y2) {
+  return fmt::format("<path class=\"plot-grid\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x1, y1, x2, y2);
+}
+
+std::string draw_axes(const Axes& axes, const Plot& plot) {
+  const double bottom = axes.bottom(), right = kWidth - kRight;
+  std::string svg;
+  const std::vector<double> columns = round_ticks(axes.x.low, axes.x.high, 6);
+  for (const double x : columns)
+    svg += grid_line(axes.px(x), axes.top, axes.px(x), bottom) +
+           text_at(axes.px(x), bottom + 17, "text-anchor=\"middle\"", tick_text(x, columns));
+  std::vector<double> rows = round_ticks(axes.y.low, axes.y.high, 5);
+  if (axes.logarithmic) std::erase_if(rows, [](double y) { return std::abs(y - std::round(y)) > 0.01; });
+  for (const double y : rows)
+    svg += grid_line(kLeft, axes.py(y), right, axes.py(y)) +
+           text_at(kLeft - 8, axes.py(y) + 5, "text-anchor=\"end\"",
+                   axes.logarithmic ? power_of_ten(int(std::lround(y))) : tick_text(y, rows));
+  const double middle = 0.5 * (axes.top + bottom);
+  svg += fmt::format("<path class=\"plot-axis\" d=\"M{0:.1f} {1:.1f}V{2:.1f}H{3:.1f}\"/>\n", kLeft, axes.top,
+                     bottom, right);
+  svg += text_at(0.5 * (kLeft + right), bottom + kBottom - 8, "text-anchor=\"middle\"", plot.x_label);
+  const std::string turned =
+      fmt::format("text-anchor=\"middle\" transform=\"rotate(-90 16 {:.1f})\"", middle);
+  return svg + text_at(16, middle, turned.c_str(), plot.y_label);
+}
+
+std::string draw_curve(const Axes& axes, const Points& points, const char* color) {
+  constexpr std::size_t kMostDots = 40;
+  std::string path, dots;
+  for (const auto& [x, y] : thinned(points)) {
+    path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", axes.px(x), axes.py(y));
+    if (points.size() <= kMostDots)
+      dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.6\" fill=\"{}\"/>\n", axes.px(x),
+                          axes.py(y), color);
+  }
+  return fmt::format(
+             "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\" stroke-linejoin=\"round\"/>\n",
+             path, color) +
+         dots;
+}
+
+/// Cut where a letter ends.
+std::string short_label(const std::string& label) {
+  std::size_t letters = 0;
+  for (std::size_t i = 0; i < label.size(); i++)
+    if ((label[i] & 0xc0) != 0x80 && letters++ == kLongestLabel) return label.substr(0, i) + "…";
+  return label;
+}
+
+struct Legend {
+  std::string svg;
+  double bottom;  // [pixels]
+};
+Legend draw_legend(const std::vector<Curve>& curves, const std::vector<Points>& points, double top) {
+  constexpr double kLetter = 0.58 * kFont, kSwatch = 30, kGap = 18;
+  Legend legend{"", top};
+  double x = kLeft;
+  for (std::size_t c = 0; c < curves.size(); c++) {
+    if (points[c].empty()) continue;
+    const std::string label = short_label(curves[c].label);
+    const auto letters = std::count_if(label.begin(), label.end(), [](char l) { return (l & 0xc0) != 0x80; });
+    const double width = kSwatch + kLetter * double(letters);
+    if (x > kLeft && x + width > kWidth - kRight) x = kLeft, legend.bottom += kLine;
+    legend.svg += fmt::format("<path d=\"M{:.1f} {:.1f}h22\" stroke=\"{}\" stroke-width=\"3\"/>\n", x,
+                              legend.bottom + kLine - 9, kColors[c % std::size(kColors)]) +
+                  text_at(x + kSwatch, legend.bottom + kLine - 4, "", label);
+    x += width + kGap;
+  }
+  legend.bottom += kLine;
+  return legend;
+}
+
+constexpr const char* kHead =
+    "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
+    "height=\"{1:.0f}\" role=\"img\" class=\"turgor-plot\" font-family=\"system-ui, 'DejaVu Sans', "
+    "sans-serif\" "
+    "font-size=\"{2:.0f}\">\n<title>{3}</title>\n<style>"
+    ".turgor-plot text {{ fill: #43494f; }} .plot-grid {{ stroke: #9aa1a8; stroke-width: 0.5; opacity: 0.5; "
+    "}} "
+    ".plot-axis {{ stroke: #767d85; fill: none; }} @media (prefers-color-scheme: dark) {{ "
+    ".turgor-plot text {{ fill: #b9c0c7; }} }}</style>\n";
 
 }  // namespace
 
-std::string plot_svg(const Plot& plot, const fs::path& folder) {
-  const bool empty =
-      std::all_of(plot.curves.begin(), plot.curves.end(), [](const Curve& c) { return c.points.empty(); });
-  if (empty) return "";
-  if (!write_file(folder / kScript, script_of(plot))) return "";
-  const bool drawn = run_gnuplot(folder);
-  const Result<std::string> svg = read_file(folder / kPicture);
-  std::error_code ignored;
-  fs::remove(folder / kScript, ignored);
-  fs::remove(folder / kPicture, ignored);
-  if (!drawn || !svg) return "";
-  const std::size_t begin = svg->find("<svg");  // without the XML header
-  const bool whole = begin != std::string::npos && svg->find("</svg>", begin) != std::string::npos;
-  return whole ? svg->substr(begin) : "";
+std::string plot_svg(const Plot& plot) {
+  std::vector<Points> curves;
+  for (const Curve& curve : plot.curves) curves.push_back(drawable(curve.points, plot.logarithmic));
+  if (std::all_of(curves.begin(), curves.end(), [](const Points& points) { return points.empty(); }))
+    return "";
+  const Legend legend = draw_legend(plot.curves, curves, 1.5 * kLine);
+  const Axes axes = make_axes(curves, plot.logarithmic, legend.bottom + 0.5 * kLine);
+  std::string svg = fmt::format(kHead, kWidth, axes.bottom() + kBottom, kFont, xml_text(plot.title)) +
+                    text_at(kLeft, kLine, "font-weight=\"600\"", plot.title) + legend.svg +
+                    draw_axes(axes, plot);
+  for (std::size_t c = 0; c < curves.size(); c++)
+    if (!curves[c].empty()) svg += draw_curve(axes, curves[c], kColors[c % std::size(kColors)]);
+  return svg + "</svg>\n";
+}
+
+std::string plot_svg_file(const Plot& plot) {
+  return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n" + plot_svg(plot);
 }
 
 }  // namespace turgor

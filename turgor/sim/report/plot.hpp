@@ -1,7 +1,6 @@
-// Curves as SVG for reports, drawn by the program gnuplot when this machine has it.
+// Curves as SVG, for reports and documents: axes with round numbers, a grid, a legend above the curves.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,7 +9,8 @@ namespace turgor {
 
 struct Curve {
   std::string label;
-  std::vector<std::pair<double, double>> points;
+  std::vector<std::pair<double, double>>
+      points;  // what is not finite, or not positive on a logarithmic axis, is left out
 };
 struct Plot {
   std::string title, x_label, y_label;  // labels with units
@@ -18,8 +18,9 @@ struct Plot {
   bool logarithmic = false;  // the y axis
 };
 
-/// An <svg> element that suits light and dark pages; empty without gnuplot or without points. `folder` takes
-/// two temporary files.
-std::string plot_svg(const Plot& plot, const std::filesystem::path& folder);
+/// An <svg> element that suits light and dark pages; empty without points. Whatever the labels hold is text.
+std::string plot_svg(const Plot& plot);
+/// The same as a file of its own.
+std::string plot_svg_file(const Plot& plot);
 
 }  // namespace turgor

@@ -180,6 +180,10 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"scene_text", scene.text}};
 }
 
+std::string json_text(const Json& report, int indent) {
+  return report.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 void add_outputs(Json& report, const RunFacts& facts) {
   Json pictures = Json::array(), deformed = Json::array();
   for (const ReportPicture& p : facts.pictures)

@@ -52,6 +52,8 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
 /// Adds what was written: pictures, files, the deformed CT, warnings.
 void add_outputs(Json& report, const RunFacts& facts);
 
+/// As a file; names of files that are not UTF-8 lose what is not.
+std::string json_text(const Json& report, int indent = 1);
 /// A page with the pictures of `folder` and curves inside; needs nothing else.
 std::string report_html(const Json& report, const std::filesystem::path& folder);
 

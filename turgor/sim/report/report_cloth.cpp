@@ -144,7 +144,7 @@ std::string cloth_figures(const Json& report) {
   return html;
 }
 
-std::string cloth_curves(const Json& report, const std::filesystem::path& folder) {
+std::string cloth_curves(const Json& report) {
   const Json clothes = report.value("clothes", Json::array());
   if (clothes.empty()) return "";
   Plot step{"Wall time of a step", "time [s]", "time [ms]", {}},
@@ -166,9 +166,8 @@ std::string cloth_curves(const Json& report, const std::filesystem::path& folder
       hold.curves.push_back(
           curve_of(name + " by " + one.at("name").get<std::string>(), one.at("series"), 0, 1));
   }
-  return "<h2>Cloth over time</h2>\n<div class=\"grid\">" + drawn(force, folder) + drawn(hold, folder) +
-         drawn(energy, folder) + drawn(contacts, folder) + drawn(step, folder) + drawn(residual, folder) +
-         "</div>\n";
+  return "<h2>Cloth over time</h2>\n<div class=\"grid\">" + drawn(force) + drawn(hold) + drawn(energy) +
+         drawn(contacts) + drawn(step) + drawn(residual) + "</div>\n";
 }
 
 std::string cloth_tables(const Json& report) {

@@ -14,7 +14,7 @@ std::uint64_t cloth_hash(const World& world, std::uint64_t seed);
 namespace page {
 /// Key figures, curves and tables of cloths; empty when there are none.
 std::string cloth_figures(const Json& report);
-std::string cloth_curves(const Json& report, const std::filesystem::path& folder);
+std::string cloth_curves(const Json& report);
 std::string cloth_tables(const Json& report);
 }  // namespace page
 

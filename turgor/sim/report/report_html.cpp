@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "turgor/io/file.hpp"
+#include "turgor/io/xml_text.hpp"
 #include "turgor/sim/report/page.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
@@ -15,8 +16,7 @@ namespace turgor {
 namespace {
 
 namespace fs = std::filesystem;
-using page::curve_of, page::drawn, page::escaped, page::key_figure, page::quantity_table, page::shown,
-    page::table_row;
+using page::curve_of, page::drawn, page::key_figure, page::quantity_table, page::shown, page::table_row;
 
 constexpr const char* kHead = R"(<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
@@ -34,10 +34,10 @@ h1 {{ font-size: 1.9rem; margin: 0; letter-spacing: -0.01em; }} h2 {{ font-size:
 .figures div, figure, .plot {{ background: var(--card); border: 1px solid var(--line); border-radius: 10px; }}
 .figures div {{ padding: 0.8rem 1rem; }} .figures b {{ display: block; font-size: 1.5rem; font-variant-numeric: tabular-nums; }}
 .figures span {{ color: var(--soft); font-size: 0.85rem; }}
-.grid {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(320px, 1fr)); gap: 1rem; }}
+.grid {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(min(420px, 100%), 1fr)); gap: 1rem; }} .grid > * {{ min-width: 0; }}
 figure {{ margin: 0; overflow: hidden; }} figure.large {{ grid-column: 1 / -1; }} figure img {{ display: block; width: 100%; height: auto; }}
 figcaption {{ padding: 0.55rem 0.9rem; font-size: 0.88rem; color: var(--soft); }}
-.plot {{ padding: 0.6rem; }} .plot svg {{ width: 100%; height: auto; display: block; }}
+.plot {{ padding: 0.6rem; overflow-x: auto; }} .plot svg {{ width: 100%; min-width: 460px; height: auto; display: block; }}
 .scroll {{ overflow-x: auto; }}
 table {{ border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; font-size: 0.93rem; }}
 th, td {{ text-align: right; padding: 0.4rem 0.7rem; border-bottom: 1px solid var(--line); }} th:first-child, td:first-child {{ text-align: left; }}
@@ -89,7 +89,7 @@ std::string body_table(const Json& bodies) {
 std::string pictures(const Json& report, const fs::path& folder) {
   std::string html = "<div class=\"grid\">\n";
   for (const Json& picture : report.at("pictures")) {
-    const std::string caption = escaped(picture.at("caption").get<std::string>());
+    const std::string caption = xml_text(picture.at("caption").get<std::string>());
     const Result<std::string> bytes = read_file(folder / picture.at("file").get<std::string>());
     if (!bytes) continue;
     html += fmt::format(
@@ -99,7 +99,7 @@ std::string pictures(const Json& report, const fs::path& folder) {
   return html + "</div>\n";
 }
 
-std::string curves(const Json& report, const fs::path& folder) {
+std::string curves(const Json& report) {
   Plot gape{"Gape over time", "time [s]", "largest gape [mm]", {}},
       profile{"Gape along the cut at the end", "along the cut [mm]", "gape [mm]", {}};
   for (const Json& wound : report.at("wounds")) {
@@ -121,12 +121,10 @@ std::string curves(const Json& report, const fs::path& folder) {
     frames.curves[0].points.emplace_back(double(f + 1), times[f].get<double>());
   std::string html;
   if (!report.at("wounds").empty())
-    html += "<h2>The wound</h2>\n<div class=\"grid\">" + drawn(gape, folder) + drawn(profile, folder) +
-            "</div>\n";
-  html += touch_curves(report, folder) + page::cloth_curves(report, folder);
+    html += "<h2>The wound</h2>\n<div class=\"grid\">" + drawn(gape) + drawn(profile) + "</div>\n";
+  html += touch_curves(report) + page::cloth_curves(report);
   if (report.at("bodies").empty()) return html;
-  return html + "<h2>The solver</h2>\n<div class=\"grid\">" + drawn(residual, folder) +
-         drawn(frames, folder) + "</div>\n";
+  return html + "<h2>The solver</h2>\n<div class=\"grid\">" + drawn(residual) + drawn(frames) + "</div>\n";
 }
 
 std::string key_figures(const Json& report) {
@@ -162,7 +160,7 @@ std::string deformed_table(const Json& report) {
 
 std::string report_html(const Json& report, const fs::path& folder) {
   const Json &scene = report.at("scene"), &machine = report.at("machine");
-  const std::string name = escaped(fs::path(scene.at("file").get<std::string>()).stem().string());
+  const std::string name = xml_text(fs::path(scene.at("file").get<std::string>()).stem().string());
   std::string html = fmt::format(fmt::runtime(kHead), name);
   html += fmt::format(
       "<h1>{}</h1>\n<p class=\"soft\">{}{} frames a second; {} threads on {}; turgor {}</p>\n", name,
@@ -176,12 +174,12 @@ std::string report_html(const Json& report, const fs::path& folder) {
   html += key_figures(report);
   html += pictures(report, folder);
   if (!report.at("wounds").empty()) html += "<h2>Measures</h2>\n" + wound_table(report.at("wounds"));
-  html += curves(report, folder);
+  html += curves(report);
   html += deformed_table(report);
   if (!report.at("bodies").empty()) html += "<h2>Bodies</h2>\n" + body_table(report.at("bodies"));
   html += touch_tables(report) + page::cloth_tables(report);
-  html +=
-      "<h2>Scene</h2>\n<pre><code>" + escaped(report.at("scene_text").get<std::string>()) + "</code></pre>\n";
+  html += "<h2>Scene</h2>\n<pre><code>" + xml_text(report.at("scene_text").get<std::string>()) +
+          "</code></pre>\n";
   for (const Json& text : scene.at("overrides")) html += "<p><code>--set " + shown(text) + "</code></p>\n";
   return html + "</main></body></html>\n";
 }

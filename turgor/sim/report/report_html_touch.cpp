@@ -7,7 +7,6 @@ namespace turgor {
 
 namespace {
 
-namespace fs = std::filesystem;
 using page::curve_of, page::drawn, page::key_figure, page::quantity_table, page::shown;
 
 /// A plot of one column of every tool's series over another.
@@ -61,19 +60,18 @@ std::string touch_figures(const Json& report) {
   return html;
 }
 
-std::string touch_curves(const Json& report, const fs::path& folder) {
+std::string touch_curves(const Json& report) {
   const Json& tools = report.value("tools", Json::array());
   if (tools.empty()) return "";
   Plot depth =
       tool_plot(tools, "Force over depth", "depth below the surface at rest [mm]", "force [N]", 2, 1);
   keep_touching(depth);
   return "<h2>The touch</h2>\n<div class=\"grid\">" +
-         drawn(tool_plot(tools, "Force over time", "time [s]", "force [N]", 0, 1), folder) +
-         drawn(tool_plot(tools, "Force along the path", "path of the tool [mm]", "force [N]", 3, 1), folder) +
-         drawn(depth, folder) +
-         drawn(tool_plot(tools, "Contacts", "time [s]", "places that bear force", 0, 4), folder) +
-         drawn(profile_plot(report.value("profiles", Json::array())), folder) +
-         drawn(rebuild_plot(report.value("organs", Json::array())), folder) + "</div>\n";
+         drawn(tool_plot(tools, "Force over time", "time [s]", "force [N]", 0, 1)) +
+         drawn(tool_plot(tools, "Force along the path", "path of the tool [mm]", "force [N]", 3, 1)) +
+         drawn(depth) + drawn(tool_plot(tools, "Contacts", "time [s]", "places that bear force", 0, 4)) +
+         drawn(profile_plot(report.value("profiles", Json::array()))) +
+         drawn(rebuild_plot(report.value("organs", Json::array()))) + "</div>\n";
 }
 
 std::string touch_tables(const Json& report) {

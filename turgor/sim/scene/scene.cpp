@@ -1,6 +1,5 @@
 #include "turgor/sim/scene/scene.hpp"
 
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -9,6 +8,7 @@
 #include <map>
 
 #include "turgor/io/input_file.hpp"
+#include "turgor/sim/scene/name.hpp"
 #include "turgor/sim/scene/scene_cloth.hpp"
 #include "turgor/sim/scene/scene_lattice.hpp"
 #include "turgor/sim/scene/scene_rhombus.hpp"
@@ -23,13 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestScene = 1 << 20;  // bytes; a CT given by mistake is not worth parsing
-
-bool is_name(std::string_view name) {
-  const auto allowed = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
-  };
-  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), allowed);
-}
 
 /// The value of an override as TOML; a bare word, which is not TOML, is text.
 toml::table parse_override_value(const std::string& text) {
@@ -58,7 +51,15 @@ std::vector<std::string> keys_of(const toml::table& table) {
   return keys;
 }
 
-/// Puts `key=value` into the table. Error: no key, or a key that leads through something that is no table.
+/// Takes a key out, as if the scene had not said it.
+Status remove_key(toml::table& table, const std::string& name, const std::string& key) {
+  if (table.erase(name) > 0) return Done{};
+  return Error{fmt::format("--set {}=: the scene has no {} that could be removed{}", key, key,
+                           suggestion(name, keys_of(table)))};
+}
+
+/// Puts `key=value` into the table, or removes the key when there is no value. Error: no key, or one that
+/// leads through something that is no table.
 Status apply_override(toml::table& root, const std::string& text, SceneProblems& problems) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
@@ -82,6 +83,7 @@ Status apply_override(toml::table& root, const std::string& text, SceneProblems&
       return Error{fmt::format("--set {}: {} is {} in the scene, not a table", key, path, describe(*next))};
     table = next->as_table();
   }
+  if (value.empty()) return remove_key(*table, parts.back(), key);
   table->insert_or_assign(parts.back(), std::move(*parse_override_value(value).get("value")));
   problems.overrides[key] = value;
   return Done{};
@@ -98,7 +100,6 @@ void read_bodies(SceneTable bodies, Scene& scene) {
   std::vector<std::pair<std::string, SceneTable>> rhombi,
       clothes;  // read last: they may refer to other bodies
   for (const std::string& name : bodies.names()) {
-    if (!is_name(name)) bodies.fail(name, "expected a name of letters, digits, _ and -");
     SceneTable body = bodies.table(name);
     std::string model = "lattice";
     body.require({"model"}, "\"lattice\", \"sfem\", \"rhombus\" or \"cloth\"");
@@ -170,7 +171,6 @@ IncisionScene read_incision(SceneTable table, const std::string& name, const Sce
 void read_incisions(SceneTable incisions, Scene& scene) {
   constexpr std::size_t kMostIncisions = 255;  // a cut edge remembers its incision in a byte
   for (const std::string& name : incisions.names()) {
-    if (!is_name(name)) incisions.fail(name, "expected a name of letters, digits, _ and -");
     if (name == "skin") incisions.fail(name, "pictures of the whole body have this name; expected another");
     if (scene.incisions.size() == kMostIncisions)
       return incisions.fail(name, "a scene holds at most 255 incisions");
@@ -181,7 +181,6 @@ void read_incisions(SceneTable incisions, Scene& scene) {
 
 void read_tools(SceneTable tools, Scene& scene) {
   for (const std::string& name : tools.names()) {
-    if (!is_name(name)) tools.fail(name, "expected a name of letters, digits, _ and -");
     scene.tools.push_back(read_tool_scene(tools.table(name), name, scene));
   }
   tools.finish();
@@ -282,6 +281,36 @@ void read_output(SceneTable output, Scene& scene) {
   output.finish();
 }
 
+/// What would fill memory or disk is said before it starts.
+void check_amounts(SceneTable& root, const Scene& scene) {
+  constexpr double kMostFrames = 1e6, kMostSnapshots = 1e4, kMostPixels = 1 << 24, kMostVoxels = 1 << 30;
+  SceneTable world = root.table("world"), output = root.table("output"),
+             snapshots = output.table("snapshots");
+  const double frames = scene.duration * scene.frame_rate;
+  if (frames > kMostFrames)
+    world.fail("duration",
+               fmt::format("{} s at {} frames a second are {:.0f} frames; expected at most {:.0f}: "
+                           "a shorter run or a lower frame_rate",
+                           scene.duration, scene.frame_rate, frames, kMostFrames));
+  const double count = scene.duration / std::max(scene.output.every, 1 / scene.frame_rate);
+  if (count > kMostSnapshots)
+    snapshots.fail(
+        "every", fmt::format("a run of {} s would leave {:.0f} snapshots, each with pictures and "
+                             "meshes; expected at most {:.0f}: every = {:.3g} or more",
+                             scene.duration, count, kMostSnapshots, 1.01 * scene.duration / kMostSnapshots));
+  if (const double pixels = double(scene.output.width) * scene.output.height; pixels > kMostPixels)
+    snapshots.fail("size",
+                   fmt::format("{} x {} are {:.1f} million pixels; expected at most {:.1f} million, as "
+                               "4096 x 4096 has",
+                               scene.output.width, scene.output.height, 1e-6 * pixels, 1e-6 * kMostPixels));
+  const Int3 size = scene.output.deformed_size.value_or(Int3{1, 1, 1});
+  if (const double voxels = double(size.x) * size.y * size.z; voxels > kMostVoxels)
+    output.fail("deformed_size",
+                fmt::format("{} x {} x {} are {:.0f} million voxels; expected at most {:.0f} "
+                            "million, as 1024 x 1024 x 1024 has",
+                            size.x, size.y, size.z, 1e-6 * voxels, 1e-6 * kMostVoxels));
+}
+
 void read_scene_table(SceneTable root, Scene& scene) {
   root.require({"body"}, "a scene needs at least one body, as in [body.torso]");
   read_world(root.table("world"), scene);
@@ -289,7 +318,8 @@ void read_scene_table(SceneTable root, Scene& scene) {
   read_incisions(root.table("incision"), scene);
   read_tools(root.table("tool"), scene);
   read_output(root.table("output"), scene);
-  if (root.has("body") && root.table("body").names().empty())
+  check_amounts(root, scene);
+  if (root.has("body") && root.table("body").keys().empty())
     root.fail("body", "a scene needs at least one body, as in [body.torso]");
   root.finish();
 }

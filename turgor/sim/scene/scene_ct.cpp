@@ -20,10 +20,23 @@ PhantomParams read_phantom(SceneTable table) {
   return phantom;
 }
 
+namespace {
+
+/// A number of the list that several series give, or a SeriesInstanceUID.
+void read_series(SceneTable& table, std::string& series) {
+  const toml::node* node = table.find("series");
+  if (!node || !node->is_integer()) return table.read("series", series);
+  int number = 0;
+  table.read("series", number, within(1, 1e6));
+  series = std::to_string(number);
+}
+
+}  // namespace
+
 CtSource read_ct_source(SceneTable& table) {
   CtSource source;
   table.require({"ct"}, "a CT file or DICOM folder, or { phantom = \"torso\" }");
-  table.read("series", source.series);
+  read_series(table, source.series);
   const toml::node* node = table.find("ct");
   if (!node) return source;
   if (!node->is_table()) {

@@ -66,7 +66,7 @@ void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>
 
 void read_young_of_labels(SceneTable& tissue, SceneLabels& labels, lattice::TissueParams& params) {
   SceneTable table = tissue.table("labels");
-  for (const std::string& name : table.names()) {
+  for (const std::string& name : table.keys()) {
     double young = 0;
     table.read(name, young, positive("Pa"));
     const int label = find_label(table, name, name, labels);

@@ -77,7 +77,7 @@ LabelStiffness read_label_stiffness(SceneTable& table) {
     table.read_path("labels", stiffness.labels);
   SceneLabels names = scene_labels(table);
   SceneTable factors = table.table("factors");
-  for (const std::string& name : factors.names()) {
+  for (const std::string& name : factors.keys()) {
     double factor = 1;
     factors.read(name, factor, positive(""));
     stiffness.factors[find_label(factors, name, name, names)] = factor;

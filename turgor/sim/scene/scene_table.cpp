@@ -3,6 +3,9 @@
 #include <cmath>
 #include <sstream>
 
+#include "turgor/core/one_line.hpp"
+#include "turgor/sim/scene/name.hpp"
+
 namespace turgor {
 
 namespace {
@@ -42,7 +45,7 @@ void SceneProblems::add(const std::string& path, const toml::node& node, const s
   const std::string place = place_of(path, node);
   const bool in_file = place.starts_with(file);
   const std::string shown = path.empty() ? what : fmt::format("{}: {}", path, what);
-  problems.insert({in_file ? node.source().begin.line : 0, fmt::format("{}: {}", place, shown)});
+  problems.insert({in_file ? node.source().begin.line : 0, on_one_line(fmt::format("{}: {}", place, shown))});
 }
 
 std::string describe(const toml::node& node) {
@@ -65,7 +68,7 @@ std::string SceneTable::path_of(std::string_view key) const {
 }
 
 const toml::node* SceneTable::find(std::string_view key) {
-  known_.emplace_back(key);
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
   return table_.get(key);
 }
 
@@ -183,12 +186,19 @@ SceneTable SceneTable::table(std::string_view key) {
   return SceneTable(found ? *node->as_table() : kEmpty, path_of(key), problems_);
 }
 
-std::vector<std::string> SceneTable::names() const {
+std::vector<std::string> SceneTable::keys() const {
   std::vector<std::pair<toml::source_position, std::string>> found;
   for (const auto& [key, node] : table_) found.emplace_back(key.source().begin, std::string(key.str()));
   std::sort(found.begin(), found.end());
-  std::vector<std::string> names;
-  for (auto& [position, name] : found) names.push_back(std::move(name));
+  std::vector<std::string> keys;
+  for (auto& [position, key] : found) keys.push_back(std::move(key));
+  return keys;
+}
+
+std::vector<std::string> SceneTable::names() {
+  std::vector<std::string> names = keys();
+  for (const std::string& name : names)
+    if (!is_name(name)) fail(name, "expected a name of at most 64 letters (a to z, A to Z), digits, _ and -");
   return names;
 }
 
@@ -208,8 +218,8 @@ void SceneTable::finish() {
             ? fmt::format("{}:{}:{}", problems_.file, key.source().begin.line, key.source().begin.column)
             : problems_.place_of(path_of(name), node);
     problems_.problems.insert(
-        {key.source().begin.line,
-         fmt::format("{}: {} is not a key of a scene{}", place, path_of(name), suggestion(name, known_))});
+        {key.source().begin.line, on_one_line(fmt::format("{}: {} is not a key of a scene{}", place,
+                                                          path_of(name), suggestion(name, known_)))});
     unknown = true;
   }
   // A misspelt key explains a missing one.

@@ -79,8 +79,10 @@ class SceneTable {
   const toml::node* find(std::string_view key);
   /// A table inside this one; an empty one when missing.
   SceneTable table(std::string_view key);
-  /// All keys, for tables whose keys are names.
-  std::vector<std::string> names() const;
+  /// All keys, in the order of the file.
+  std::vector<std::string> keys() const;
+  /// The same for tables whose keys name things; notes those that are no names (name.hpp).
+  std::vector<std::string> names();
   bool has(std::string_view key) const { return table_.contains(key); }
 
   /// Numbers of an array, converted and checked; empty and a note when it is not such an array.
