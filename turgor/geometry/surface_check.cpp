@@ -102,7 +102,7 @@ CheckedSurface largest_body(const TriMesh& surface) {
   CheckedSurface result;
   if (volumes[body] < 0) {
     for (std::size_t i = 0; i < parts.size(); i++) turn_round(parts[i]), volumes[i] = -volumes[i];
-    result.notes.push_back("the surface was inside out; its triangles were turned round");
+    result.notes.emplace_back("the surface was inside out; its triangles were turned round");
   }
   result.mesh = {.vertices = surface.vertices, .triangles = parts[body]};
   result.volume = volumes[body];
