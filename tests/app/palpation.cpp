@@ -156,7 +156,7 @@ TEST(Palpation, WrongInputsAreToldWhatIsWrong) {
                "path = \"nan.csv\"");
   write(folder / "path.toml", path);
   EXPECT_NE(run_program("run --out o path.toml", folder)
-                .printed.find("nan.csv: row 2 of the path: expected numbers, found nan"),
+                .printed.find("nan.csv:3: expected numbers t, x, y, z"),
             std::string::npos);
   const Ended back = run_program("run --out o path.toml --set tool.finger.path=back.csv", folder);
   EXPECT_EQ(back.code, 2);

@@ -92,7 +92,7 @@ int signal_run(const fs::path& folder, int signal) {
   if (child == 0) {
     (void)!chdir(folder.c_str());
     (void)!freopen("/dev/null", "w", stderr);
-    execl(TURGOR_PROGRAM, "turgor", "run", "s.toml", "-q", "--out", "out", "--set", "world.duration=3000",
+    execl(TURGOR_PROGRAM, "turgor", "run", "s.toml", "-q", "--out", "out", "--set", "world.duration=300",
           nullptr);
     _exit(127);
   }
