@@ -124,7 +124,7 @@ void add_cloth_bench(CLI::App& bench, Global& global) {
 
 void add_sfem_bench(CLI::App& bench, Global& global) {
   CLI::App* sfem =
-      bench.add_subcommand("sfem", "Green's functions, haptic ticks, patches and surfaces of organs");
+      bench.add_subcommand("sfem", "Green's functions, haptic ticks, patches and surfaces of bodies");
   struct Options {
     int largest = 10000;
     std::string json;
@@ -147,7 +147,7 @@ void add_sfem_bench(CLI::App& bench, Global& global) {
 }
 
 void add_rhombus_bench(CLI::App& bench) {
-  CLI::App* rhombus = bench.add_subcommand("rhombus", "Forces and pictures of an organ of rhombus chains");
+  CLI::App* rhombus = bench.add_subcommand("rhombus", "Forces and pictures of a body of rhombus chains");
   auto json = std::make_shared<std::string>();
   rhombus->add_option("--json", *json, "Write the figures to a file too");
   rhombus->footer("Example:\n  turgor bench rhombus");

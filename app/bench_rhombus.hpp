@@ -1,5 +1,5 @@
-// What touching an organ of the rhombus model costs on this machine: the force of a haptic tick, the picture
-// of the organ that moves, over sizes; the paper's figures beside.
+// What touching a body of the rhombus model costs on this machine: the force of a haptic tick, the picture
+// of the body that moves, over sizes; the paper's figures beside.
 #pragma once
 
 #include <string>

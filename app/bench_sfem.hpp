@@ -1,4 +1,4 @@
-// What touching an organ costs on this machine: Green's functions over sizes, a haptic tick over contact
+// What touching a body costs on this machine: Green's functions over sizes, a haptic tick over contact
 // points, a patch over its refinement, the whole surface; with the machine's own limits measured in the same
 // run.
 #pragma once

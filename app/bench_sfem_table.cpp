@@ -15,7 +15,7 @@ constexpr double kMicro = 1e6, kMilli = 1e3, kMega = 1e-6;
 
 void print(const SfemBench& bench) {
   fmt::print(
-      "An organ under a fingertip, medians; {} threads for Green's functions and the surface, one for ticks "
+      "A body under a fingertip, medians; {} threads for Green's functions and the surface, one for ticks "
       "and "
       "patches.\nA dense product runs at {:.1f} Gflop/s on one thread, a matrix-vector product at {:.1f} "
       "GB/s.\n",

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
-#include "turgor/sim/green_cache.hpp"
+#include "turgor/sim/bodies/sfem/green_cache.hpp"
 
 namespace turgor {
 

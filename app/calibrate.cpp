@@ -9,9 +9,9 @@
 #include "app/result_folder.hpp"
 #include "turgor/core/progress.hpp"
 #include "turgor/io/file.hpp"
-#include "turgor/sim/force_curve.hpp"
 #include "turgor/sim/report/plot.hpp"
 #include "turgor/sim/report/report.hpp"
+#include "turgor/sim/tools/force_curve.hpp"
 
 namespace turgor {
 

@@ -181,7 +181,7 @@ void run_info(const InfoOptions& options, const Global& global) {
 
 void add_info_command(CLI::App& program, Global& global) {
   CLI::App* command = program.add_subcommand("info",
-                                             "What a CT holds: size, place, densities, and the organs of a "
+                                             "What a CT holds: size, place, densities, and the bodies of a "
                                              "segmentation; or a mesh: elements, regions, "
                                              "volume, angles");
   auto options = std::make_shared<InfoOptions>();

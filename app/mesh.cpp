@@ -24,9 +24,9 @@ struct MeshOptions {
   double scale = 1;
 };
 
-OrganMesh finished(Result<OrganMesh> organ, const std::string& input) {
-  if (!organ) throw Failure{2, fmt::format("{}: {}", input, organ.error().message)};
-  return std::move(*organ);
+OrganMesh finished(Result<OrganMesh> body, const std::string& input) {
+  if (!body) throw Failure{2, fmt::format("{}: {}", input, body.error().message)};
+  return std::move(*body);
 }
 
 OrganMesh mesh_surface(const MeshOptions& options, const Exec& exec) {
@@ -35,9 +35,9 @@ OrganMesh mesh_surface(const MeshOptions& options, const Exec& exec) {
   const Result<ReadSurface> read = read_surface(options.input, options.scale);
   if (!read) throw Failure{2, read.error().message};
   ProgressBar bar("meshing");
-  OrganMesh organ = finished(mesh_of_surface(exec, read->mesh, options.size, bar.callback()), options.input);
-  organ.notes.insert(organ.notes.begin(), read->notes.begin(), read->notes.end());
-  return organ;
+  OrganMesh body = finished(mesh_of_surface(exec, read->mesh, options.size, bar.callback()), options.input);
+  body.notes.insert(body.notes.begin(), read->notes.begin(), read->notes.end());
+  return body;
 }
 
 OrganMesh mesh_labels(const MeshOptions& options, const Exec& exec) {
@@ -64,15 +64,15 @@ void print_regions(const SolidMesh& mesh, const std::vector<int>& labels) {
   }
 }
 
-void print_mesh(const OrganMesh& organ, const MeshOptions& options) {
-  const MeshQuality quality = measure_quality(organ.mesh);
-  fmt::print("{}: {} vertices, {} tetrahedra\n", options.output, organ.mesh.vertices.size(),
-             element_count(organ.mesh));
+void print_mesh(const OrganMesh& body, const MeshOptions& options) {
+  const MeshQuality quality = measure_quality(body.mesh);
+  fmt::print("{}: {} vertices, {} tetrahedra\n", options.output, body.mesh.vertices.size(),
+             element_count(body.mesh));
   fmt::print("  volume {:.4g} mL, input {:.4g} mL ({:+.2f} %)\n", quality.volume * 1e6,
-             organ.input_volume * 1e6, (quality.volume / organ.input_volume - 1) * 100);
+             body.input_volume * 1e6, (quality.volume / body.input_volume - 1) * 100);
   fmt::print("  dihedral angles {:.1f} to {:.1f} degrees\n", quality.min_dihedral, quality.max_dihedral);
   fmt::print("  edges {:.3g} to {:.3g} mm\n", quality.shortest_edge * 1e3, quality.longest_edge * 1e3);
-  if (options.labels.size() > 1) print_regions(organ.mesh, options.labels);
+  if (options.labels.size() > 1) print_regions(body.mesh, options.labels);
 }
 
 void run_mesh(const MeshOptions& options, const Global& global) {
@@ -81,12 +81,12 @@ void run_mesh(const MeshOptions& options, const Global& global) {
     throw Failure{2, fmt::format("{}: expected a name that ends in .vtu or .msh", options.output)};
   if (Status goal = check_file_goal(options.output); !goal) throw Failure{2, goal.error().message};
   const Exec exec(global.threads);
-  const OrganMesh organ =
+  const OrganMesh body =
       is_surface_file(options.input) ? mesh_surface(options, exec) : mesh_labels(options, exec);
-  for (const std::string& note : organ.notes) turgor::note(note);
-  if (Status written = write_mesh(options.output, organ.mesh); !written)
+  for (const std::string& note : body.notes) turgor::note(note);
+  if (Status written = write_mesh(options.output, body.mesh); !written)
     throw Failure{2, written.error().message};
-  print_mesh(organ, options);
+  print_mesh(body, options);
 }
 
 }  // namespace
@@ -101,7 +101,7 @@ void add_mesh_command(CLI::App& program, Global& global) {
   command->add_option("-o,--output", options->output, "The file to write: .vtu or .msh")->required();
   command
       ->add_option("--label", options->labels,
-                   "Labels of the body, such as an organ and the nodules in it: each becomes a region")
+                   "Labels of the body, such as a body and the nodules in it: each becomes a region")
       ->check(CLI::Range(1, 65535));
   command->add_option("--size", options->size, "Length of the edges, about [m] (default 0.008)")
       ->check(number_within(1e-6, 100, "m"));

@@ -25,7 +25,7 @@ Box grown(Box box, double margin) {
 
 /// Looks at a cut from outside, a little from below, its line upright or lying as in the patient.
 SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::BladePath& path, double aspect) {
-  const Grid& grid = world.lattices[std::size_t(cut.body)].model.grid;
+  const Grid& grid = world.lattice_bodies[std::size_t(cut.body)].model.grid;
   Box box{to_patient(grid, path.skin.front()), to_patient(grid, path.skin.front())};
   for (const Vec3d p : path.skin)
     box = {min(box.low, to_patient(grid, p)), max(box.high, to_patient(grid, p))};
@@ -42,14 +42,14 @@ SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::Blade
 Box world_box(const World& world) {
   constexpr double kFar = std::numeric_limits<double>::max();
   Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
-  for (const LatticeBody& body : world.lattices) {
+  for (const LatticeBody& body : world.lattice_bodies) {
     const BodyBox more = body_box(body.model);
     box = {min(box.low, more.low), max(box.high, more.high)};
   }
-  for (std::size_t o = 0; o < touched_count(world); o++)
-    for (const Vec3 x : touched_organ(world, o).shown.rest)
-      box = {min(box.low, Vec3d(x)), max(box.high, Vec3d(x))};
-  for (const ClothBody& body : world.clothes)
+  for_each_touched(world, [&box](BodyId, const TouchedBody& body) {
+    for (const Vec3 x : body.shown.rest) box = {min(box.low, Vec3d(x)), max(box.high, Vec3d(x))};
+  });
+  for (const ClothBody& body : world.cloth_bodies)
     for (std::size_t v = 0; v < std::size_t(body.model.count); v++)
       box = {min(box.low, Vec3d(body.state.x[v])), max(box.high, Vec3d(body.state.x[v]))};
   return box;
@@ -58,17 +58,19 @@ Box world_box(const World& world) {
 /// The side from which the first tool comes; none without tools.
 std::optional<Vec3d> side_of_tools(const World& world) {
   const Box box = world_box(world);
-  for (std::size_t o = 0; o < touched_count(world); o++)
-    if (const OrganSurface& shown = touched_organ(world, o).shown; !shown.tools.empty())
-      return shown.tools[0].pose.position - (box.low + box.high) * 0.5;
-  return std::nullopt;
+  std::optional<Vec3d> side;
+  for_each_touched(world, [&](BodyId, const TouchedBody& body) {
+    if (!side && !body.shown.tools.empty())
+      side = body.shown.tools[0].pose.position - (box.low + box.high) * 0.5;
+  });
+  return side;
 }
 
 SurfaceView view_of_bodies(const World& world, Vec3d outward, double aspect) {
   const Vec3d out = normalized(outward);
   const bool from_head = std::abs(out.z) > 0.8;  // then one sees more from the front
   const Vec3d direction = out + (from_head ? Vec3d{0.5, -1.1, 0} : Vec3d{0.45, 0, 0.2});
-  const bool skin = !world.lattices.empty();
+  const bool skin = !world.lattice_bodies.empty();
   return {skin ? "skin" : "body",
           skin ? "the skin" : "the body",
           frame_box(world_box(world), direction, {0, 0, 1}, aspect),
@@ -87,9 +89,9 @@ Status add_colored_view(const World& world, Outputs& outputs, const SurfaceView&
 
 /// Then the pictures under the largest forces say it all: in the end the tools are away.
 bool shows_touch_alone(const World& world) {
-  const bool all_touched = std::all_of(world.lattices.begin(), world.lattices.end(),
+  const bool all_touched = std::all_of(world.lattice_bodies.begin(), world.lattice_bodies.end(),
                                        [](const LatticeBody& body) { return !body.tool_indices.empty(); });
-  return all_touched && world.cuts.empty() && world.clothes.empty();
+  return all_touched && world.cuts.empty() && world.cloth_bodies.empty();
 }
 
 std::string seconds_text(double seconds) { return fmt::format("{:.2f} s", seconds); }
@@ -120,15 +122,16 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
   const double aspect = double(scene.output.width) / scene.output.height;
   Vec3d outward = side_of_tools(world).value_or(Vec3d{0, -1, 0});  // else the front of a patient
   std::vector<SurfaceView> cuts;
-  for (const LatticeBody& body : world.lattices) {
+  for (const LatticeBody& body : world.lattice_bodies) {
     outputs.bodies.emplace_back();
     outputs.bodies.back().rest = lattice::make_state(body.model);
   }
   for (const Cut& cut : world.cuts) {
     const auto body = std::size_t(cut.body);
-    const auto path = lattice::lay_blade(world.lattices[body].model, outputs.bodies[body].rest, cut.blade);
+    const auto path =
+        lattice::lay_blade(world.lattice_bodies[body].model, outputs.bodies[body].rest, cut.blade);
     if (!path) return path.error();
-    if (cuts.empty()) outward = -(world.lattices[body].model.grid.axes * path->into);
+    if (cuts.empty()) outward = -(world.lattice_bodies[body].model.grid.axes * path->into);
     cuts.push_back(view_of_cut(world, cut, *path, aspect));
   }
   outputs.views.push_back(view_of_bodies(world, outward, aspect));
@@ -139,7 +142,7 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
 ColorScale color_scale(const Scene& scene, SkinColor color) {
   const bool stretch = color == SkinColor::kStretch, pressure = color == SkinColor::kPressure;
   std::pair<double, double> range = stretch ? std::pair(-0.2, 0.2) : std::pair(0.0, 0.01);
-  if (pressure) range = {0, scene.organs[0].material.young};
+  if (pressure) range = {0, scene.sfem_bodies[0].material.young};
   if (scene.output.color == color) range = scene.output.color_range.value_or(range);
   constexpr float kFar =
       std::numeric_limits<float>::max();  // up to the next float, so that 0.01 m is not below 10 mm
@@ -168,7 +171,7 @@ std::optional<Image> draw_bodies(const World& world, Outputs& outputs, const Cam
   const ColorScale* used = color == SkinColor::kNone ? nullptr : &scale;
   PictureParts parts;
   add_skin(world, outputs, color, used, parts);
-  add_organs(world, *outputs.scene, color, used, parts);
+  add_touched(world, *outputs.scene, color, used, parts);
   add_clothes(world, color, used, parts);
   return draw_parts(parts, camera, outputs);
 }
@@ -191,7 +194,7 @@ Status add_snapshot(const World& world, Outputs& outputs) {
   }
   if (!outputs.scene->output.meshes) return Done{};
   if (const Status status = write_skin_meshes(world, outputs); !status) return status;
-  if (const Status status = write_organ_meshes(world, outputs); !status) return status;
+  if (const Status status = write_touched_meshes(world, outputs); !status) return status;
   return write_cloth_meshes(world, outputs);
 }
 
@@ -201,7 +204,7 @@ int video_interval(const Outputs& outputs) {
 }
 
 Status add_video_frame(const World& world, Outputs& outputs) {
-  const bool colored = world.lattices.empty();
+  const bool colored = world.lattice_bodies.empty();
   const std::optional<Image> image = draw_bodies(world, outputs, outputs.views.back().camera, colored);
   if (!image) return Done{};
   const fs::path file = outputs.folder / kVideoFolder / fmt::format("{:06}.png", outputs.video_frames.size());
@@ -210,7 +213,7 @@ Status add_video_frame(const World& world, Outputs& outputs) {
 }
 
 Status finish_outputs(const World& world, Outputs& outputs) {
-  if (const Status status = finish_organ_outputs(world, outputs); !status) return status;
+  if (const Status status = finish_touched_outputs(world, outputs); !status) return status;
   for (std::size_t v = outputs.views.size(); v-- > 0 && !shows_touch_alone(world);) {  // wounds first
     const SurfaceView& view = outputs.views[v];
     if (view.first.width == 0) continue;

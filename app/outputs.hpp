@@ -74,13 +74,13 @@ void add_skin(const World& world, Outputs& outputs, SkinColor color, const Color
 Status write_skin_meshes(const World& world, Outputs& outputs);
 Status write_skin_objs(const World& world, Outputs& outputs);
 
-/// outputs_organs.cpp: organs that tools touch. Puts their surfaces as they lie now into Organ::shown.
-void show_organs(const Exec& exec, World& world);
-void add_organs(const World& world, const Scene& scene, SkinColor color, const ColorScale* scale,
-                PictureParts& parts);
-Status write_organ_meshes(const World& world, Outputs& outputs);
+/// outputs_touched.cpp: bodies that tools touch. Puts their surfaces as they lie now into SfemBody::shown.
+void show_touched(const Exec& exec, World& world);
+void add_touched(const World& world, const Scene& scene, SkinColor color, const ColorScale* scale,
+                 PictureParts& parts);
+Status write_touched_meshes(const World& world, Outputs& outputs);
 /// Pictures under the largest force, their surface as OBJ, forces.csv.
-Status finish_organ_outputs(const World& world, Outputs& outputs);
+Status finish_touched_outputs(const World& world, Outputs& outputs);
 
 /// outputs_cloth.cpp: cloth, and what it lies on.
 void add_clothes(const World& world, SkinColor color, const ColorScale* scale, PictureParts& parts);

@@ -34,8 +34,9 @@ TriMesh two_sided(TriMesh mesh) {
 
 void add_clothes(const World& world, SkinColor color, const ColorScale* scale, PictureParts& parts) {
   // Beside tissue, which moves by millimetres, cloth is drawn as cloth.
-  const bool known = color == SkinColor::kDisplacement && world.lattices.empty() && touched_count(world) == 0;
-  for (const ClothBody& body : world.clothes) {
+  const bool known = color == SkinColor::kDisplacement && world.lattice_bodies.empty() &&
+                     world.sfem_bodies.empty() && world.rhombus_bodies.empty();
+  for (const ClothBody& body : world.cloth_bodies) {
     TriMesh mesh = cloth::surface(body.model, body.state);
     if (known) mesh.scalars = displacements(body);
     parts.add(two_sided(std::move(mesh)), kCloth, known ? scale : nullptr);
@@ -45,7 +46,7 @@ void add_clothes(const World& world, SkinColor color, const ColorScale* scale, P
 }
 
 Status write_cloth_meshes(const World& world, Outputs& outputs) {
-  for (const ClothBody& body : world.clothes) {
+  for (const ClothBody& body : world.cloth_bodies) {
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, world.frame);
     const Status status = write_vtu(outputs.folder / file, cloth::surface(body.model, body.state),
                                     {vertex_field("displacement [m]", displacements(body))});
@@ -56,7 +57,7 @@ Status write_cloth_meshes(const World& world, Outputs& outputs) {
 }
 
 Status write_cloth_objs(const World& world, Outputs& outputs) {
-  for (const ClothBody& body : world.clothes) {
+  for (const ClothBody& body : world.cloth_bodies) {
     const std::string file = body.name + ".obj";
     if (const Status s = write_obj(outputs.folder / file, cloth::surface(body.model, body.state)); !s)
       return s;

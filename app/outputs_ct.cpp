@@ -127,7 +127,7 @@ Status write_fields(const LatticeBody& body, const Grid& grid, Outputs& outputs)
 
 Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
-  const LatticeBody& body = world.lattices[index];
+  const LatticeBody& body = world.lattice_bodies[index];
   const bool wanted = !output.deformed_ct.empty() || output.sections || !output.volume_rendering.empty();
   const Grid grid =
       output.deformed_size ? lattice::resized(body.ct.grid, *output.deformed_size) : body.ct.grid;
@@ -159,7 +159,7 @@ Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
 }  // namespace
 
 Status finish_ct_outputs(const World& world, Outputs& outputs) {
-  for (std::size_t b = 0; b < world.lattices.size(); b++)
+  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++)
     if (const Status status = finish_body(world, b, outputs); !status) return status;
   return Done{};
 }

@@ -48,16 +48,16 @@ Vec3d to_patient(const Grid& grid, Vec3d local) { return grid.origin + grid.axes
 void add_skin(const World& world, Outputs& outputs, SkinColor color, const ColorScale* scale,
               PictureParts& parts) {
   const bool known = shown_scalar(color) != lattice::Shown::kNothing;
-  for (std::size_t b = 0; b < world.lattices.size(); b++) {
-    DrawnMeshes meshes = drawn_meshes(world.lattices[b], outputs.bodies[b], color);
+  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++) {
+    DrawnMeshes meshes = drawn_meshes(world.lattice_bodies[b], outputs.bodies[b], color);
     parts.add(std::move(meshes.skin), kSkin, known ? scale : nullptr);
     if (!meshes.walls.triangles.empty()) parts.add(std::move(meshes.walls), kWall);
   }
 }
 
 Status write_skin_meshes(const World& world, Outputs& outputs) {
-  for (std::size_t b = 0; b < world.lattices.size(); b++) {
-    const LatticeBody& body = world.lattices[b];
+  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++) {
+    const LatticeBody& body = world.lattice_bodies[b];
     const TriMesh moved = lattice::deformed_surface(body.model, body.state, outputs.bodies[b].surface,
                                                     lattice::Shown::kStretch);
     std::vector<Vec3> displacement(moved.vertices.size());
@@ -76,8 +76,8 @@ Status write_skin_meshes(const World& world, Outputs& outputs) {
 }
 
 Status write_skin_objs(const World& world, Outputs& outputs) {
-  for (std::size_t b = 0; b < world.lattices.size(); b++) {
-    const LatticeBody& body = world.lattices[b];
+  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++) {
+    const LatticeBody& body = world.lattice_bodies[b];
     const std::string file = body.name + ".obj";
     const TriMesh mesh = lattice::deformed_surface(body.model, body.state, outputs.bodies[b].surface,
                                                    lattice::Shown::kNothing);

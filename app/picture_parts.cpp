@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "turgor/sim/tool_mesh.hpp"
+#include "turgor/sim/tools/tool_mesh.hpp"
 
 namespace turgor {
 
 namespace {
 
-constexpr Rgb kOrgan{158, 68, 56}, kTool{176, 190, 204}, kArrow{250, 204, 70};
+constexpr Rgb kFlesh{158, 68, 56}, kTool{176, 190, 204}, kArrow{250, 204, 70};
 
 TriMesh placed(const TriMesh& tool, const contact::Pose& pose) {
   TriMesh mesh = tool;
@@ -35,7 +35,7 @@ void add_arrow(const ShownTool& tool, const TriMesh& mesh, ArrowScale arrows, Pi
   const double thickness = 0.06 * arrows.length;
   Vec3d tail = tool.pose.position + direction * beyond;
   const bool pulls = dot(direction, tool.pose.axes.column[2]) < -0.5;
-  if (pulls)  // beside the tool: the organ would hide it
+  if (pulls)  // beside the tool: the body would hide it
     tail = tool.pose.position - direction * length - tool.pose.axes.column[0] * (0.5 * arrows.length);
   parts.add(arrow_mesh(tail, tail + direction * length, thickness), kArrow);
   const Vec3d end = pulls ? tail - direction * (2 * thickness) : tail + direction * (length + 2 * thickness);
@@ -44,7 +44,7 @@ void add_arrow(const ShownTool& tool, const TriMesh& mesh, ArrowScale arrows, Pi
 
 }  // namespace
 
-TriMesh deformed_mesh(const OrganSurface& surface, SkinColor color) {
+TriMesh deformed_mesh(const ShownSurface& surface, SkinColor color) {
   TriMesh mesh;
   mesh.triangles = surface.triangles;
   for (std::size_t v = 0; v < surface.rest.size(); v++)
@@ -56,9 +56,9 @@ TriMesh deformed_mesh(const OrganSurface& surface, SkinColor color) {
   return mesh;
 }
 
-void add_organ(const OrganSurface& surface, const std::vector<TriMesh>& tools, ArrowScale arrows,
-               SkinColor color, const ColorScale* scale, PictureParts& parts) {
-  if (!surface.triangles.empty()) parts.add(deformed_mesh(surface, color), kOrgan, scale);
+void add_body(const ShownSurface& surface, const std::vector<TriMesh>& tools, ArrowScale arrows,
+              SkinColor color, const ColorScale* scale, PictureParts& parts) {
+  if (!surface.triangles.empty()) parts.add(deformed_mesh(surface, color), kFlesh, scale);
   for (std::size_t t = 0; t < std::min(tools.size(), surface.tools.size()); t++) {
     const TriMesh& mesh = parts.add(placed(tools[t], surface.tools[t].pose), kTool);
     add_arrow(surface.tools[t], mesh, arrows, parts);

@@ -35,13 +35,13 @@ struct ArrowScale {
   double length = 0;  // [m]; the longest is three times, the shortest a quarter of it
 };
 
-/// An organ's surface, if it has one, with the tools on it as they are, and an arrow for the force on each,
+/// A body's surface, if it has one, with the tools on it as they are, and an arrow for the force on each,
 /// with its newtons.
-void add_organ(const OrganSurface& surface, const std::vector<TriMesh>& tools, ArrowScale arrows,
-               SkinColor color, const ColorScale* scale, PictureParts& parts);
+void add_body(const ShownSurface& surface, const std::vector<TriMesh>& tools, ArrowScale arrows,
+              SkinColor color, const ColorScale* scale, PictureParts& parts);
 
 /// The deformed surface with the quantity that colours it: displacement [m] or pressure [Pa].
-TriMesh deformed_mesh(const OrganSurface& surface, SkinColor color);
+TriMesh deformed_mesh(const ShownSurface& surface, SkinColor color);
 
 /// Writes the labels where the camera sees their places.
 void draw_labels(const std::vector<PictureLabel>& labels, const Camera& camera, Image& image);

@@ -67,7 +67,7 @@ World load(const Exec& exec, const Scene& scene, const RunOptions& options,
 
 /// A snapshot goes into pictures and meshes, and into the recording when there is one.
 void snapshot(World& world, Outputs& outputs, std::optional<RecordingWriter>& recording) {
-  show_organs(*outputs.exec, world);
+  show_touched(*outputs.exec, world);
   required(add_snapshot(world, outputs));
   if (recording) required(recording->add_snapshot(world));
 }
@@ -93,7 +93,7 @@ Measures simulate(const Exec& exec, const Scene& scene, World& world, Outputs& o
       break;
     }
     if (interval > 0 && frame % interval == 0) {
-      show_organs(exec, world);
+      show_touched(exec, world);
       required(add_video_frame(world, outputs));
     }
     if (shown) snapshot(world, outputs, recording);
@@ -111,9 +111,9 @@ void print_row(const std::string& what, const std::string& value) { fmt::print("
 
 void print_touch(const Json& report) {
   const auto value = [](const Json& table, const char* key) { return table.at(key).get<double>(); };
-  for (const Json& organ : report.value("organs", Json::array())) {
-    const Json &mesh = organ.at("mesh"), &green = organ.at("green"), &patch = organ.at("patch");
-    fmt::print("{}: {} nodes, {} elements, {:.0f} ml\n", organ.at("name").get<std::string>(),
+  for (const Json& body : bodies_of(report, BodyKind::kSfem)) {
+    const Json &mesh = body.at("mesh"), &green = body.at("green"), &patch = body.at("patch");
+    fmt::print("{}: {} nodes, {} elements, {:.0f} ml\n", body.at("name").get<std::string>(),
                mesh.at("vertices").get<long>(), mesh.at("elements").get<long>(), value(mesh, "volume_ml"));
     print_row("Green's functions", fmt::format("{:.0f} MB, {} in {:.2f} s", value(green, "store_bytes") / 1e6,
                                                green.at("on_demand").get<bool>()    ? "on demand, factor"
@@ -144,7 +144,7 @@ void print_touch(const Json& report) {
 }
 
 void print_clothes(const Json& report) {
-  for (const Json& cloth : report.value("clothes", Json::array())) {
+  for (const Json& cloth : bodies_of(report, BodyKind::kCloth)) {
     const auto value = [&cloth](const char* key) { return cloth.at(key).get<double>(); };
     fmt::print("{}: {} vertices, {} springs, {:.0f} bytes a vertex\n", cloth.at("name").get<std::string>(),
                cloth.at("vertices").get<long>(), cloth.at("springs").get<long>(),
@@ -161,7 +161,7 @@ void print_summary(const Json& report, const fs::path& goal) {
   const auto number = [](const Json& value) {
     return value.is_number() ? value.get<double>() : std::nan("");
   };
-  for (const Json& body : report.at("bodies"))
+  for (const Json& body : bodies_of(report, BodyKind::kLattice))
     fmt::print("{}: {} nodes, {} skin triangles, {:.0f} bytes a node\n", body.at("name").get<std::string>(),
                body.at("body_nodes").get<long>(), body.at("skin_triangles").get<long>(),
                number(body.at("memory_bytes_per_node")));
@@ -210,22 +210,22 @@ void run(const Exec& exec, const RunOptions& options) {
   const Scene scene = required(read_scene(options.scene, options.overrides));
   OutputFolder folder =
       open_result_folder(options.out.empty() ? default_folder(scene, "") : options.out, options.force);
-  for (const LatticeScene& body : scene.lattices)
+  for (const LatticeScene& body : scene.lattice_bodies)
     for (const fs::path& input : {body.ct.file, body.labels, body.direction_field})
       required(folder.check_input(input));
   World world = load(exec, scene, options);
-  show_organs(exec, world);
+  show_touched(exec, world);
   Outputs outputs = required(make_outputs(exec, scene, world, folder.path()));
   outputs.facts.load_seconds = total.seconds();
-  for (const LatticeBody& body : world.lattices)
+  for (const LatticeBody& body : world.lattice_bodies)
     for (const std::string& note : body.notes) outputs.facts.warnings.push_back(body.name + ": " + note);
-  for (const Organ& organ : world.organs)
-    for (const std::string& note : organ.facts.notes)
-      outputs.facts.warnings.push_back(organ.name + ": " + note);
+  for (const SfemBody& body : world.sfem_bodies)
+    for (const std::string& note : body.facts.notes)
+      outputs.facts.warnings.push_back(body.name + ": " + note);
 
-  for (const RhombusOrgan& organ : world.rhombi)
-    for (const std::string& note : organ.notes) outputs.facts.warnings.push_back(organ.name + ": " + note);
-  for (const ClothBody& body : world.clothes)
+  for (const RhombusBody& body : world.rhombus_bodies)
+    for (const std::string& note : body.notes) outputs.facts.warnings.push_back(body.name + ": " + note);
+  for (const ClothBody& body : world.cloth_bodies)
     for (const std::string& note : body.notes) outputs.facts.warnings.push_back(body.name + ": " + note);
 
   if (scene.output.video && !has_ffmpeg())

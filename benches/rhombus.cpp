@@ -1,4 +1,4 @@
-// What a touch costs: the force of a haptic tick, the picture of an organ that moves, distances measured
+// What a touch costs: the force of a haptic tick, the picture of a body that moves, distances measured
 // again while sliding. The paper: < 1 ms a force, 52 ms a picture of 3116 vertices.
 #include "turgor/models/rhombus/rhombus.hpp"
 

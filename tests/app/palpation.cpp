@@ -1,6 +1,6 @@
-// Organs and tools as people run them: what a run leaves behind, and what wrong inputs are told.
+// Bodies and tools as people run them: what a run leaves behind, and what wrong inputs are told.
 #include "app/program.hpp"
-#include "sim/organ_scene.hpp"
+#include "sim/sfem_scene_text.hpp"
 
 namespace turgor {
 namespace {
@@ -12,7 +12,7 @@ const char* kCache = "cache = \"kept\"\n";
 
 TEST(Palpation, LeavesForcesPicturesMeshesAndAReport) {
   const fs::path folder = fresh_folder();
-  write(folder / "s.toml", organ_scene_text(kCache));
+  write(folder / "s.toml", sfem_scene_text(kCache));
   const Ended ended = run_program("run s.toml --out out", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   EXPECT_NE(ended.printed.find("pad: 324 free nodes; Green's functions between"), std::string::npos)
@@ -25,13 +25,14 @@ TEST(Palpation, LeavesForcesPicturesMeshesAndAReport) {
     EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
   const json report = report_in(folder / "out");
   EXPECT_GT(report["tools"][0]["force_max_N"].get<double>(), 0.05);
-  EXPECT_FALSE(report["organs"][0]["green"]["from_cache"].get<bool>());
-  EXPECT_EQ(report["bodies"].size(), 0u);
+  EXPECT_FALSE(report["bodies"][0]["green"]["from_cache"].get<bool>());
+  EXPECT_EQ(report["bodies"].size(), 1u);
+  EXPECT_EQ(report["bodies"][0]["model"], "sfem");
 }
 
 TEST(Palpation, AReplayDrawsTheSamePicturesAndTheSameForces) {
   const fs::path folder = fresh_folder();
-  write(folder / "s.toml", organ_scene_text(kCache));
+  write(folder / "s.toml", sfem_scene_text(kCache));
   ASSERT_EQ(run_program("run s.toml -q --out first", folder).code, 0);
   const Ended ended = run_program("run --replay first/recording.h5 --out again", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
@@ -46,9 +47,9 @@ TEST(Palpation, AReplayDrawsTheSamePicturesAndTheSameForces) {
 
 TEST(Palpation, ADamagedCacheIsNamedAndComputedAnew) {
   const fs::path folder = fresh_folder();
-  write(folder / "s.toml", organ_scene_text(kCache));
+  write(folder / "s.toml", sfem_scene_text(kCache));
   ASSERT_EQ(run_program("run s.toml -q --out first", folder).code, 0);
-  const fs::path cache = report_in(folder / "first")["organs"][0]["green"]["cache_file"].get<std::string>();
+  const fs::path cache = report_in(folder / "first")["bodies"][0]["green"]["cache_file"].get<std::string>();
   write(cache, "no");
   const Ended ended = run_program("run s.toml --out again", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
@@ -69,9 +70,9 @@ TEST(Palpation, APhantomsLiverIsMeshedFromItsLabel) {
                                       "body.liver.cache=kept --set output.snapshots.size=[200,160]",
                                   folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
-  const json organ = report_in(folder / "out")["organs"][0];
-  EXPECT_LT(std::abs(organ["mesh"]["volume_error_percent"].get<double>()), 2);
-  EXPECT_GT(organ["mesh"]["min_dihedral_deg"].get<double>(), 10.7);
+  const json body = report_in(folder / "out")["bodies"][0];
+  EXPECT_LT(std::abs(body["mesh"]["volume_error_percent"].get<double>()), 2);
+  EXPECT_GT(body["mesh"]["min_dihedral_deg"].get<double>(), 10.7);
 }
 
 TEST(Palpation, AnOrganOfARealSegmentationIsPressedByTheSameScene) {
@@ -86,7 +87,7 @@ TEST(Palpation, AnOrganOfARealSegmentationIsPressedByTheSameScene) {
       folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   const json report = report_in(folder / "out");
-  EXPECT_NEAR(report["organs"][0]["mesh"]["volume_ml"].get<double>(), 1043, 21);
+  EXPECT_NEAR(report["bodies"][0]["mesh"]["volume_ml"].get<double>(), 1043, 21);
   EXPECT_GT(report["tools"][0]["force_max_N"].get<double>(), 0.05);
   EXPECT_LT(report["tools"][0]["force_max_N"].get<double>(), 2);
   const Ended wrong = run_program("run '" + scene + "' --out o2 --set 'body.liver.labels=" + labels.string() +
@@ -106,7 +107,7 @@ std::string gmsh(const std::string& nodes, int node_count, const std::string& el
 
 TEST(Palpation, WrongInputsAreToldWhatIsWrong) {
   const fs::path folder = fresh_folder();
-  write(folder / "good.toml", organ_scene_text("cache = false\n"));
+  write(folder / "good.toml", sfem_scene_text("cache = false\n"));
   write(folder / "flat.msh", gmsh("1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n", 4, "1 4 2 1 1 1 2 3 4\n", 1));
   write(folder / "parts.msh",
         gmsh("1 0 0 0\n2 .1 0 0\n3 0 .1 0\n4 0 0 .1\n5 1 0 1\n6 1.1 0 1\n7 1 .1 1\n8 1 0 1.1\n", 8,
@@ -114,7 +115,7 @@ TEST(Palpation, WrongInputsAreToldWhatIsWrong) {
   write(folder / "nan.csv", "t,x,y,z\n0,0,0,0\n1,nan,0,0\n");
   write(folder / "back.csv", "0,0,0,0\n1,0,0,0\n0.5,0,0,0\n");
   const auto with_mesh = [&](const char* name, const char* mesh, const char* fixed) {
-    std::string text = organ_scene_text("cache = false\n");
+    std::string text = sfem_scene_text("cache = false\n");
     const std::string block = "block = { size = [0.06, 0.06, 0.03], count = [8, 8, 4] }\nfixed = \"bottom\"";
     text.replace(text.find(block), block.size(), std::string("mesh = \"") + mesh + "\"\nfixed = " + fixed);
     write(folder / name, text);
@@ -122,7 +123,7 @@ TEST(Palpation, WrongInputsAreToldWhatIsWrong) {
   with_mesh("flat.toml", "flat.msh", "\"bottom\"");
   with_mesh("parts.toml", "parts.msh", "{ box = [[-1, -1, -1], [0.2, 0.2, 0.2]] }");
   with_mesh("gone.toml", "gone.msh", "\"bottom\"");
-  std::string labels = organ_scene_text("cache = false\n");
+  std::string labels = sfem_scene_text("cache = false\n");
   const std::string block = "block = { size = [0.06, 0.06, 0.03], count = [8, 8, 4] }\n";
   labels.replace(
       labels.find(block), block.size(),
@@ -140,7 +141,8 @@ TEST(Palpation, WrongInputsAreToldWhatIsWrong) {
       {"good.toml --set body.pad.young=-3", "expected a number above 0 [Pa], found -3"},
       {"label.toml", "99"},
       {"good.toml --set tool.finger.shape.sphere=0.2", "the tool is 0.4 m wide, the body pad 0.06 m"},
-      {"good.toml --set tool.finger.body=paddy", "the scene has no body paddy; did you mean pad?"},
+      {"good.toml --set tool.finger.body=paddy",
+       "the scene has no body paddy with model = \"sfem\", \"rhombus\", \"lattice\"; did you mean pad?"},
       {"good.toml --set tool.finger.press=false --set tool.finger.path=nan.csv", "not both"},
   };
   for (const auto& c : cases) {
@@ -151,7 +153,7 @@ TEST(Palpation, WrongInputsAreToldWhatIsWrong) {
         << c.arguments << "\nprinted:  " << ended.printed << "expected: " << c.words;
     EXPECT_FALSE(fs::exists(folder / "o")) << c.arguments;
   }
-  std::string path = organ_scene_text("cache = false\n");
+  std::string path = sfem_scene_text("cache = false\n");
   path.replace(path.find("press = {"), path.find("slide = 0.15 }") + 14 - path.find("press = {"),
                "path = \"nan.csv\"");
   write(folder / "path.toml", path);

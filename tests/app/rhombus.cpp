@@ -35,9 +35,9 @@ TEST(Rhombus, PhantomsMakeWhatARunWithForcepsNeeds) {
   const Ended ended = run_program("run s.toml --out first", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   const json report = report_in(folder / "first");
-  EXPECT_EQ(report["rhombi"][0]["vertices"], 3116);
+  EXPECT_EQ(report["bodies"][0]["vertices"], 3116);
   EXPECT_GT(report["tools"][0]["force_max_N"].get<double>(), 0.02);
-  EXPECT_LT(report["rhombi"][0]["jump_per_10_um_N"].get<double>(),
+  EXPECT_LT(report["bodies"][0]["jump_per_10_um_N"].get<double>(),
             0.02 * report["tools"][0]["force_max_N"].get<double>());
   EXPECT_GT(report["profiles"][0]["rows"].size(), 10u);
 

@@ -31,9 +31,9 @@ void replay(const turgor::Recording& recording) {
   if (!recording.check_world(world)) return;
   for (int s = 0; s < std::min(recording.snapshot_count(), 4); s++) {
     if (!recording.restore(s, world)) return;
-    for (const turgor::LatticeBody& body : world.lattices)
+    for (const turgor::LatticeBody& body : world.lattice_bodies)
       for (const float x : body.state.u.x) require(std::isfinite(x));
-    for (const turgor::ClothBody& body : world.clothes)
+    for (const turgor::ClothBody& body : world.cloth_bodies)
       for (const turgor::Vec3 x : turgor::cloth::surface(body.model, body.state).vertices)
         require(std::isfinite(dot(x, x)));
   }

@@ -16,25 +16,29 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     if (scene.error().message.empty()) std::abort();
     return 0;
   }
-  const std::size_t touched = scene->organs.size() + scene->rhombi.size();
-  if (scene->lattices.empty() && touched == 0 && scene->clothes.empty()) std::abort();
+  const std::size_t counts[] = {scene->lattice_bodies.size(), scene->sfem_bodies.size(),
+                                scene->rhombus_bodies.size(), scene->cloth_bodies.size()};
+  if (counts[0] + counts[1] + counts[2] + counts[3] == 0) std::abort();
+  const auto is_there = [&](BodyId id) {
+    return id.kind != BodyKind::kCloth && id.index >= 0 &&
+           std::size_t(id.index) < counts[std::size_t(id.kind)];
+  };
   if (!(scene->duration > 0) || frame_count(*scene) < 1) std::abort();
-  for (const LatticeScene& body : scene->lattices) {
+  for (const LatticeScene& body : scene->lattice_bodies) {
     const lattice::SkinParams& skin = body.params.skin;
     if (skin.tension_along >= skin.stiffness || skin.tension_across >= skin.stiffness) std::abort();
     if (body.params.block.x < 1 || body.params.block.x > 64) std::abort();
   }
   for (const IncisionScene& incision : scene->incisions)
-    if (incision.body < 0 || std::size_t(incision.body) >= scene->lattices.size()) std::abort();
-  for (const SfemScene& organ : scene->organs)
-    if (!(organ.material.young > 0) || !(organ.material.poisson < 0.5) || organ.patch.refinement < 1)
+    if (incision.body < 0 || std::size_t(incision.body) >= scene->lattice_bodies.size()) std::abort();
+  for (const SfemScene& body : scene->sfem_bodies)
+    if (!(body.material.young > 0) || !(body.material.poisson < 0.5) || body.patch.refinement < 1)
       std::abort();
   for (const ToolScene& tool : scene->tools)
-    if (tool.body < 0 || std::size_t(tool.body) >= touched + scene->lattices.size()) std::abort();
-  const std::size_t counts[] = {scene->lattices.size(), scene->organs.size(), scene->rhombi.size()};
-  for (const ClothScene& cloth : scene->clothes)
+    if (!is_there(tool.body)) std::abort();
+  for (const ClothScene& cloth : scene->cloth_bodies)
     for (const ObstacleScene& obstacle : cloth.obstacles)
-      if (const auto* body = std::get_if<BodyName>(&obstacle.shape))
-        if (body->index < 0 || std::size_t(body->index) >= counts[std::size_t(body->kind)]) std::abort();
+      if (const auto* body = std::get_if<BodyId>(&obstacle.shape))
+        if (!is_there(*body)) std::abort();
   return 0;
 }

@@ -6,8 +6,8 @@
 
 #include "folders.hpp"
 #include "fuzz_input.hpp"
-#include "turgor/sim/force_curve.hpp"
-#include "turgor/sim/tool_path.hpp"
+#include "turgor/sim/tools/force_curve.hpp"
+#include "turgor/sim/tools/tool_path.hpp"
 
 namespace {
 

@@ -35,8 +35,8 @@ TEST(World, ACutOpensUnderTheSkinsTension) {
   const Exec exec(1);
   World world = block_world(exec, block_scene(fresh_folder()));
   for (int frame = 0; frame < 25; frame++) ASSERT_TRUE(step(exec, world));
-  const lattice::Wound wound =
-      lattice::measure_wound(world.lattices[0].model, world.lattices[0].state, *world.cuts[0].path, 0);
+  const lattice::Wound wound = lattice::measure_wound(world.lattice_bodies[0].model,
+                                                      world.lattice_bodies[0].state, *world.cuts[0].path, 0);
   EXPECT_GT(wound.gape_max, 0.001);  // measured: several millimetres
   EXPECT_LT(wound.gape_max, 0.04);
 }
@@ -48,7 +48,7 @@ TEST(World, TheSameBitsOnOneTwoAndEightThreads) {
     const Exec exec(threads);
     World world = block_world(exec, scene);
     for (int frame = 0; frame < 10; frame++) ASSERT_TRUE(step(exec, world));
-    hashes.push_back(lattice::state_hash(world.lattices[0].model, world.lattices[0].state));
+    hashes.push_back(lattice::state_hash(world.lattice_bodies[0].model, world.lattice_bodies[0].state));
   }
   EXPECT_EQ(hashes[0], hashes[1]);
   EXPECT_EQ(hashes[0], hashes[2]);
@@ -57,7 +57,7 @@ TEST(World, TheSameBitsOnOneTwoAndEightThreads) {
 TEST(World, FractionsOfTheBodysBoxFindItsSurface) {
   const Exec exec(1);
   const World world = block_world(exec, block_scene(fresh_folder()));
-  const lattice::Model& model = world.lattices[0].model;
+  const lattice::Model& model = world.lattice_bodies[0].model;
   const BodyBox box = body_box(model);
   lattice::Incision fractions;
   fractions.from = {0.5, 0, 0.25}, fractions.to = {0.5, 0, 0.75};
@@ -65,7 +65,7 @@ TEST(World, FractionsOfTheBodysBoxFindItsSurface) {
   EXPECT_NEAR(blade.from.y, box.low.y, model.grid.spacing.y);
   EXPECT_NEAR(blade.from.z, 0.75 * box.low.z + 0.25 * box.high.z, 1e-9);
   EXPECT_NEAR(blade.to.x, 0.5 * (box.low.x + box.high.x), 1e-9);
-  EXPECT_TRUE(lattice::lay_blade(model, world.lattices[0].state, blade));
+  EXPECT_TRUE(lattice::lay_blade(model, world.lattice_bodies[0].state, blade));
 }
 
 TEST(World, AStepInMetresBecomesWholeVoxels) {
@@ -74,7 +74,7 @@ TEST(World, AStepInMetresBecomesWholeVoxels) {
   text.replace(text.find("block = 2"), 9, "step = 0.0115");
   ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   const World world = block_world(Exec(1), parse_scene(text, folder / "block.toml").value());
-  EXPECT_EQ(world.lattices[0].model.params.block, (Int3{3, 3, 3}));
+  EXPECT_EQ(world.lattice_bodies[0].model.params.block, (Int3{3, 3, 3}));
 }
 
 TEST(World, MistakesAreFoundBeforeTheFirstFrameAndNameTheirPlace) {

@@ -55,7 +55,7 @@ Status advance_blade(World& world, std::size_t index) {
   Cut& cut = world.cuts[index];
   const double fraction = blade_fraction(cut, (world.frame + 1) * world.dt * (1 + 1e-12));
   if (fraction <= cut.done) return Done{};
-  LatticeBody& body = world.lattices[std::size_t(cut.body)];
+  LatticeBody& body = world.lattice_bodies[std::size_t(cut.body)];
   if (!cut.path) {
     Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade);
     if (!path) return path.error();
@@ -69,64 +69,55 @@ Status advance_blade(World& world, std::size_t index) {
   return Done{};
 }
 
-RestSurface rest_surface(World& world, std::size_t body) {
-  if (body >= organ_count(world)) return rest_surface(world.lattices[body - organ_count(world)]);
-  if (body < world.organs.size()) {
-    const sfem::Model& model = world.organs[body].model;
-    return {model.body.mesh.vertices, model.surface.triangles};
+Status load_touched(const Exec& exec, const Scene& scene, const BeginWork& begin, World& world) {
+  for (const SfemScene& body_scene : scene.sfem_bodies) {
+    Result<SfemBody> body = load_sfem(exec, body_scene, begin);
+    if (!body) return body.error();
+    world.sfem_bodies.push_back(moved(body));
   }
-  const rhombus::Surface& surface = world.rhombi[body - world.organs.size()].model.surface;
-  return {surface.vertices, surface.triangles};
-}
-
-Status load_organs(const Exec& exec, const Scene& scene, const BeginWork& begin, World& world) {
-  for (const SfemScene& organ_scene : scene.organs) {
-    Result<Organ> organ = load_organ(exec, organ_scene, begin);
-    if (!organ) return organ.error();
-    world.organs.push_back(moved(organ));
-  }
-  for (const RhombusScene& organ_scene : scene.rhombi) {
-    Result<RhombusOrgan> organ = load_rhombus_organ(exec, organ_scene, world.organs, begin);
-    if (!organ) return organ.error();
-    world.rhombi.push_back(moved(organ));
+  for (const RhombusScene& body_scene : scene.rhombus_bodies) {
+    Result<RhombusBody> body = load_rhombus(exec, body_scene, world.sfem_bodies, begin);
+    if (!body) return body.error();
+    world.rhombus_bodies.push_back(moved(body));
   }
   for (const ToolScene& tool_scene : scene.tools) {
-    const auto body = std::size_t(tool_scene.body);
-    TouchedOrgan& organ = touched_organ(world, body);
-    Result<TouchingTool> tool = load_tool(tool_scene, organ.name, rest_surface(world, body));
+    TouchedBody& body = touched_body(world, tool_scene.body);
+    const RestSurface surface =
+        visit_touched(world, tool_scene.body, [](auto& touched) { return rest_surface(touched); });
+    Result<TouchingTool> tool = load_tool(tool_scene, body.name, surface);
     if (!tool) return tool.error();
-    organ.tool_indices.push_back(int(world.tools.size()));
+    body.tool_indices.push_back(int(world.tools.size()));
     world.tools.push_back(moved(tool));
   }
-  for (RhombusOrgan& organ : world.rhombi) {
-    if (organ.tool_indices.size() > std::size_t(rhombus::kMaxTouches))
-      return Error{fmt::format("{}: expected at most {} tools that touch it, found {}", organ.name,
-                               rhombus::kMaxTouches, organ.tool_indices.size())};
-    begin_touch(organ);
+  for (RhombusBody& body : world.rhombus_bodies) {
+    if (body.tool_indices.size() > std::size_t(rhombus::kMaxTouches))
+      return Error{fmt::format("{}: expected at most {} tools that touch it, found {}", body.name,
+                               rhombus::kMaxTouches, body.tool_indices.size())};
+    begin_touch(body);
   }
-  for (std::size_t o = 0; o < world.organs.size(); o++) {
-    const SfemScene& s = scene.organs[o];
-    const Status begun = begin_touch(exec, world.organs[o], world.tools, {s.viscosity, s.viscous_time});
+  for (std::size_t o = 0; o < world.sfem_bodies.size(); o++) {
+    const SfemScene& s = scene.sfem_bodies[o];
+    const Status begun = begin_touch(exec, world.sfem_bodies[o], world.tools, {s.viscosity, s.viscous_time});
     if (!begun) return Error{fmt::format("{}.patch: {}", s.place, begun.error().message)};
   }
-  for (LatticeBody& body : world.lattices) begin_touch(body, world.tools);
+  for (LatticeBody& body : world.lattice_bodies) begin_touch(body, world.tools);
   return Done{};
 }
 
-/// Organs and tools as a recording fills them: by name, and with the tools' shapes to be drawn.
-Status name_organs(const Scene& scene, World& world) {
-  for (const SfemScene& organ : scene.organs) {
-    world.organs.emplace_back();
-    world.organs.back().name = organ.name;
+/// Bodies and tools as a recording fills them: by name, and with the tools' shapes to be drawn.
+Status name_touched(const Scene& scene, World& world) {
+  for (const SfemScene& body : scene.sfem_bodies) {
+    world.sfem_bodies.emplace_back();
+    world.sfem_bodies.back().name = body.name;
   }
-  for (const RhombusScene& organ : scene.rhombi) {
-    world.rhombi.emplace_back();
-    world.rhombi.back().name = organ.name;
+  for (const RhombusScene& body : scene.rhombus_bodies) {
+    world.rhombus_bodies.emplace_back();
+    world.rhombus_bodies.back().name = body.name;
   }
   for (const ToolScene& tool_scene : scene.tools) {
     Result<TouchingTool> tool = load_tool_shape(tool_scene);
     if (!tool) return tool.error();
-    touched_organ(world, std::size_t(tool_scene.body)).tool_indices.push_back(int(world.tools.size()));
+    touched_body(world, tool_scene.body).tool_indices.push_back(int(world.tools.size()));
     world.tools.push_back(moved(tool));
   }
   return Done{};
@@ -160,13 +151,13 @@ Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& 
   World world;
   world.gravity = scene.gravity;
   world.dt = 1 / scene.frame_rate;
-  for (const LatticeScene& body_scene : scene.lattices) {
+  for (const LatticeScene& body_scene : scene.lattice_bodies) {
     Result<LatticeBody> body = load_lattice(exec, body_scene, begin);
     if (!body) return body.error();
-    world.lattices.push_back(moved(body));
+    world.lattice_bodies.push_back(moved(body));
   }
   for (const IncisionScene& incision : scene.incisions) {
-    const LatticeBody& body = world.lattices[std::size_t(incision.body)];
+    const LatticeBody& body = world.lattice_bodies[std::size_t(incision.body)];
     Cut cut;
     cut.body = incision.body;
     cut.blade = incision.by_fraction ? placed_blade(body.model, incision.blade) : incision.blade;
@@ -174,13 +165,13 @@ Result<World> load_world(const Exec& exec, const Scene& scene, const BeginWork& 
     if (!trial) return Error{fmt::format("{}: {}", incision.place, trial.error().message)};
     world.cuts.push_back(std::move(cut));
   }
-  const Status organs =
-      purpose == Purpose::kSimulate ? load_organs(exec, scene, begin, world) : name_organs(scene, world);
-  if (!organs) return organs.error();
-  for (const ClothScene& cloth_scene : scene.clothes) {
+  const Status bodies =
+      purpose == Purpose::kSimulate ? load_touched(exec, scene, begin, world) : name_touched(scene, world);
+  if (!bodies) return bodies.error();
+  for (const ClothScene& cloth_scene : scene.cloth_bodies) {
     Result<ClothBody> body = load_cloth(exec, cloth_scene);
     if (!body) return body.error();
-    world.clothes.push_back(moved(body));
+    world.cloth_bodies.push_back(moved(body));
   }
   return world;
 }
@@ -190,7 +181,7 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
   FrameReport report;
   for (std::size_t c = 0; c < world.cuts.size(); c++)
     if (const Status status = advance_blade(world, c); !status) return status.error();
-  for (LatticeBody& body : world.lattices) {
+  for (LatticeBody& body : world.lattice_bodies) {
     // Position-based dynamics has no forces that could be left over.
     const bool has_forces = body.model.params.solver.method == lattice::Method::kDescent;
     const std::vector<lattice::NodeLoad> loads = node_loads(body);
@@ -205,16 +196,16 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
     report.residual.largest = std::max(report.residual.largest, done.residual.largest);
     report.residual.rms = std::max(report.residual.rms, done.residual.rms);
   }
-  for (Organ& organ : world.organs) {
-    touch_organ(exec, organ, world.tools, time_of(world), time_of(world) + world.dt);
-    turn_organ(exec, organ);
-    remember_deepest(exec, organ, time_of(world) + world.dt);
+  for (SfemBody& body : world.sfem_bodies) {
+    touch_body(exec, body, world.tools, time_of(world), time_of(world) + world.dt);
+    turn_body(exec, body);
+    remember_deepest(exec, body, time_of(world) + world.dt);
   }
-  for (RhombusOrgan& organ : world.rhombi) {
-    touch_organ(organ, world.tools, time_of(world), time_of(world) + world.dt);
-    remember_deepest(exec, organ, world.tools, time_of(world) + world.dt);
+  for (RhombusBody& body : world.rhombus_bodies) {
+    touch_body(body, world.tools, time_of(world), time_of(world) + world.dt);
+    remember_deepest(exec, body, world.tools, time_of(world) + world.dt);
   }
-  for (ClothBody& body : world.clothes) {
+  for (ClothBody& body : world.cloth_bodies) {
     report.finite = step_cloth(exec, body, world, measure_residual) && report.finite;
     report.largest_speed = std::max(report.largest_speed, body.samples.back().largest_speed);
   }

@@ -39,7 +39,7 @@ TEST(Recording, RestoresPositionsCutsAndPathsToTheBit) {
   World drawn = test::block_world(Exec(1), *again);
   ASSERT_TRUE(recording->check_world(drawn));
   ASSERT_TRUE(recording->restore(1, drawn));
-  const lattice::State &a = world.lattices[0].state, &b = drawn.lattices[0].state;
+  const lattice::State &a = world.lattice_bodies[0].state, &b = drawn.lattice_bodies[0].state;
   EXPECT_EQ(drawn.frame, 10);
   EXPECT_EQ(a.u.x, b.u.x);
   EXPECT_EQ(a.u.y, b.u.y);
@@ -50,10 +50,11 @@ TEST(Recording, RestoresPositionsCutsAndPathsToTheBit) {
   EXPECT_EQ(a.row_cut, b.row_cut);
   ASSERT_EQ(a.cut_edges.size(), b.cut_edges.size());
   EXPECT_GT(a.cut_edges.size(), 0u);
-  const double gape = lattice::measure_wound(world.lattices[0].model, a, *world.cuts[0].path, 0).gape_max;
-  EXPECT_EQ(lattice::measure_wound(drawn.lattices[0].model, b, *drawn.cuts[0].path, 0).gape_max, gape);
+  const double gape =
+      lattice::measure_wound(world.lattice_bodies[0].model, a, *world.cuts[0].path, 0).gape_max;
+  EXPECT_EQ(lattice::measure_wound(drawn.lattice_bodies[0].model, b, *drawn.cuts[0].path, 0).gape_max, gape);
   ASSERT_TRUE(recording->restore(0, drawn));
-  EXPECT_TRUE(drawn.lattices[0].state.cut_edges.empty());
+  EXPECT_TRUE(drawn.lattice_bodies[0].state.cut_edges.empty());
   EXPECT_FALSE(drawn.cuts[0].path);
 }
 
@@ -66,7 +67,7 @@ TEST(Recording, RestoresRegionsThatLeftTheBody) {
   World drawn = test::block_world(Exec(1), scene);
   const Status restored = recording->restore(1, drawn);
   ASSERT_TRUE(restored) << restored.error().message;
-  const lattice::State &a = world.lattices[0].state, &b = drawn.lattices[0].state;
+  const lattice::State &a = world.lattice_bodies[0].state, &b = drawn.lattice_bodies[0].state;
   EXPECT_GT(std::count(a.removed.begin(), a.removed.end(), 1), 0);
   EXPECT_EQ(a.removed, b.removed);
   EXPECT_EQ(a.cut, b.cut);
@@ -119,12 +120,12 @@ TEST(Recording, FilesThatAreNoneAreNamed) {
   }
   EXPECT_EQ(error(),
             path +
-                ": expected \"turgor recording 2\", found \"turgor recording 0\", of another version of this "
+                ": expected \"turgor recording 3\", found \"turgor recording 0\", of another version of this "
                 "program");
   {
     Result<Hdf5File> half = Hdf5File::create(path);
     ASSERT_TRUE(half);
-    ASSERT_TRUE(half->write_text("/format", "turgor recording 2"));
+    ASSERT_TRUE(half->write_text("/format", "turgor recording 3"));
   }
   EXPECT_EQ(error(), path + ": the recording was never finished");
 }

@@ -17,7 +17,7 @@ SkinPull pull_with(const std::string& direction, const std::string& law = "\"fib
       test::fresh_folder(),
       {"body.block.skin={ law = " + law + ", tension = [60, 30], direction = " + direction + " }"});
   const World world = test::block_world(exec, scene);
-  const LatticeBody& body = world.lattices[0];
+  const LatticeBody& body = world.lattice_bodies[0];
   return skin_pull(body.model, lattice::lay_blade(body.model, body.state, world.cuts[0].blade).value());
 }
 

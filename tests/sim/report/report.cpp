@@ -30,7 +30,7 @@ BlockRun block_run() {
   facts.deformed = {{"block", "d.nii", {1, 2, 3}, 0.5, 0.01, 0}};
   add_outputs(run.report, facts);
   EXPECT_EQ(run.report["bodies"][0]["state_hash"],
-            hash_text(lattice::state_hash(world.lattices[0].model, world.lattices[0].state)));
+            hash_text(lattice::state_hash(world.lattice_bodies[0].model, world.lattice_bodies[0].state)));
   return run;
 }
 
@@ -93,16 +93,19 @@ TEST(Report, WhateverTextSceneAndFilesBringIsTextOnThePage) {
   const Json row = Json::array({0.0, 1.0, 2.0, 3.0}), rows = Json::array({row, row});
   report["profiles"] = {{{"name", kEvil}, {"rows", rows}}};
   const Json part = {{"name", kEvil}, {"cloth", kEvil}, {"kind", kEvil}, {"series", rows}, {"vertices", 3}};
-  report["clothes"] = {{{"name", kEvil},
-                        {"step_p50_ms", 1},
-                        {"triangles_crossing", 0},
-                        {"method", kEvil},
-                        {"series", rows},
-                        {"snapshots", rows},
-                        {"obstacles", {part}},
-                        {"holds", {part}}}};
-  report["rhombi"] = {{{"name", kEvil}, {"source", kEvil}, {"tissue", kEvil}}};
+  report["bodies"] = {{{"name", kEvil},
+                       {"model", "cloth"},
+                       {"step_p50_ms", 1},
+                       {"triangles_crossing", 0},
+                       {"method", kEvil},
+                       {"series", rows},
+                       {"snapshots", rows},
+                       {"obstacles", {part}},
+                       {"holds", {part}}}};
+  report["bodies"].push_back({{"name", kEvil}, {"model", "rhombus"}, {"source", kEvil}, {"tissue", kEvil}});
   poison(report);
+  report["bodies"][0]["model"] = "cloth",
+  report["bodies"][1]["model"] = "rhombus";  // else nothing is shown of them
   const std::string html = report_html(report, run.folder);
   EXPECT_EQ(html.find("<script"), std::string::npos);
   EXPECT_EQ(html.find("alert('"), std::string::npos);

@@ -68,8 +68,8 @@ TEST(Scene, EveryKeyReachesItsField) {
   EXPECT_EQ(scene.gravity, (Vec3d{0, 9.81, 0}));
   EXPECT_EQ(scene.duration, 1.5);
   EXPECT_EQ(frame_count(scene), 45);
-  ASSERT_EQ(scene.lattices.size(), 1u);
-  const LatticeScene& torso = scene.lattices[0];
+  ASSERT_EQ(scene.lattice_bodies.size(), 1u);
+  const LatticeScene& torso = scene.lattice_bodies[0];
   EXPECT_EQ(torso.name, "torso");
   EXPECT_EQ(torso.ct.file, "/scenes/ct/patient.nii.gz");
   EXPECT_EQ(torso.labels, "/seg.nii.gz");
@@ -145,7 +145,7 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
        "depth = 0.3 }, found \"bones\""},
       {small_scene("fixed = { sides = \"behind\" }"), "body.torso.fixed.sides: expected \"right\", \"left\""},
       {small_scene("only = \"livre\""),
-       "body.torso.only: expected a label's number (1 to 65535) or an organ's name, found \"livre\"; did you "
+       "body.torso.only: expected a label's number (1 to 65535) or a body's name, found \"livre\"; did you "
        "mean "
        "liver?"},
       {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\nonly = 5",
@@ -159,7 +159,7 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("tissue = { fat_max = -500 }"),
        "expected air_max < fat_max < bone_min, found -449 < -500 < 200 HU"},
       {small_scene("labels = \"s.nii\"\ntissue = { labels = { livre = 3e3 } }"),
-       "body.torso.tissue.labels.livre: expected a label's number (1 to 65535) or an organ's name, found "
+       "body.torso.tissue.labels.livre: expected a label's number (1 to 65535) or a body's name, found "
        "\"livre\"; did you mean liver?"},
       {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\ntissue = { labels = { liver = 3e3 } }",
        "stiffness by label needs a segmentation"},
@@ -178,7 +178,8 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("", "[incision.a]\nfrom = [0,0,0]\nto = [1,0,0]"),
        "incision.a: body is missing: the name of the body that is cut"},
       {small_scene("", "[incision.a]\nbody = \"torsi\"\nfrom = [0,0,0]\nto = [1,0,0]"),
-       "s.toml:6:8: incision.a.body: the scene has no body torsi; did you mean torso?"},
+       "s.toml:6:8: incision.a.body: the scene has no body torsi with model = \"lattice\"; did you mean "
+       "torso?"},
       {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]"),
        "incision.a: to or to_fraction is missing: where the cut ends"},
       {small_scene("", "[incision.a]\nbody = \"torso\"\nfrom = [0,0,0]\nto = [0,0,0]"),
@@ -222,9 +223,9 @@ TEST(Scene, OverridesReplaceAnyKeyAndTakeBareWordsAsText) {
                                           {"body.torso.ct=other/ct.nii.gz", "body.torso.skin.tension=20",
                                            "world.duration=3", "output.window=lung"});
   ASSERT_TRUE(scene) << scene.error().message;
-  EXPECT_EQ(scene->lattices[0].ct.file,
+  EXPECT_EQ(scene->lattice_bodies[0].ct.file,
             "other/ct.nii.gz");  // relative to the current folder, not to the scene's
-  EXPECT_EQ(scene->lattices[0].params.skin.tension_across, 20);
+  EXPECT_EQ(scene->lattice_bodies[0].params.skin.tension_across, 20);
   EXPECT_EQ(scene->duration, 3);
   EXPECT_EQ(scene->output.window, "lung");
 }
@@ -232,13 +233,13 @@ TEST(Scene, OverridesReplaceAnyKeyAndTakeBareWordsAsText) {
 TEST(Scene, OverridesMayReplaceAPhantomByAFileAndAFileByAPhantom) {
   const Result<Scene> file = parse_scene(small_scene(), "s.toml", {"body.torso.ct=2024"});
   ASSERT_TRUE(file) << file.error().message;
-  EXPECT_EQ(file->lattices[0].ct.file, "2024");
-  EXPECT_FALSE(file->lattices[0].ct.phantom);
+  EXPECT_EQ(file->lattice_bodies[0].ct.file, "2024");
+  EXPECT_FALSE(file->lattice_bodies[0].ct.phantom);
   const Result<Scene> phantom =
       parse_scene(kScene, "s.toml", {"body.torso.ct={ phantom = \"leg\", seed = 3 }"});
   ASSERT_TRUE(phantom) << phantom.error().message;
-  EXPECT_EQ(phantom->lattices[0].ct.phantom->kind, PhantomKind::kLeg);
-  EXPECT_EQ(phantom->lattices[0].ct.phantom->seed, 3);
+  EXPECT_EQ(phantom->lattice_bodies[0].ct.phantom->kind, PhantomKind::kLeg);
+  EXPECT_EQ(phantom->lattice_bodies[0].ct.phantom->seed, 3);
 }
 
 TEST(Scene, WrongOverridesAreRefusedByName) {
@@ -294,15 +295,15 @@ TEST(Scene, ScenesOfTheProjectAreRight) {
 TEST(Scene, NothingCanBeNamedByMoreThanLettersAndDigits) {
   const std::string name = R"("x\nsystem(\"id\")\n#")";
   const std::string cloth = "[body.a]\nmodel = \"cloth\"\nsheet = { side = [1, 0, 0], up = [0, 0, 1] }\n";
-  const std::string organ = "[body.a]\nmodel = \"sfem\"\nblock = { size = [1, 1, 1], count = [2, 2, 2] }\n";
+  const std::string body = "[body.a]\nmodel = \"sfem\"\nblock = { size = [1, 1, 1], count = [2, 2, 2] }\n";
   const std::string press =
       "]\nbody = \"a\"\nshape = { sphere = 0.01 }\npress = { at_fraction = [0.5, 0.5, 1] }\n";
   const std::vector<std::string> scenes = {
       "[body." + name + "]\nmodel = \"lattice\"\nct = { phantom = \"leg\" }\n",
       small_scene("", "[incision." + name + "]\nbody = \"torso\"\nfrom = [0, 0, 0]\nto = [0, 0, 1]\n"),
-      organ + "[tool." + name + press,
-      organ + "[body.a.inside." + name + "]\nlabel = 3\n",
-      organ + "[body.a.inclusion." + name + "]\ncentre = [0, 0, 0]\n",
+      body + "[tool." + name + press,
+      body + "[body.a.inside." + name + "]\nlabel = 3\n",
+      body + "[body.a.inclusion." + name + "]\ncentre = [0, 0, 0]\n",
       cloth + "[body.a.hold." + name + "]\nvertices = [1]\n",
       cloth + "[body.a.obstacle." + name + "]\nsphere = { centre = [0, 0, 0], radius = 0.1 }\n"};
   for (const std::string& text : scenes) {
@@ -316,7 +317,7 @@ TEST(Scene, AnOverrideWithoutAValueRemovesAKey) {
   const std::string text = small_scene("labels = \"seg.nii\"", "[output]\nwindow = \"bone\"\n");
   const Result<Scene> scene = parse_scene(text, "s.toml", {"body.torso.labels=", "output.window="});
   ASSERT_TRUE(scene) << scene.error().message;
-  EXPECT_EQ(scene->lattices[0].labels, "");
+  EXPECT_EQ(scene->lattice_bodies[0].labels, "");
   EXPECT_EQ(scene->output.window, "abdomen") << "as if the scene had not said it";
   EXPECT_EQ(error_of(text, {"body.torso.label="}),
             "--set body.torso.label=: the scene has no body.torso.label that could be removed; did you mean "
@@ -360,7 +361,7 @@ TEST(Scene, ASeriesIsChosenByNumberOrName) {
     const Result<Scene> scene = parse_scene("[body.torso]\nmodel = \"lattice\"\nct = \"dicom\"\n", "s.toml",
                                             {std::string("body.torso.series=") + series});
     ASSERT_TRUE(scene) << scene.error().message;
-    EXPECT_EQ(scene->lattices[0].ct.series, "2");
+    EXPECT_EQ(scene->lattice_bodies[0].ct.series, "2");
   }
   EXPECT_NE(
       error_of("[body.torso]\nmodel = \"lattice\"\nct = \"dicom\"\nseries = 0\n").find("body.torso.series"),

@@ -33,8 +33,8 @@ shape = { forceps = "phantom", opening = 0.01, closing = 0.2 }
 grasp = { at_fraction = [0.5, 0.5, 1], pull = 0.012 }
 )",
                                    "s.toml");
-  ASSERT_EQ(scene.rhombi.size(), 1u);
-  const RhombusScene& liver = scene.rhombi[0];
+  ASSERT_EQ(scene.rhombus_bodies.size(), 1u);
+  const RhombusScene& liver = scene.rhombus_bodies[0];
   EXPECT_NEAR(liver.params.chain.normal, 14.960 * 3.25, 1e-9) << "from the tissue";
   EXPECT_NEAR(liver.params.chain.angle, 0.5235988, 1e-6) << "from the key";
   EXPECT_EQ(liver.params.chain.side, 0.004);
@@ -85,13 +85,13 @@ press = { at_fraction = [0.3, 0.5, 1], depth = 0.008 }
 )");
   const Exec exec(1);
   for (int frame = 0; frame < 80; frame++) ASSERT_TRUE(step(exec, world)) << frame;
-  const RhombusOrgan& liver = world.rhombi[0];
+  const RhombusBody& liver = world.rhombus_bodies[0];
   EXPECT_NEAR(liver.largest_force, rhombus::force_of_depth(liver.model.chain, 0.008), 3e-4);
   double deepest = 0;
   for (const ForceSample& s : world.tools[0].samples) deepest = std::max(deepest, s.depth);
   EXPECT_NEAR(deepest, 0.008, 2e-4);
   EXPECT_EQ(world.tools[0].samples.back().contacts, 0);
-  const OrganSurface now = shown_surface(exec, world.rhombi[0], world.tools, time_of(world));
+  const ShownSurface now = shown_surface(exec, world.rhombus_bodies[0], world.tools, time_of(world));
   for (const Vec3 u : now.displacement) ASSERT_EQ(u, Vec3{});
   EXPECT_LT(liver.jump, 1e-4);
 }
@@ -112,11 +112,13 @@ grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.006, pull = 0.012 }
     pressed = std::max(pressed, dot(s.force, normal)), pulled = std::max(pulled, -dot(s.force, normal));
   }
   std::printf("forceps: pressed %.4f N, pulled %.4f N, largest jump per 10 um %.2e N\n", pressed, pulled,
-              world.rhombi[0].jump);
+              world.rhombus_bodies[0].jump);
   EXPECT_GT(pressed, 1e-3);
   EXPECT_GT(pulled, 1e-2);
   EXPECT_EQ(world.tools[0].samples.back().force, Vec3d{});
-  EXPECT_EQ(rhombus::step(exec, world.rhombi[0].model, world.rhombi[0].state).largest_displacement, 0);
+  EXPECT_EQ(
+      rhombus::step(exec, world.rhombus_bodies[0].model, world.rhombus_bodies[0].state).largest_displacement,
+      0);
 }
 
 /// Soft for x < 0, dense for x > 0, around the phantom liver.
@@ -135,7 +137,7 @@ TEST(SceneRhombus, stiffness_comes_from_a_ct_s_grey_values) {
   ASSERT_TRUE(write_ct(file, two_halves()));
   const World world = loaded(std::string(kLiver) + "stiffness = { ct = \"" + file.string() +
                              "\", factors = [[0, 0.5], [80, 1.5], [200, 8]], depth = 0.01 }\n");
-  const rhombus::Model& model = world.rhombi[0].model;
+  const rhombus::Model& model = world.rhombus_bodies[0].model;
   int soft = 0, dense = 0;
   for (std::size_t v = 0; v < model.surface.vertices.size(); v++) {
     const double x = model.surface.vertices[v].x;
@@ -156,8 +158,9 @@ cache = false
 model = "rhombus"
 surface_of = "block"
 )");
-  EXPECT_EQ(world.rhombi[0].model.surface.triangles.size(), world.organs[0].model.surface.triangles.size());
-  EXPECT_NEAR(world.rhombi[0].volume, 0.1 * 0.1 * 0.05, 1e-12);
+  EXPECT_EQ(world.rhombus_bodies[0].model.surface.triangles.size(),
+            world.sfem_bodies[0].model.surface.triangles.size());
+  EXPECT_NEAR(world.rhombus_bodies[0].volume, 0.1 * 0.1 * 0.05, 1e-12);
 }
 
 TEST(SceneRhombus, a_real_liver_is_pressed_and_pulled) {
@@ -169,9 +172,9 @@ TEST(SceneRhombus, a_real_liver_is_pressed_and_pulled) {
                        "= \"phantom\" }\ngrasp = { at_fraction = [0.5, 0.5, 1], depth = 0.005 }\n");
   const Exec exec(1);
   for (int frame = 0; frame < 180; frame++) ASSERT_TRUE(step(exec, world));
-  EXPECT_EQ(world.rhombi[0].model.surface.vertices.size(), 2194u);
-  EXPECT_GT(world.rhombi[0].largest_force, 0.01);
-  EXPECT_LT(world.rhombi[0].jump, 0.05 * world.rhombi[0].largest_force);
+  EXPECT_EQ(world.rhombus_bodies[0].model.surface.vertices.size(), 2194u);
+  EXPECT_GT(world.rhombus_bodies[0].largest_force, 0.01);
+  EXPECT_LT(world.rhombus_bodies[0].jump, 0.05 * world.rhombus_bodies[0].largest_force);
   EXPECT_EQ(world.tools[0].samples.back().force, Vec3d{});
 }
 

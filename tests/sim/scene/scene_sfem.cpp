@@ -65,8 +65,8 @@ std::string error_of(const std::string& text, const std::vector<std::string>& ov
 TEST(SceneSfem, EveryKeyReachesItsField) {
   const Result<Scene> scene = parse_scene(kScene, "/data/s.toml");
   ASSERT_TRUE(scene) << scene.error().message;
-  ASSERT_EQ(scene->organs.size(), 2u);
-  const SfemScene& liver = scene->organs[0];
+  ASSERT_EQ(scene->sfem_bodies.size(), 2u);
+  const SfemScene& liver = scene->sfem_bodies[0];
   const auto& labels = std::get<LabelledOrgan>(liver.source);
   EXPECT_EQ(labels.file, "/data/seg.nii.gz");
   EXPECT_EQ(labels.label, 5);
@@ -89,18 +89,18 @@ TEST(SceneSfem, EveryKeyReachesItsField) {
   EXPECT_EQ(liver.cache, "/data/kept");
   EXPECT_EQ(liver.seen, "/data/fine.obj");
   EXPECT_EQ(liver.seen_scale, 0.001);
-  const SfemScene& pad = scene->organs[1];
+  const SfemScene& pad = scene->sfem_bodies[1];
   EXPECT_EQ(std::get<HexBlock>(pad.source).count, (Int3{1, 2, 3}));
   EXPECT_EQ(pad.patch.refinement, 1);
   EXPECT_FALSE(pad.cached);
   const ToolScene& finger = scene->tools[0];
-  EXPECT_EQ(finger.body, 1);
+  EXPECT_EQ(finger.body, (BodyId{BodyKind::kSfem, 1}));
   EXPECT_EQ(std::get<BallTool>(finger.shape).radius, 0.007);
   const Press& press = std::get<Press>(finger.motion);
   EXPECT_EQ(press.to.x, 0.8);
   EXPECT_EQ(press.start + press.duration + press.hold + press.slide, 10);
   const ToolScene& rod = scene->tools[1];
-  EXPECT_EQ(rod.body, 0);
+  EXPECT_EQ(rod.body, (BodyId{BodyKind::kSfem, 0}));
   EXPECT_EQ(std::get<RodTool>(rod.shape).half_length, 0.03);
   EXPECT_TRUE(std::get<GivenPath>(rod.motion).rows[1].hold);
   EXPECT_FALSE(std::get<GivenPath>(rod.motion).smooth);
@@ -113,9 +113,9 @@ TEST(SceneSfem, MistakesAreNamedWithTheirPlace) {
   } cases[] = {
       {small("young = 1"), "s.toml:1:1: body.b: mesh or surface or labels or block is missing"},
       {small("mesh = \"a.msh\"\nsurface = \"b.obj\""), "a body has one shape: either mesh or surface"},
-      {small("labels = \"s.nii\""), "label is missing: which label is the organ"},
+      {small("labels = \"s.nii\""), "label is missing: which label is the body"},
       {small("labels = \"s.nii\"\nlabel = \"livre\""),
-       "s.toml:4:9: body.b.label: expected a label's number (1 to 65535) or an organ's name, found "
+       "s.toml:4:9: body.b.label: expected a label's number (1 to 65535) or a body's name, found "
        "\"livre\"; did "
        "you mean liver?"},
       {small("mesh = \"a.msh\"\nscale = 0"), "body.b.scale: expected a number between 0 and"},

@@ -7,8 +7,8 @@
 
 #include "turgor/core/hash.hpp"
 #include "turgor/sim/recording/recording_arrays.hpp"
-#include "turgor/sim/recording/recording_clothes.hpp"
-#include "turgor/sim/recording/recording_organs.hpp"
+#include "turgor/sim/recording/recording_cloth.hpp"
+#include "turgor/sim/recording/recording_touch.hpp"
 
 namespace turgor {
 
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "turgor recording 2";
+constexpr const char* kFormat = "turgor recording 3";
 constexpr std::size_t kMostSnapshots = 1000000, kMostCutEdges = std::size_t(1) << 31,
                       kMostPathPoints = 1 << 24;
 
@@ -132,7 +132,7 @@ Result<RecordingWriter> RecordingWriter::create(const fs::path& path, const Scen
                                    .text("scene/folder", fs::current_path(ignored).string())
                                    .status();
   if (!scene_written) return scene_written.error();
-  for (const LatticeBody& body : world.lattices)
+  for (const LatticeBody& body : world.lattice_bodies)
     if (const Status status = write_body(*file, body); !status) return status.error();
   return RecordingWriter(std::move(*file));
 }
@@ -145,18 +145,13 @@ Status RecordingWriter::add_snapshot(const World& world) {
                                 .status();
       !status)
     return status;
-  for (const LatticeBody& body : world.lattices)
+  for (const LatticeBody& body : world.lattice_bodies)
     if (const Status status = write_state(file_, group, body); !status) return status;
   for (const Cut& cut : world.cuts)
     if (const Status status = write_cut(file_, group, cut); !status) return status;
-  for (std::size_t o = 0; o < touched_count(world); o++) {
-    if (!keeps_surface(world, o)) continue;
-    const TouchedOrgan& organ = touched_organ(world, o);
-    const Status status = write_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.shown);
-    if (!status) return status;
-  }
-  for (const ClothBody& body : world.clothes)
-    if (const Status status = write_cloth(file_, fmt::format("{}/clothes/{}/", group, body.name), body);
+  if (const Status status = write_surfaces(file_, group, world); !status) return status;
+  for (const ClothBody& body : world.cloth_bodies)
+    if (const Status status = write_cloth(file_, fmt::format("{}/bodies/{}/", group, body.name), body);
         !status)
       return status;
   return file_.flush();
@@ -215,13 +210,13 @@ Result<Scene> Recording::scene(const std::vector<std::string>& more_overrides) c
     std::error_code ignored;
     if (file.is_relative() && !file.empty() && !fs::exists(file, ignored)) file = fs::path(parts[3]) / file;
   };
-  for (LatticeScene& body : scene->lattices)
+  for (LatticeScene& body : scene->lattice_bodies)
     reset(body.ct.file), reset(body.labels), reset(body.direction_field);
   return scene;
 }
 
 Status Recording::check_world(const World& world) const {
-  for (const LatticeBody& body : world.lattices) {
+  for (const LatticeBody& body : world.lattice_bodies) {
     Reading reading(file_, fmt::format("/bodies/{}/", body.name));
     const auto hash = reading.array<std::uint64_t>("ct_hash", 1);
     const auto triangles = reading.array<std::uint64_t>("skin_triangles", 1);
@@ -303,22 +298,15 @@ Status Recording::restore(int snapshot, World& world) const {
   const Result<std::vector<std::int32_t>> frame = file_.read<std::int32_t>(group + "/frame", 1);
   if (!frame) return frame.error();
   world.frame = (*frame)[0];
-  for (LatticeBody& body : world.lattices) {
+  for (LatticeBody& body : world.lattice_bodies) {
     if (const Status status = restore_body(group, world, body); !status) return status;
     body.state.time = time_of(world);
   }
   for (Cut& cut : world.cuts)
     if (const Status status = restore_cut(group, cut); !status) return status;
-  for (std::size_t o = 0; o < touched_count(world); o++) {
-    if (!keeps_surface(world, o)) continue;
-    TouchedOrgan& organ = touched_organ(world, o);
-    Result<OrganSurface> surface =
-        read_shown(file_, fmt::format("{}/organs/{}/", group, organ.name), organ.tool_indices.size());
-    if (!surface) return surface.error();
-    organ.shown = std::move(*surface);
-  }
-  for (ClothBody& body : world.clothes)
-    if (const Status status = read_cloth(file_, fmt::format("{}/clothes/{}/", group, body.name), body);
+  if (const Status status = read_surfaces(file_, group, world); !status) return status;
+  for (ClothBody& body : world.cloth_bodies)
+    if (const Status status = read_cloth(file_, fmt::format("{}/bodies/{}/", group, body.name), body);
         !status)
       return status;
   return Done{};

@@ -20,7 +20,7 @@ class RecordingWriter {
   static Result<RecordingWriter> create(const std::filesystem::path& path, const Scene& scene,
                                         const World& world);
   Status add_snapshot(const World& world);
-  /// What every tool felt, organs when they were pressed most, and the run's report, as JSON; last.
+  /// What every tool felt, bodies when they were pressed most, and the run's report, as JSON; last.
   Status finish(const World& world, const std::string& report);
 
  private:
@@ -41,9 +41,9 @@ class Recording {
   /// Error: the world is made of other CTs, or of other parameters, than the recording.
   Status check_world(const World& world) const;
   int snapshot_count() const { return snapshots_; }
-  /// Puts the world into the state of a snapshot: organs show the recorded surface.
+  /// Puts the world into the state of a snapshot: bodies show the recorded surface.
   Status restore(int snapshot, World& world) const;
-  /// What every tool felt in the whole run, and organs when they were pressed most.
+  /// What every tool felt in the whole run, and bodies when they were pressed most.
   Status restore_touch(World& world) const;
   const std::string& report() const { return report_; }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "turgor/core/result.hpp"
-#include "turgor/sim/organ.hpp"
+#include "turgor/sim/bodies/sfem/sfem_body.hpp"
 
 namespace turgor {
 

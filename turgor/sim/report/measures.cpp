@@ -81,7 +81,7 @@ Measures make_measures(const World& world) {
   Measures measures;
   for (const Cut& cut : world.cuts) {
     CutMeasures m;
-    m.name = cut.blade.name, m.body = world.lattices[std::size_t(cut.body)].name;
+    m.name = cut.blade.name, m.body = world.lattice_bodies[std::size_t(cut.body)].name;
     m.region = cut.blade.width > 0, m.depth = cut.blade.depth, m.width = cut.blade.width;
     measures.cuts.push_back(m);
   }
@@ -94,7 +94,7 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
   for (std::size_t c = 0; c < world.cuts.size(); c++) {
     const Cut& cut = world.cuts[c];
     if (!cut.path) continue;
-    const LatticeBody& body = world.lattices[std::size_t(cut.body)];
+    const LatticeBody& body = world.lattice_bodies[std::size_t(cut.body)];
     CutMeasures& m = measures.cuts[c];
     if (m.series.empty()) m.pull = skin_pull(body.model, *cut.path);
     m.edges = cut.edges;
@@ -103,7 +103,7 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
   }
   if (!snapshot) return;
   SolverSample sample{time_of(world), frame.residual, 0, frame.largest_speed};
-  for (const LatticeBody& body : world.lattices)
+  for (const LatticeBody& body : world.lattice_bodies)
     if (body.model.params.solver.method == lattice::Method::kDescent)  // the other has no energy in joules
       sample.energy += lattice::energy(exec, body.model, body.state);
   measures.solver.push_back(sample);

@@ -33,7 +33,7 @@ std::string key_figure(const std::string& value, const std::string& label);
 
 namespace turgor {
 
-/// report_html_touch.cpp: key figures, curves and tables of organs and tools; empty when there are none.
+/// report_html_touch.cpp: key figures, curves and tables of bodies and tools; empty when there are none.
 std::string touch_figures(const Json& report);
 std::string touch_curves(const Json& report);
 std::string touch_tables(const Json& report);

@@ -39,15 +39,16 @@ Json machine_report(const Exec& exec) {
 }
 
 std::string ct_source(const Scene& scene, std::size_t body) {
-  const CtSource& source = scene.lattices[body].ct;
+  const CtSource& source = scene.lattice_bodies[body].ct;
   return source.phantom ? "phantom" : source.file.string();
 }
 
-Json body_report(const Scene& scene, const LatticeBody& body, std::size_t index) {
+Json lattice_report(const Scene& scene, const LatticeBody& body, std::size_t index) {
   const lattice::Model& model = body.model;
   const std::size_t bytes = lattice::memory_bytes(model, body.state);
   const Vec3d step(model.lattice.step);
   return {{"name", body.name},
+          {"model", model_name(BodyKind::kLattice)},
           {"model", "lattice"},
           {"ct",
            {{"source", ct_source(scene, index)},
@@ -118,16 +119,17 @@ Json timing_report(const Measures& measures, const RunFacts& facts) {
 }
 
 std::uint64_t hash_of(const World& world) {
-  if (world.lattices.size() == 1 && organ_count(world) == 0 && world.tools.empty())
-    return lattice::state_hash(world.lattices[0].model, world.lattices[0].state);
+  if (world.lattice_bodies.size() == 1 && world.sfem_bodies.empty() && world.rhombus_bodies.empty() &&
+      world.tools.empty())
+    return lattice::state_hash(world.lattice_bodies[0].model, world.lattice_bodies[0].state);
   std::uint64_t hash = kHashSeed;
-  for (const LatticeBody& body : world.lattices) {
+  for (const LatticeBody& body : world.lattice_bodies) {
     const std::uint64_t one = lattice::state_hash(body.model, body.state);
     hash = hash_bytes(&one, sizeof one, hash);
   }
-  if (!world.rhombi.empty()) hash = hash_bytes(&hash, sizeof hash, rhombus_hash(world));
+  if (!world.rhombus_bodies.empty()) hash = hash_bytes(&hash, sizeof hash, rhombus_hash(world));
   const std::uint64_t touched = touch_hash(world);
-  return world.tools.empty() && world.organs.empty() ? hash : hash_bytes(&touched, sizeof touched, hash);
+  return world.tools.empty() && world.sfem_bodies.empty() ? hash : hash_bytes(&touched, sizeof touched, hash);
 }
 
 Json scene_report(const Scene& scene) {
@@ -135,8 +137,8 @@ Json scene_report(const Scene& scene) {
             {"overrides", scene.overrides},
             {"duration_s", scene.duration},
             {"frame_rate_per_s", scene.frame_rate}};
-  if (scene.lattices.empty()) return json;
-  const lattice::SolverParams& solver = scene.lattices[0].params.solver;
+  if (scene.lattice_bodies.empty()) return json;
+  const lattice::SolverParams& solver = scene.lattice_bodies[0].params.solver;
   json["method"] = solver.method == lattice::Method::kPbd ? "pbd" : "descent";
   json["sweeps"] = solver.sweeps;
   return json;
@@ -148,17 +150,15 @@ std::string program_version() { return TURGOR_VERSION; }
 
 Json simulation_report(const Exec& exec, const Scene& scene, const World& world, const Measures& measures,
                        const RunFacts& facts) {
-  Json bodies = Json::array(), wounds = Json::array(), organs = Json::array(), rhombi = Json::array(),
-       tools = Json::array();
-  for (std::size_t b = 0; b < world.lattices.size(); b++)
-    bodies.push_back(body_report(scene, world.lattices[b], b));
+  Json bodies = Json::array(), wounds = Json::array(), tools = Json::array();
+  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++)
+    bodies.push_back(lattice_report(scene, world.lattice_bodies[b], b));
+  for (std::size_t b = 0; b < world.sfem_bodies.size(); b++)
+    bodies.push_back(sfem_report(scene.sfem_bodies[b], world.sfem_bodies[b]));
+  for (std::size_t b = 0; b < world.rhombus_bodies.size(); b++)
+    bodies.push_back(rhombus_report(scene.rhombus_bodies[b], world.rhombus_bodies[b]));
+  for (const ClothBody& body : world.cloth_bodies) bodies.push_back(cloth_report(exec, world, body));
   for (const CutMeasures& cut : measures.cuts) wounds.push_back(wound_report(cut));
-  for (std::size_t o = 0; o < world.organs.size(); o++)
-    organs.push_back(organ_report(scene.organs[o], world.organs[o]));
-  for (std::size_t o = 0; o < world.rhombi.size(); o++)
-    rhombi.push_back(rhombus_report(scene.rhombi[o], world.rhombi[o]));
-  Json clothes = Json::array();
-  for (const ClothBody& body : world.clothes) clothes.push_back(cloth_report(exec, world, body));
   for (std::size_t t = 0; t < world.tools.size(); t++)
     tools.push_back(tool_report(scene.tools[t], world.tools[t], world));
   return {{"program", "turgor"},
@@ -167,12 +167,9 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"machine", machine_report(exec)},
           {"bodies", bodies},
           {"wounds", wounds},
-          {"organs", organs},
-          {"rhombi", rhombi},
           {"tools", tools},
           {"profiles", profile_report(world)},
           {"costs", cost_report(world)},
-          {"clothes", clothes},
           {"solver", solver_report(measures)},
           {"timing", timing_report(measures, facts)},
           {"simulated_s", rounded(time_of(world))},
@@ -182,6 +179,13 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
 
 std::string json_text(const Json& report, int indent) {
   return report.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+Json bodies_of(const Json& report, BodyKind kind) {
+  Json bodies = Json::array();
+  for (const Json& body : report.value("bodies", Json::array()))
+    if (body.value("model", "") == model_name(kind)) bodies.push_back(body);
+  return bodies;
 }
 
 void add_outputs(Json& report, const RunFacts& facts) {

@@ -49,6 +49,8 @@ struct RunFacts {
 /// The part of the report that the simulation decides.
 Json simulation_report(const Exec& exec, const Scene& scene, const World& world, const Measures& measures,
                        const RunFacts& facts);
+/// The bodies of one model in a report.
+Json bodies_of(const Json& report, BodyKind kind);
 /// Adds what was written: pictures, files, the deformed CT, warnings.
 void add_outputs(Json& report, const RunFacts& facts);
 

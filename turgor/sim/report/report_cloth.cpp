@@ -84,6 +84,7 @@ Json cloth_report(const Exec& exec, const World& world, const ClothBody& body) {
   for (const ClothObstacle& o : body.obstacles) obstacles.push_back(obstacle_report(world, body, o));
   for (const ClothHold& hold : body.holds) holds.push_back(hold_report(world, body, hold));
   Json json{{"name", body.name},
+            {"model", model_name(BodyKind::kCloth)},
             {"vertices", model.count},
             {"triangles", model.triangles.size()},
             {"springs", model.spring_count},
@@ -115,7 +116,7 @@ Json cloth_report(const Exec& exec, const World& world, const ClothBody& body) {
 
 std::vector<std::string> cloth_warnings(const World& world) {
   std::vector<std::string> warnings;
-  for (const ClothBody& body : world.clothes)
+  for (const ClothBody& body : world.cloth_bodies)
     for (const ClothHold& hold : body.holds)
       if (hold.scene.ball && hold.vertices.empty() && time_of(world) > hold.scene.start)
         warnings.push_back(
@@ -125,7 +126,7 @@ std::vector<std::string> cloth_warnings(const World& world) {
 }
 
 std::uint64_t cloth_hash(const World& world, std::uint64_t seed) {
-  for (const ClothBody& body : world.clothes) {
+  for (const ClothBody& body : world.cloth_bodies) {
     const std::uint64_t one = cloth::state_hash(body.model, body.state);
     seed = hash_bytes(&one, sizeof one, seed);
   }
@@ -136,7 +137,7 @@ namespace page {
 
 std::string cloth_figures(const Json& report) {
   std::string html;
-  for (const Json& cloth : report.value("clothes", Json::array()))
+  for (const Json& cloth : bodies_of(report, BodyKind::kCloth))
     html +=
         key_figure(shown(cloth.at("step_p50_ms")) + " ms",
                    "a step of " + shown(cloth.at("name")) + " (median)") +
@@ -145,7 +146,7 @@ std::string cloth_figures(const Json& report) {
 }
 
 std::string cloth_curves(const Json& report) {
-  const Json clothes = report.value("clothes", Json::array());
+  const Json clothes = bodies_of(report, BodyKind::kCloth);
   if (clothes.empty()) return "";
   Plot step{"Wall time of a step", "time [s]", "time [ms]", {}},
       contacts{"Contacts", "time [s]", "contacts", {}},
@@ -171,7 +172,7 @@ std::string cloth_curves(const Json& report) {
 }
 
 std::string cloth_tables(const Json& report) {
-  const Json clothes = report.value("clothes", Json::array());
+  const Json clothes = bodies_of(report, BodyKind::kCloth);
   if (clothes.empty()) return "";
   Json obstacles = Json::array(), holds = Json::array();
   for (const Json& cloth : clothes) {

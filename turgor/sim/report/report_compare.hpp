@@ -5,8 +5,8 @@
 
 namespace turgor {
 
-/// From one force to the next: organs answer every tick, lattices every frame [s].
-double force_interval(const World& world, std::size_t index);
+/// From one force to the next: bodies answer every tick, lattices every frame [s].
+double force_interval(const World& world, BodyId id);
 
 /// Displacement over distance from the place that moved most, when the force was largest.
 Json profile_report(const World& world);

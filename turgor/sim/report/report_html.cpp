@@ -123,7 +123,7 @@ std::string curves(const Json& report) {
   if (!report.at("wounds").empty())
     html += "<h2>The wound</h2>\n<div class=\"grid\">" + drawn(gape) + drawn(profile) + "</div>\n";
   html += touch_curves(report) + page::cloth_curves(report);
-  if (report.at("bodies").empty()) return html;
+  if (bodies_of(report, BodyKind::kLattice).empty()) return html;
   return html + "<h2>The solver</h2>\n<div class=\"grid\">" + drawn(residual) + drawn(frames) + "</div>\n";
 }
 
@@ -176,7 +176,8 @@ std::string report_html(const Json& report, const fs::path& folder) {
   if (!report.at("wounds").empty()) html += "<h2>Measures</h2>\n" + wound_table(report.at("wounds"));
   html += curves(report);
   html += deformed_table(report);
-  if (!report.at("bodies").empty()) html += "<h2>Bodies</h2>\n" + body_table(report.at("bodies"));
+  const Json lattices = bodies_of(report, BodyKind::kLattice);
+  if (!lattices.empty()) html += "<h2>Bodies</h2>\n" + body_table(lattices);
   html += touch_tables(report) + page::cloth_tables(report);
   html += "<h2>Scene</h2>\n<pre><code>" + xml_text(report.at("scene_text").get<std::string>()) +
           "</code></pre>\n";

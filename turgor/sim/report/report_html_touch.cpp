@@ -1,4 +1,4 @@
-// What the report's page says about organs and tools.
+// What the report's page says about bodies and tools.
 #include <fmt/format.h>
 
 #include "turgor/sim/report/page.hpp"
@@ -24,19 +24,18 @@ void keep_touching(Plot& plot) {
     std::erase_if(curve.points, [](const auto& point) { return !(point.first > 0); });
 }
 
-Plot rebuild_plot(const Json& organs) {
+Plot rebuild_plot(const Json& bodies) {
   Plot plot{"Building a patch", "time [s]", "wall time [ms]", {}};
-  for (const Json& organ : organs)
-    plot.curves.push_back(
-        curve_of(organ.at("name").get<std::string>(), organ.at("patch").at("series"), 0, 1));
+  for (const Json& body : bodies)
+    plot.curves.push_back(curve_of(body.at("name").get<std::string>(), body.at("patch").at("series"), 0, 1));
   return plot;
 }
 
 Plot profile_plot(const Json& profiles) {
   Plot plot{
       "The dent under the largest force", "distance from the deepest place [mm]", "displacement [mm]", {}};
-  for (const Json& organ : profiles)
-    plot.curves.push_back(curve_of(organ.at("name").get<std::string>(), organ.at("rows"), 0, 1));
+  for (const Json& body : profiles)
+    plot.curves.push_back(curve_of(body.at("name").get<std::string>(), body.at("rows"), 0, 1));
   return plot;
 }
 
@@ -71,7 +70,7 @@ std::string touch_curves(const Json& report) {
          drawn(tool_plot(tools, "Force along the path", "path of the tool [mm]", "force [N]", 3, 1)) +
          drawn(depth) + drawn(tool_plot(tools, "Contacts", "time [s]", "places that bear force", 0, 4)) +
          drawn(profile_plot(report.value("profiles", Json::array()))) +
-         drawn(rebuild_plot(report.value("organs", Json::array()))) + "</div>\n";
+         drawn(rebuild_plot(bodies_of(report, BodyKind::kSfem))) + "</div>\n";
 }
 
 std::string touch_tables(const Json& report) {
@@ -102,9 +101,9 @@ std::string touch_tables(const Json& report) {
                                                         {"force_p50_ms", "… takes, median [ms]"},
                                                         {"force_p99_ms", "… 99 of 100 [ms]"},
                                                         {"surface_p50_ms", "surface for a picture [ms]"}});
-  if (!report.value("organs", Json::array()).empty())
-    html += "<h2>Organs</h2>\n" +
-            quantity_table(report.value("organs", Json::array()), "organ",
+  if (!bodies_of(report, BodyKind::kSfem).empty())
+    html += "<h2>Bodies</h2>\n" +
+            quantity_table(bodies_of(report, BodyKind::kSfem), "body",
                            {{"source", "made from"},
                             {"young_Pa", "Young's modulus [Pa]"},
                             {"poisson", "Poisson's ratio"},
@@ -128,9 +127,9 @@ std::string touch_tables(const Json& report) {
                             {"patch.handover_max_ms", "longest hand-over, within a tick [ms]"},
                             {"patch.force_jump_max_N", "largest jump of the force at a hand-over [N]"},
                             {"surface_p50_ms", "surface for a picture [ms]"}});
-  if (!report.value("rhombi", Json::array()).empty())
-    html += "<h2>Organs of rhombus chains</h2>\n" +
-            quantity_table(report.value("rhombi", Json::array()), "organ",
+  if (!bodies_of(report, BodyKind::kRhombus).empty())
+    html += "<h2>Bodies of rhombus chains</h2>\n" +
+            quantity_table(bodies_of(report, BodyKind::kRhombus), "body",
                            {{"source", "made from"},
                             {"tissue", "tissue"},
                             {"vertices", "vertices"},

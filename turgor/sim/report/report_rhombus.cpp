@@ -19,36 +19,36 @@ struct SourceText {
 
 }  // namespace
 
-Json rhombus_report(const RhombusScene& scene, const RhombusOrgan& organ) {
+Json rhombus_report(const RhombusScene& scene, const RhombusBody& body) {
   const rhombus::ChainParams& chain = scene.params.chain;
   const rhombus::Tissue* tissue = rhombus::find_tissue(scene.tissue);
-  return {{"name", organ.name},
-          {"model", "rhombus"},
+  return {{"name", body.name},
+          {"model", model_name(BodyKind::kRhombus)},
           {"source", std::visit(SourceText{}, scene.source)},
           {"tissue", scene.tissue},
           {"tissue_source", tissue ? tissue->source : ""},
-          {"vertices", organ.model.surface.vertices.size()},
-          {"triangles", organ.model.surface.triangles.size()},
-          {"volume_ml", rounded(organ.volume * 1e6)},
+          {"vertices", body.model.surface.vertices.size()},
+          {"triangles", body.model.surface.triangles.size()},
+          {"volume_ml", rounded(body.volume * 1e6)},
           {"normal_N_per_m", rounded(chain.normal)},
           {"tangential_N_per_m", rounded(chain.tangential)},
           {"decay", rounded(chain.decay)},
           {"angle_deg", rounded(chain.angle * 180 / std::numbers::pi)},
           {"side_mm", rounded(chain.side * kMm)},
           {"bulge", rounded(scene.params.bulge)},
-          {"build_s", rounded(organ.build_seconds)},
-          {"surface_p50_ms", rounded(percentile(organ.surface_seconds, 0.5) * kMs)},
-          {"pressed_volume_ml", rounded(organ.pressed_volume * 1e6)},
-          {"force_max_N", rounded(organ.largest_force)},
-          {"force_max_at_s", rounded(organ.deepest.time)},
-          {"jump_per_10_um_N", rounded(organ.jump)},
-          {"jump_at_s", rounded(organ.jump_at)}};
+          {"build_s", rounded(body.build_seconds)},
+          {"surface_p50_ms", rounded(percentile(body.surface_seconds, 0.5) * kMs)},
+          {"pressed_volume_ml", rounded(body.pressed_volume * 1e6)},
+          {"force_max_N", rounded(body.largest_force)},
+          {"force_max_at_s", rounded(body.deepest.time)},
+          {"jump_per_10_um_N", rounded(body.jump)},
+          {"jump_at_s", rounded(body.jump_at)}};
 }
 
 std::uint64_t rhombus_hash(const World& world) {
   std::uint64_t hash = kHashSeed;
-  for (const RhombusOrgan& organ : world.rhombi) {
-    const std::uint64_t one = rhombus::state_hash(organ.state);
+  for (const RhombusBody& body : world.rhombus_bodies) {
+    const std::uint64_t one = rhombus::state_hash(body.state);
     hash = hash_bytes(&one, sizeof one, hash);
   }
   return hash;

@@ -6,7 +6,7 @@
 
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/sim/organ_patch.hpp"
+#include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/report/json_numbers.hpp"
 #include "turgor/sim/report/report_compare.hpp"
 
@@ -41,20 +41,20 @@ struct ShapeText {
   }
 };
 
-Json mesh_report(const Organ& organ) {
-  const MeshQuality& q = organ.facts.quality;
-  Json mesh{{"vertices", organ.model.body.mesh.vertices.size()},
-            {"elements", element_count(organ.model.body.mesh)},
-            {"free_nodes", organ.model.vertex.size()},
-            {"kept_nodes", organ.model.green.nodes.size()},
-            {"surface_nodes", organ.model.green.surface_count},
-            {"surface_triangles", organ.model.surface.triangles.size()},
-            {"volume_ml", rounded(organ.facts.volume * 1e6)}};
-  if (organ.facts.input_volume > 0) {
-    mesh["input_volume_ml"] = rounded(organ.facts.input_volume * 1e6);
-    mesh["volume_error_percent"] = rounded(100 * (organ.facts.volume / organ.facts.input_volume - 1));
+Json mesh_report(const SfemBody& body) {
+  const MeshQuality& q = body.facts.quality;
+  Json mesh{{"vertices", body.model.body.mesh.vertices.size()},
+            {"elements", element_count(body.model.body.mesh)},
+            {"free_nodes", body.model.vertex.size()},
+            {"kept_nodes", body.model.green.nodes.size()},
+            {"surface_nodes", body.model.green.surface_count},
+            {"surface_triangles", body.model.surface.triangles.size()},
+            {"volume_ml", rounded(body.facts.volume * 1e6)}};
+  if (body.facts.input_volume > 0) {
+    mesh["input_volume_ml"] = rounded(body.facts.input_volume * 1e6);
+    mesh["volume_error_percent"] = rounded(100 * (body.facts.volume / body.facts.input_volume - 1));
   }
-  if (organ.model.body.mesh.corners == 4)
+  if (body.model.body.mesh.corners == 4)
     mesh.update({{"min_dihedral_deg", rounded(q.min_dihedral)},
                  {"max_dihedral_deg", rounded(q.max_dihedral)},
                  {"shortest_edge_mm", rounded(q.shortest_edge * kMm)},
@@ -62,13 +62,13 @@ Json mesh_report(const Organ& organ) {
   return mesh;
 }
 
-Json patch_report(const SfemScene& scene, const Organ& organ) {
+Json patch_report(const SfemScene& scene, const SfemBody& body) {
   std::vector<double> seconds, handovers;
   double jump = 0;
   int late = 0;  // not ready at the tick that takes it, were a tick to last its millisecond
-  int local = organ.patch.local_nodes, points = int(organ.patch.points.size());
+  int local = body.patch.local_nodes, points = int(body.patch.points.size());
   Json series = Json::array();
-  for (const PatchRebuild& r : organ.rebuilds) {
+  for (const PatchRebuild& r : body.rebuilds) {
     seconds.push_back(r.seconds);
     handovers.push_back(r.handover_seconds);
     jump = std::max(jump, r.force_jump);
@@ -80,14 +80,14 @@ Json patch_report(const SfemScene& scene, const Organ& organ) {
           {"refinement", scene.patch.refinement},
           {"local_nodes_most", local},
           {"points_most", points},
-          {"rebuilds", organ.rebuilds.size()},
+          {"rebuilds", body.rebuilds.size()},
           {"rebuild_p50_ms", rounded(percentile(seconds, 0.5) * kMs)},
           {"rebuild_p99_ms", rounded(percentile(seconds, 0.99) * kMs)},
           {"rebuild_max_ms", rounded(percentile(seconds, 1) * kMs)},
           {"rebuilds_too_late", late},
           {"handover_max_ms", rounded(percentile(handovers, 1) * kMs)},
           {"force_jump_max_N", rounded(jump)},
-          {"not_followed", organ.kept_patches},
+          {"not_followed", body.kept_patches},
           {"series_columns", {"time_s", "rebuild_ms", "local_nodes", "force_jump_N"}},
           {"series", series}};
 }
@@ -134,16 +134,17 @@ void add_limits(const TouchingTool& tool, std::vector<std::string>& warnings) {
 
 }  // namespace
 
-Json organ_report(const SfemScene& scene, const Organ& organ) {
-  const OrganFacts& facts = organ.facts;
+Json sfem_report(const SfemScene& scene, const SfemBody& body) {
+  const SfemFacts& facts = body.facts;
   const bool averaged = scene.formulation == sfem::Formulation::kAveraged;
-  Json json{{"name", organ.name},
+  Json json{{"name", body.name},
+            {"model", model_name(BodyKind::kSfem)},
             {"model", "sfem"},
             {"source", std::visit(SourceText{}, scene.source)},
             {"young_Pa", rounded(scene.material.young)},
             {"poisson", rounded(scene.material.poisson)},
             {"formulation", averaged ? "averaged" : "standard"},
-            {"mesh", mesh_report(organ)},
+            {"mesh", mesh_report(body)},
             {"green",
              {{"store_bytes", facts.cost.store_bytes},
               {"factor_bytes", facts.cost.factor_bytes},
@@ -153,11 +154,11 @@ Json organ_report(const SfemScene& scene, const Organ& organ) {
               {"content_hash", hash_text(facts.content_hash)},
               {"seconds", rounded(facts.green_seconds)}}},
             {"shape_s", rounded(facts.shape_seconds)},
-            {"patch", patch_report(scene, organ)},
-            {"surface_p50_ms", rounded(percentile(organ.surface_seconds, 0.5) * kMs)},
-            {"force_max_N", rounded(organ.largest_force)},
-            {"force_max_at_s", rounded(organ.deepest.time)}};
-  if (const auto& turning = organ.turning)
+            {"patch", patch_report(scene, body)},
+            {"surface_p50_ms", rounded(percentile(body.surface_seconds, 0.5) * kMs)},
+            {"force_max_N", rounded(body.largest_force)},
+            {"force_max_at_s", rounded(body.deepest.time)}};
+  if (const auto& turning = body.turning)
     json["rotations"] = {{"frames", turning->frames},
                          {"not_converged", turning->unconverged},
                          {"residual_max", rounded(turning->largest_residual)}};
@@ -177,7 +178,7 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
   }
   const std::vector<double> ticks = plain_tick_seconds(tool);
   return {{"name", tool.name},
-          {"body", touched_organ(world, std::size_t(tool.organ)).name},
+          {"body", touched_body(world, tool.body).name},
           {"shape", std::visit(ShapeText{}, scene.shape)},
           {"friction", rounded(scene.friction)},
           {"force_max_N", rounded(norm(most.force))},
@@ -191,7 +192,7 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
           {"slips", tool.limits.slips},
           {"slipped_at_s", rounded(tool.limits.slipped_at)},
           {"yielding_ticks", tool.limits.yielding_ticks},
-          {"force_every_ms", rounded(force_interval(world, std::size_t(tool.organ)) * kMs)},
+          {"force_every_ms", rounded(force_interval(world, tool.body) * kMs)},
           {"ticks", tool.samples.size()},
           {"tick_p50_us", rounded(percentile(ticks, 0.5) * kMicro)},
           {"tick_p99_us", rounded(percentile(ticks, 0.99) * kMicro)},
@@ -203,18 +204,18 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
 
 std::vector<std::string> touch_warnings(const World& world) {
   std::vector<std::string> warnings;
-  for (const Organ& organ : world.organs)
-    if (organ.turning && organ.turning->unconverged > 0)
+  for (const SfemBody& body : world.sfem_bodies)
+    if (body.turning && body.turning->unconverged > 0)
       warnings.push_back(
           fmt::format("{}: large rotations were not solved to the end in {} of {} frames: a slower tool or a "
                       "higher frame "
                       "rate gives them time",
-                      organ.name, organ.turning->unconverged, organ.turning->frames));
-  for (const Organ& organ : world.organs)
-    if (organ.kept_patches > 0)
+                      body.name, body.turning->unconverged, body.turning->frames));
+  for (const SfemBody& body : world.sfem_bodies)
+    if (body.kept_patches > 0)
       warnings.push_back(
-          fmt::format("{}: the patch did not follow the tools {} times, the one before stayed: {}",
-                      organ.name, organ.kept_patches, organ.kept_because));
+          fmt::format("{}: the patch did not follow the tools {} times, the one before stayed: {}", body.name,
+                      body.kept_patches, body.kept_because));
   for (const TouchingTool& tool : world.tools) add_limits(tool, warnings);
   for (const TouchingTool& tool : world.tools)
     if (std::any_of(tool.samples.begin(), tool.samples.end(), [](const auto& s) { return s.beyond_patch; }))
@@ -227,9 +228,9 @@ std::vector<std::string> touch_warnings(const World& world) {
 
 std::uint64_t touch_hash(const World& world) {
   std::uint64_t hash = kHashSeed;
-  for (const Organ& organ : world.organs) {
-    hash = hash_values(std::span<const Vec3d>(organ.touch.x), hash);
-    hash = hash_values(std::span<const Vec3d>(organ.touch.force), hash);
+  for (const SfemBody& body : world.sfem_bodies) {
+    hash = hash_values(std::span<const Vec3d>(body.touch.x), hash);
+    hash = hash_values(std::span<const Vec3d>(body.touch.force), hash);
   }
   for (const TouchingTool& tool : world.tools)
     for (const ForceSample& s : tool.samples)

@@ -1,11 +1,11 @@
-// The part of a report that is about organs and the tools that touch them.
+// The part of a report that is about bodies and the tools that touch them.
 #pragma once
 
 #include "turgor/sim/report/report.hpp"
 
 namespace turgor {
 
-Json organ_report(const SfemScene& scene, const Organ& organ);
+Json sfem_report(const SfemScene& scene, const SfemBody& body);
 Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& world);
 
 /// What a person should know before trusting the forces: sentences.

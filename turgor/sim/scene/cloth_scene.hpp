@@ -13,6 +13,7 @@
 
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/sheet.hpp"
+#include "turgor/sim/scene/body_id.hpp"
 
 namespace turgor {
 
@@ -47,17 +48,9 @@ struct RodScene {
   Vec3d from, to;        // [m]
   double radius = 0.05;  // [m]
 };
-/// A body of the scene other than cloth: by its model, and where it is among those of that model.
-enum class BodyKind : std::uint8_t { kLattice, kSfem, kRhombus };
-struct BodyName {
-  BodyKind kind = BodyKind::kLattice;
-  int index = 0;  // into Scene::lattices, organs or rhombi
-  bool operator==(const BodyName&) const = default;
-};
-
 struct ObstacleScene {
   std::string name;
-  std::variant<PlaneScene, BallScene, RodScene, GarmentFile, BodyName> shape;
+  std::variant<PlaneScene, BallScene, RodScene, GarmentFile, BodyId> shape;
   double friction = 0.3;  // [1]
   double gap = 0.002;     // the cloth stays this far away [m]
 };

@@ -1,4 +1,4 @@
-// [body.NAME] with model = "rhombus": an organ's surface that gives like chains of rhombi, as the plain
+// [body.NAME] with model = "rhombus": a body's surface that gives like chains of rhombi, as the plain
 // struct that a scene becomes. Keys, units and defaults are listed in docs/scene.md; nothing is loaded here.
 #pragma once
 
@@ -24,7 +24,7 @@ struct PhantomLiverSurface {
 };
 /// The surface of a body with model = "sfem" of the same scene.
 struct SurfaceOfBody {
-  int body = 0;  // index into Scene::organs
+  int body = 0;  // index into Scene::sfem_bodies
 };
 using RhombusSource = std::variant<SurfaceFile, PhantomLiverSurface, SurfaceOfBody>;
 

@@ -9,6 +9,7 @@
 
 #include "turgor/io/input_file.hpp"
 #include "turgor/sim/scene/name.hpp"
+#include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_cloth.hpp"
 #include "turgor/sim/scene/scene_lattice.hpp"
 #include "turgor/sim/scene/scene_rhombus.hpp"
@@ -105,30 +106,18 @@ void read_bodies(SceneTable bodies, Scene& scene) {
     body.require({"model"}, "\"lattice\", \"sfem\", \"rhombus\" or \"cloth\"");
     body.read_choice("model", model, {"lattice", "sfem", "rhombus", "cloth"});
     if (model == "sfem")
-      scene.organs.push_back(read_sfem_scene(body, name));
+      scene.sfem_bodies.push_back(read_sfem_scene(body, name));
     else if (model == "rhombus")
       rhombi.emplace_back(name, body);
     else if (model == "cloth")
       clothes.emplace_back(name, body);
     else
-      scene.lattices.push_back(read_lattice_scene(body, name));
+      scene.lattice_bodies.push_back(read_lattice_scene(body, name));
   }
-  for (const auto& [name, body] : rhombi) scene.rhombi.push_back(read_rhombus_scene(body, name, scene));
-  for (const auto& [name, body] : clothes) scene.clothes.push_back(read_cloth_scene(body, name, scene));
+  for (const auto& [name, body] : rhombi)
+    scene.rhombus_bodies.push_back(read_rhombus_scene(body, name, scene));
+  for (const auto& [name, body] : clothes) scene.cloth_bodies.push_back(read_cloth_scene(body, name, scene));
   bodies.finish();
-}
-
-int read_body_name(SceneTable& incision, const Scene& scene) {
-  std::string name;
-  incision.require({"body"}, "the name of the body that is cut");
-  incision.read("body", name);
-  std::vector<std::string> names;
-  for (const LatticeScene& body : scene.lattices) names.push_back(body.name);
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found != names.end()) return int(found - names.begin());
-  if (!name.empty())
-    incision.fail("body", fmt::format("the scene has no body {}{}", name, suggestion(name, names)));
-  return 0;
 }
 
 IncisionScene read_incision(SceneTable table, const std::string& name, const Scene& scene) {
@@ -136,7 +125,8 @@ IncisionScene read_incision(SceneTable table, const std::string& name, const Sce
   incision.place = table.place();
   lattice::Incision& blade = incision.blade;
   blade.name = name;
-  incision.body = read_body_name(table, scene);
+  table.require({"body"}, "the name of the body that is cut");
+  incision.body = read_body(table, "body", scene, {BodyKind::kLattice}).index;
   incision.by_fraction = table.has("from_fraction") || table.has("to_fraction");
   Vec3d from, to;
   if (incision.by_fraction) {
@@ -209,8 +199,8 @@ void check_output_names(SceneTable& output, const Scene& scene) {
        {std::pair("deformed_ct", out.deformed_ct), std::pair("displacement", out.displacement),
         std::pair("jacobian", out.jacobian)}) {
     if (name.empty()) continue;
-    for (const LatticeScene& body : scene.lattices) {
-      const bool alone = scene.lattices.size() == 1;
+    for (const LatticeScene& body : scene.lattice_bodies) {
+      const bool alone = scene.lattice_bodies.size() == 1;
       const std::string file = alone ? name : body.name + "-" + name;
       const std::string owner =
           alone ? fmt::format("output.{}", key) : fmt::format("output.{} of body.{}", key, body.name);
@@ -249,9 +239,9 @@ void read_output(SceneTable output, Scene& scene) {
                                  {"displacement", SkinColor::kDisplacement},
                                  {"stretch", SkinColor::kStretch},
                                  {"pressure", SkinColor::kPressure}});
-  if (out.color == SkinColor::kStretch && scene.lattices.empty())
+  if (out.color == SkinColor::kStretch && scene.lattice_bodies.empty())
     output.fail("color", "stretch is known of the skin of a lattice, and the scene has none");
-  if (out.color == SkinColor::kPressure && scene.organs.empty())
+  if (out.color == SkinColor::kPressure && scene.sfem_bodies.empty())
     output.fail("color", "pressure is known of bodies with model = \"sfem\", and the scene has none");
   if (const toml::node* range = output.find("color_range")) {
     const std::vector<double> ends = output.numbers("color_range", *range, any_number("m, 1 or Pa"));

@@ -39,11 +39,11 @@ struct LatticeScene {
 struct IncisionScene {
   lattice::Incision blade;
   std::string place;
-  int body = 0;  // index into Scene::lattices
+  int body = 0;  // index into Scene::lattice_bodies
   bool by_fraction = false;
 };
 
-/// What colours surfaces in pictures: stretch is known of skin, pressure of organs that tools touch.
+/// What colours surfaces in pictures: stretch is known of skin, pressure of bodies that tools touch.
 enum class SkinColor : std::uint8_t { kNone, kDisplacement, kStretch, kPressure };
 
 /// [output]. File names are inside the output folder; empty = not written.
@@ -71,12 +71,12 @@ struct Scene {
   Vec3d gravity;                       // patient frame [m/s²]
   double duration = 2;                 // [s]
   double frame_rate = 60;              // steps a second [1/s]
-  std::vector<LatticeScene> lattices;
+  std::vector<LatticeScene> lattice_bodies;
   std::vector<IncisionScene> incisions;
-  std::vector<SfemScene> organs;
-  std::vector<RhombusScene> rhombi;
+  std::vector<SfemScene> sfem_bodies;
+  std::vector<RhombusScene> rhombus_bodies;
   std::vector<ToolScene> tools;
-  std::vector<ClothScene> clothes;
+  std::vector<ClothScene> cloth_bodies;
   OutputScene output;
 };
 

@@ -1,5 +1,7 @@
 #include "turgor/sim/scene/scene_cloth.hpp"
 
+#include "turgor/sim/scene/scene_body.hpp"
+
 namespace turgor {
 
 namespace {
@@ -125,27 +127,6 @@ HoldScene read_hold(SceneTable table, const std::string& name) {
   return hold;
 }
 
-BodyName read_body_name(SceneTable& table, const Scene& scene) {
-  std::string name;
-  table.read("body", name);
-  std::vector<std::string> names;
-  const auto find = [&](BodyKind kind, const auto& bodies) -> std::optional<BodyName> {
-    for (std::size_t b = 0; b < bodies.size(); b++) {
-      names.push_back(bodies[b].name);
-      if (names.back() == name) return BodyName{kind, int(b)};
-    }
-    return {};
-  };
-  if (const auto found = find(BodyKind::kLattice, scene.lattices)) return *found;
-  if (const auto found = find(BodyKind::kSfem, scene.organs)) return *found;
-  if (const auto found = find(BodyKind::kRhombus, scene.rhombi)) return *found;
-  if (!name.empty())
-    table.fail("body", fmt::format("the scene has no body {} with model = \"lattice\", \"sfem\" or "
-                                   "\"rhombus\"{}",
-                                   name, suggestion(name, names)));
-  return {};
-}
-
 ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Scene& scene) {
   ObstacleScene obstacle{.name = name, .shape = PlaneScene{}};
   table.require({"plane", "sphere", "capsule", "mesh", "body"}, "what the cloth stays out of");
@@ -162,7 +143,8 @@ ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Sce
   } else if (table.has("mesh")) {
     obstacle.shape = read_garment(table);
   } else if (table.has("body")) {
-    obstacle.shape = read_body_name(table, scene);
+    obstacle.shape =
+        read_body(table, "body", scene, {BodyKind::kLattice, BodyKind::kSfem, BodyKind::kRhombus});
   } else {
     PlaneScene plane;
     SceneTable shape = table.table("plane");

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "turgor/models/rhombus/tissues.hpp"
+#include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
 
@@ -10,26 +11,13 @@ namespace turgor {
 
 namespace {
 
-SurfaceOfBody read_surface_of(SceneTable& body, const Scene& scene) {
-  std::string name;
-  body.read("surface_of", name);
-  std::vector<std::string> names;
-  for (std::size_t b = 0; b < scene.organs.size(); b++) {
-    names.push_back(scene.organs[b].name);
-    if (names.back() == name) return {int(b)};
-  }
-  if (!name.empty())
-    body.fail("surface_of",
-              fmt::format("the scene has no body {} with model = \"sfem\"{}", name, suggestion(name, names)));
-  return {};
-}
-
 RhombusSource read_source(SceneTable& body, const Scene& scene) {
   const std::vector<std::string> kinds = {"surface", "surface_of"};
-  body.require(kinds, "the organ's surface: a file, { phantom = \"liver\" }, or that of another body");
+  body.require(kinds, "the body's surface: a file, { phantom = \"liver\" }, or that of another body");
   if (body.has("surface") && body.has("surface_of"))
     body.fail("surface_of", "a body has one surface: either surface or surface_of");
-  if (body.has("surface_of")) return read_surface_of(body, scene);
+  if (body.has("surface_of"))
+    return SurfaceOfBody{read_body(body, "surface_of", scene, {BodyKind::kSfem}).index};
   const toml::node* node = body.find("surface");
   if (node && node->is_table()) {
     SceneTable table = body.table("surface");

@@ -11,16 +11,16 @@ namespace {
 const Allowed kResolution = within(1e-4, 1, "m");
 const Allowed kScale = inside(0, 1e6, "m");
 
-LabelledOrgan read_labelled_organ(SceneTable& body, SceneLabels& names) {
+LabelledOrgan read_labelled_organ(SceneTable& table, SceneLabels& names) {
   LabelledOrgan organ;
-  const toml::node* labels = body.find("labels");
+  const toml::node* labels = table.find("labels");
   if (labels->is_table())
-    organ.phantom = read_phantom(body.table("labels"));
+    organ.phantom = read_phantom(table.table("labels"));
   else
-    body.read_path("labels", organ.file);
-  body.require({"label"}, "which label is the organ: a number, or a name such as \"liver\"");
-  read_label(body, "label", names, organ.label);
-  body.read("resolution", organ.resolution, kResolution);
+    table.read_path("labels", organ.file);
+  table.require({"label"}, "which label is the body: a number, or a name such as \"liver\"");
+  read_label(table, "label", names, organ.label);
+  table.read("resolution", organ.resolution, kResolution);
   return organ;
 }
 
@@ -36,7 +36,7 @@ HexBlock read_hex_block(SceneTable table) {
 
 SolidSource read_source(SceneTable& body, SceneLabels& labels) {
   const std::vector<std::string> kinds = {"mesh", "surface", "labels", "block"};
-  body.require(kinds, "where the organ's shape comes from");
+  body.require(kinds, "where the body's shape comes from");
   std::string given;
   for (const std::string& kind : kinds) {
     if (!body.has(kind)) continue;

@@ -1,36 +1,22 @@
 #include "turgor/sim/scene/scene_tool.hpp"
 
-#include "turgor/sim/tool_path.hpp"
+#include "turgor/sim/scene/scene_body.hpp"
+#include "turgor/sim/tools/tool_path.hpp"
 
 namespace turgor {
 
 namespace {
 
-int read_body_name(SceneTable& tool, const Scene& scene) {
-  std::string name;
+BodyId read_touched(SceneTable& tool, const Scene& scene) {
   tool.require({"body"}, "the name of the body that is touched");
-  tool.read("body", name);
-  std::vector<std::string> names;
-  for (std::size_t b = 0; b < scene.organs.size(); b++) {
-    names.push_back(scene.organs[b].name);
-    if (names.back() == name) return int(b);
-  }
-  for (std::size_t b = 0; b < scene.rhombi.size(); b++) {
-    names.push_back(scene.rhombi[b].name);
-    if (names.back() == name) return int(scene.organs.size() + b);
-  }
-  for (std::size_t b = 0; b < scene.lattices.size(); b++) {
-    names.push_back(scene.lattices[b].name);
-    if (names.back() != name) continue;
-    if (scene.lattices[b].params.solver.method == lattice::Method::kPbd)
-      tool.fail("body", fmt::format("{} has solver.method = \"pbd\", which knows no forces in newtons; tools "
-                                    "touch lattices with \"descent\"",
-                                    name));
-    return int(scene.organs.size() + scene.rhombi.size() + b);
-  }
-  if (!name.empty())
-    tool.fail("body", fmt::format("the scene has no body {}{}", name, suggestion(name, names)));
-  return 0;
+  const BodyId id = read_body(tool, "body", scene, {BodyKind::kSfem, BodyKind::kRhombus, BodyKind::kLattice});
+  if (id.kind != BodyKind::kLattice || std::size_t(id.index) >= scene.lattice_bodies.size()) return id;
+  const LatticeScene& body = scene.lattice_bodies[std::size_t(id.index)];
+  if (body.params.solver.method == lattice::Method::kPbd)
+    tool.fail("body", fmt::format("{} has solver.method = \"pbd\", which knows no forces in newtons; tools "
+                                  "touch lattices with \"descent\"",
+                                  body.name));
+  return id;
 }
 
 /// Of a phantom, or of a file with both jaws.
@@ -165,7 +151,7 @@ ToolMotion read_motion(SceneTable& tool) {
 ToolScene read_tool_scene(SceneTable tool, const std::string& name, const Scene& scene) {
   ToolScene made;
   made.name = name, made.place = tool.place();
-  made.body = read_body_name(tool, scene);
+  made.body = read_touched(tool, scene);
   made.shape = read_shape(tool);
   tool.read("friction", made.friction, within(0, 10));
   made.motion = read_motion(tool);

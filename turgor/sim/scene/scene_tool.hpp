@@ -1,4 +1,4 @@
-// [tool.NAME] of a scene: what touches an organ, and along which path.
+// [tool.NAME] of a scene: what touches a body, and along which path.
 #pragma once
 
 #include "turgor/sim/scene/scene.hpp"

@@ -1,4 +1,4 @@
-// [body.NAME] with model = "sfem", and [tool.NAME]: an organ and what touches it, as the plain structs that a
+// [body.NAME] with model = "sfem", and [tool.NAME]: a body and what touches it, as the plain structs that a
 // scene becomes. Keys, units and defaults are listed in docs/scene.md; nothing is loaded here.
 #pragma once
 
@@ -11,6 +11,7 @@
 
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/models/sfem/sfem.hpp"
+#include "turgor/sim/scene/body_id.hpp"
 
 namespace turgor {
 
@@ -43,7 +44,7 @@ using SolidSource = std::variant<SolidFile, ClosedSurface, LabelledOrgan, HexBlo
 /// Sides of the box around a body, in the patient frame: low and high x, y, z.
 enum class Side : std::uint8_t { kRight, kLeft, kFront, kBack, kFeet, kHead };
 
-/// What holds an organ: the vertices near sides of its box, or inside a box of their own.
+/// What holds a body: the vertices near sides of its box, or inside a box of their own.
 struct HeldBy {
   std::vector<Side> sides{Side::kBack};
   double depth = 0.1;                       // how far from a side, of the box's extent [1]
@@ -130,7 +131,7 @@ struct PathFile {
   std::filesystem::path file;  // .csv: t, x, y, z [, hold [, qw, qx, qy, qz]]
   bool smooth = true;
 };
-/// Presses from outside along the surface's normal, slides, and leaves: fits every organ.
+/// Presses from outside along the surface's normal, slides, and leaves: fits every body.
 struct Press {
   Vec3d at, to;  // on the surface [m or 1]
   bool by_fraction = false;
@@ -140,7 +141,7 @@ struct Press {
   double hold = 0.2;      // at `at` before sliding, and at `to` after it [s]
   double slide = 0;       // from `at` to `to`; 0 = no sliding [s]
 };
-/// Presses along the surface's normal, holds, pulls outwards and aside, and lets go: fits every organ.
+/// Presses along the surface's normal, holds, pulls outwards and aside, and lets go: fits every body.
 struct Grasp {
   Vec3d at;  // on the surface [m or 1]
   bool by_fraction = false;
@@ -156,7 +157,7 @@ using ToolMotion = std::variant<GivenPath, PathFile, Press, Grasp>;
 struct ToolScene {
   std::string name;
   std::string place;
-  int body = 0;  // index into Scene::organs, behind them Scene::rhombi, behind those Scene::lattices
+  BodyId body;
   ToolShape shape;
   double friction = 0.3;  // [1]
   ToolMotion motion;

@@ -1,0 +1,124 @@
+#include "turgor/sim/bodies/lattice/lattice_body.hpp"
+
+#include <set>
+
+#include "sim/block_scene.hpp"
+#include "turgor/sim/report/report.hpp"
+
+namespace turgor {
+namespace {
+
+using test::block_world;
+using test::fresh_folder;
+
+/// The block of fat on bone, pressed in its middle from the front, which is at y = −20 mm.
+Scene touched_scene(const std::filesystem::path& folder, const std::string& motion,
+                    const std::string& more = "") {
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  const std::string text =
+      "[world]\nduration = 1\nframe_rate = 50\n"
+      "[body.block]\nmodel = \"lattice\"\nct = \"block.nii\"\nblock = 2\nskin = false\n"
+      "solver = { sweeps = 20, damping = 8 }\n" +
+      more + "[tool.finger]\nbody = \"block\"\nshape = { sphere = 0.014 }\n" + motion;
+  Result<Scene> scene = parse_scene(text, folder / "s.toml");
+  EXPECT_TRUE(scene) << scene.error().message;
+  return *scene;
+}
+const char* kPress = "press = { at_fraction = [0.5, 0, 0.5], depth = 0.006, start = 0.1, duration = 0.3 }\n";
+
+TEST(LatticeBody, APressIsFeltOnceAFrameAndPushesTheToolOut) {
+  World world = block_world(Exec(2), touched_scene(fresh_folder(), kPress));
+  for (int frame = 0; frame < 50; frame++) ASSERT_TRUE(step(Exec(2), world));
+  const std::vector<ForceSample>& samples = world.tools[0].samples;
+  ASSERT_EQ(samples.size(), 50u);
+  const auto at = [&](double time) { return samples[std::size_t(std::lround(time * 50)) - 1]; };
+  EXPECT_EQ(norm(at(0.1).force), 0) << "before it touches";
+  EXPECT_LT(at(0.5).force.y, -0.1) << "N: towards the front, from where it came";
+  EXPECT_NEAR(at(0.5).depth, 0.006, 0.0005) << "m";
+  EXPECT_GT(at(0.5).contacts, 3);
+  EXPECT_EQ(norm(at(0.98).force), 0) << "after it has gone";
+  const LatticeBody& body = world.lattice_bodies[0];
+  EXPECT_EQ(body.deepest.rest.size(), body.deepest.displacement.size());
+  float deepest = 0;
+  for (const Vec3 u : body.deepest.displacement) deepest = std::max(deepest, u.y);
+  EXPECT_NEAR(deepest, 0.006, 0.001) << "m: the surface that is drawn is where the tool is";
+  EXPECT_NEAR(body.largest_force, norm(at(body.deepest.time).force), 1e-12) << "N";
+}
+
+TEST(LatticeBody, AGraspPullsTheSurfaceOut) {
+  const char* grasp =
+      "grasp = { at_fraction = [0.5, 0, 0.5], depth = 0.003, pull = 0.01, duration = 0.2, hold = 0.1 }\n";
+  World world = block_world(Exec(2), touched_scene(fresh_folder(), grasp));
+  double pulled = 0;
+  for (int frame = 0; frame < 50; frame++) {
+    ASSERT_TRUE(step(Exec(2), world));
+    pulled = std::max(pulled, world.tools[0].samples.back().force.y);
+  }
+  EXPECT_GT(pulled, 0.1) << "N: back into the body";
+  EXPECT_EQ(norm(world.tools[0].samples.back().force), 0) << "N: let go";
+}
+
+TEST(LatticeBody, AFastToolIsFollowedInParts) {
+  const char* fast =
+      "path = [[0, 0, -0.06, 0], [0.2, 0, -0.06, 0], [0.24, 0, -0.026, 0], [1, 0, -0.026, 0]]\n";
+  World world = block_world(Exec(2), touched_scene(fresh_folder(), fast));
+  for (int frame = 0; frame < 30; frame++) ASSERT_TRUE(step(Exec(2), world));  // 17 mm in one of them
+  EXPECT_LT(world.tools[0].samples.back().force.y, -0.1) << "N: pushed out to the front, not through";
+  EXPECT_LT(world.lattice_bodies[0].forces[0].largest_penetration, 1e-4) << "m";
+}
+
+TEST(LatticeBody, EqualBitsOn1And2ThreadsAndACutOnTheWay) {
+  const std::string cut =
+      "skin = { tension = 5 }\n[incision.cut]\nbody = \"block\"\nfrom = [0.002, -0.02, -0.03]\n"
+      "to = [0.002, -0.02, 0.03]\nstart = 0.3\n";
+  const std::filesystem::path folder = fresh_folder();
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  Result<Scene> scene = parse_scene(
+      "[world]\nduration = 0.5\nframe_rate = 50\n[body.block]\nmodel = \"lattice\"\nct = "
+      "\"block.nii\"\nblock = 2\n" +
+          cut + "[tool.finger]\nbody = \"block\"\nshape = { capsule = [0.012, 0.01] }\n" + kPress,
+      folder / "s.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  std::set<double> forces;
+  std::set<std::uint64_t> hashes;
+  for (const int threads : {1, 2}) {
+    World world = block_world(Exec(threads), *scene);
+    for (int frame = 0; frame < 25; frame++) ASSERT_TRUE(step(Exec(threads), world));
+    forces.insert(norm(world.tools[0].samples.back().force));
+    hashes.insert(lattice::state_hash(world.lattice_bodies[0].model, world.lattice_bodies[0].state));
+    EXPECT_GT(world.cuts[0].edges, 0);
+  }
+  EXPECT_EQ(forces.size(), 1u);
+  EXPECT_EQ(hashes.size(), 1u);
+  EXPECT_GT(*forces.begin(), 0.01) << "N";
+}
+
+TEST(LatticeBody, OneLabelAloneIsHeldAtASideOfItsBox) {
+  Result<Scene> scene = parse_scene(
+      "[body.liver]\nmodel = \"lattice\"\nct = { phantom = \"torso\", size = [64, 64, 40], spacing_mm = "
+      "[6.3, 6.3, 7.6] }\n"
+      "only = \"liver\"\nblock = 1\nskin = false\nfixed = { sides = \"back\", depth = 0.3 }\n",
+      "s.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  const World world = block_world(Exec(2), *scene);
+  const LatticeBody& body = world.lattice_bodies[0];
+  const double voxel = sample_volume(body.ct.grid);
+  const auto tissue =
+      std::count_if(body.ct.samples.begin(), body.ct.samples.end(), [](auto hu) { return hu > -449; });
+  EXPECT_NEAR(double(tissue) * voxel, 1.4e-3, 0.4e-3) << "m³: a liver";
+  EXPECT_LT(body.ct.grid.size.x, 50) << "the CT is cut down to it";
+  const BodyBox box = body_box(body.model);
+  const Int3 size = body.model.lattice.size;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const auto slot = std::size_t(node_slot(body.model.lattice, i, j, k));
+        if (!lattice::is_body(body.model.tissue[slot])) continue;
+        const double y = point_at(body.model.grid, {double(i), double(j), double(k)}).y;
+        const bool behind = y >= box.high.y - 0.3 * (box.high.y - box.low.y) - 1e-9;
+        ASSERT_EQ(body.model.inverse_mass[slot] == 0, behind) << "y = " << y << " m";
+      }
+}
+
+}  // namespace
+}  // namespace turgor

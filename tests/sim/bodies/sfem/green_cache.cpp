@@ -1,0 +1,244 @@
+#include "turgor/sim/bodies/sfem/green_cache.hpp"
+
+#include <chrono>
+#include <cstdlib>
+#include <random>
+
+#include "sim/sfem_scene_text.hpp"
+#include "small_disk.hpp"
+#include "turgor/core/hash.hpp"
+#include "turgor/geometry/hex_block.hpp"
+#include "turgor/io/file.hpp"
+#include "turgor/io/hdf5_file.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+
+sfem::Body block_body(double young = 1e4) {
+  sfem::Body body;
+  body.mesh = hex_block({0.04, 0.04, 0.02}, {4, 4, 2});
+  body.materials = {{young, 0.3}};
+  for (const Vec3d x : body.mesh.vertices) body.fixed.push_back(x.z == 0);
+  return body;
+}
+
+sfem::Model built(double young = 1e4, sfem::Precision precision = sfem::Precision::kSingle) {
+  const sfem::Params params{.precision = precision, .touch_depth = 1};
+  return sfem::build(Exec(1), block_body(young), params).value();
+}
+
+sfem::Model computed(sfem::Precision precision = sfem::Precision::kSingle) {
+  sfem::Model model = built(1e4, precision);
+  EXPECT_TRUE(sfem::compute_green(Exec(1), model, std::size_t(1) << 30));
+  return model;
+}
+
+TEST(GreenCache, WhatIsReadIsWhatWasWrittenToTheBit) {
+  const fs::path file = test::fresh_folder() / "deep" / "green.h5";
+  for (const auto precision : {sfem::Precision::kSingle, sfem::Precision::kDouble}) {
+    const sfem::Model model = computed(precision);
+    ASSERT_TRUE(write_green(file, model));
+    sfem::Model again = built(1e4, precision);
+    const CachedGreen cached = read_green(file, again);
+    EXPECT_TRUE(cached.found) << cached.note;
+    EXPECT_EQ(again.green.single_values, model.green.single_values);
+    EXPECT_EQ(again.green.double_values, model.green.double_values);
+  }
+  EXPECT_EQ(test::names_in(file.parent_path()), std::set<std::string>{"green.h5"});
+}
+
+TEST(GreenCache, OnAFullDiskNothingIsKeptAndTheEarlierFileStays) {
+  const fs::path folder = test::fresh_folder(), file = folder / "green.h5";
+  const sfem::Model model = computed();
+  test::write(file, "earlier");
+  for (const rlim_t bytes : {100, 3000, 30000})
+    EXPECT_TRUE(test::on_a_small_disk(bytes, [&] {
+      const Status kept = write_green(file, model);
+      return !kept && kept.error().message.find("cannot") != std::string::npos;
+    })) << bytes;
+  EXPECT_EQ(test::bytes_of(file), "earlier");
+  EXPECT_EQ(test::names_in(folder), std::set<std::string>{"green.h5"});
+}
+
+TEST(GreenCache, NoFileIsNoReasonForANote) {
+  sfem::Model model = built();
+  const CachedGreen cached = read_green(test::fresh_folder() / "none.h5", model);
+  EXPECT_FALSE(cached.found);
+  EXPECT_EQ(cached.note, "");
+}
+
+TEST(GreenCache, TheCacheOfAnotherBodyIsNamedAndNotUsed) {
+  const fs::path file = test::fresh_folder() / "green.h5";
+  const sfem::Model model = computed();
+  ASSERT_TRUE(write_green(file, model));
+  sfem::Model stiffer = built(2e4);
+  const CachedGreen cached = read_green(file, stiffer);
+  EXPECT_FALSE(cached.found);
+  EXPECT_EQ(cached.note, file.string() + ": it belongs to another body: expected content " +
+                             hash_text(sfem::content_hash(stiffer)) + ", found " +
+                             hash_text(sfem::content_hash(model)) + "; computed anew");
+  EXPECT_TRUE(stiffer.green.single_values.empty());
+}
+
+TEST(GreenCache, ForeignFilesAreNamed) {
+  const fs::path file = test::fresh_folder() / "green.h5";
+  sfem::Model model = built();
+  ASSERT_TRUE(write_file(file, "not at all"));
+  EXPECT_NE(read_green(file, model).note.find("expected an HDF5 file, found something else"),
+            std::string::npos);
+  {
+    Result<Hdf5File> foreign = Hdf5File::create(file);
+    ASSERT_TRUE(foreign);
+    ASSERT_TRUE(foreign->write_text("/title", "weather of 1987"));
+  }
+  EXPECT_NE(read_green(file, model).note.find("found another HDF5 file"), std::string::npos);
+}
+
+TEST(GreenCache, DamagedAndCutOffFilesAreNeverUsed) {
+  const fs::path file = test::fresh_folder() / "green.h5";
+  ASSERT_TRUE(write_green(file, computed()));
+  const std::string whole = read_file(file).value();
+  sfem::Model model = built();
+  int used = 0, noted = 0;
+  const auto attempt = [&](const std::string& bytes) {
+    ASSERT_TRUE(write_file(file, bytes));
+    const CachedGreen cached = read_green(file, model);
+    used += cached.found;
+    noted += !cached.note.empty();
+  };
+  for (std::size_t n = 1; n < 20; n++) attempt(whole.substr(0, whole.size() * n / 20));
+  EXPECT_EQ(used, 0);
+  for (std::size_t n = 0; n < 100; n++) {  // one byte within the values
+    std::string damaged = whole;
+    const std::size_t i = whole.size() / 4 + n * (whole.size() / 2 / 100);
+    damaged[i] = char(damaged[i] ^ 0x10);
+    attempt(damaged);
+  }
+  EXPECT_EQ(used, 0);
+  EXPECT_EQ(noted, 119);
+}
+
+TEST(GreenCache, HundredsOfMutationsAnywhereInTheFileNeverGiveWrongValuesNorEndTheProgram) {
+  const fs::path file = test::fresh_folder() / "green.h5";
+  const sfem::Model right = computed();
+  ASSERT_TRUE(write_green(file, right, "scene.toml: body.x"));
+  const std::string whole = read_file(file).value();
+  std::mt19937 random(11);
+  const auto up_to = [&](std::size_t n) { return std::size_t(random()) % n; };
+  for (int n = 0; n < 400; n++) {
+    std::string bytes = whole;
+    const std::size_t header =
+        std::min<std::size_t>(whole.size(), 4096);  // half of them where HDF5 keeps its books
+    for (std::size_t k = 0; k <= up_to(6); k++) bytes[up_to(n % 2 ? header : bytes.size())] = char(random());
+    if (n % 10 == 0) bytes.resize(up_to(bytes.size()));
+    ASSERT_TRUE(write_file(file, bytes));
+    sfem::Model model = built();
+    const CachedGreen cached = read_green(file, model);
+    if (cached.found) {
+      ASSERT_EQ(model.green.single_values, right.green.single_values) << n;
+    } else {
+      ASSERT_NE(cached.note, "") << n;
+    }
+    ASSERT_TRUE(list_cache(file.parent_path()));
+  }
+}
+
+TEST(GreenCache, FoldersLinksAndForeignFilesAreNamedAndLeftAlone) {
+  const fs::path folder = test::fresh_folder();
+  const sfem::Model model = computed();
+  const fs::path ours = folder / "green-0123456789abcdef.h5", other = folder / "green-0000000000000000.h5";
+  ASSERT_TRUE(write_green(ours, model, "scene.toml:3: body.x"));
+  fs::create_directory(other);  // a folder in place of the file
+  ASSERT_TRUE(write_file(folder / "green-1111111111111111.h5", "not at all"));  // damaged
+  ASSERT_TRUE(write_file(folder / "thesis.txt", "work"));                       // foreign
+  ASSERT_TRUE(write_file(folder / "elsewhere", "precious"));
+  fs::create_symlink(folder / "elsewhere", folder / "green-2222222222222222.h5");
+  sfem::Model again = built();
+  EXPECT_NE(read_green(other, again).note, "");
+  EXPECT_FALSE(write_green(other, model)) << "a folder is not replaced";
+  const Result<CacheFolder> found = list_cache(folder);
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->files.size(), 1u);
+  EXPECT_EQ(found->files[0].file, ours);
+  EXPECT_EQ(found->files[0].what_for, "scene.toml:3: body.x");
+  EXPECT_EQ(found->foreign.size(), 5u);
+  EXPECT_EQ(trim_cache(folder, 0).size(), 1u);
+  EXPECT_EQ(test::names_in(folder),
+            (std::set<std::string>{"green-0000000000000000.h5", "green-1111111111111111.h5",
+                                   "green-2222222222222222.h5", "thesis.txt", "elsewhere"}));
+  EXPECT_TRUE(list_cache(folder / "none")->files.empty());
+  EXPECT_FALSE(list_cache(folder / "thesis.txt"));
+}
+
+TEST(GreenCache, WhatWasNotUsedForLongestGoesAndNeverTheFileJustUsed) {
+  const fs::path folder = test::fresh_folder();
+  const sfem::Model model = computed();
+  std::vector<fs::path> files;
+  for (const char c : std::string("abcd")) {
+    files.push_back(folder / ("green-" + std::string(16, c) + ".h5"));
+    ASSERT_TRUE(write_green(files.back(), model));
+    fs::last_write_time(files.back(),
+                        fs::file_time_type::clock::now() - std::chrono::hours(10 - int(files.size())));
+  }
+  sfem::Model again = built();
+  ASSERT_TRUE(read_green(files[0], again).found);  // the oldest is used now
+  const std::uintmax_t one = fs::file_size(files[0]);
+  const std::vector<CacheFile> removed = trim_cache(folder, 2 * one, files[1]);
+  ASSERT_EQ(removed.size(), 2u);
+  EXPECT_EQ(removed[0].file, files[2]) << "the oldest but the one to be kept";
+  EXPECT_EQ(removed[1].file, files[3]);
+  EXPECT_TRUE(fs::exists(files[0]) && fs::exists(files[1]));
+  EXPECT_EQ(trim_cache(folder, 0, files[1]).size(), 1u);
+  EXPECT_TRUE(fs::exists(files[1])) << "alone above the limit, it stays";
+}
+
+TEST(GreenCache, ARunKeepsTheCacheWithinTheLimitAndALimitThatIsNoneIsNamed) {
+  const fs::path folder = test::fresh_folder();
+  const Exec exec(1);
+  setenv("TURGOR_CACHE_LIMIT", "0.000001", 1);
+  const World first = test::sfem_world(exec, test::body_scene(folder));
+  const World second = test::sfem_world(exec, test::body_scene(folder, "", {"body.pad.young=6e3"}));
+  EXPECT_EQ(test::names_in(folder / "cache").size(), 1u);
+  ASSERT_FALSE(second.sfem_bodies[0].facts.notes.empty());
+  EXPECT_NE(second.sfem_bodies[0].facts.notes[0].find("1 files of"), std::string::npos);
+  EXPECT_TRUE(fs::exists(second.sfem_bodies[0].facts.cache_file));
+  for (const char* text : {"many", "-1", "nan", "1e300", "3 GB"}) {
+    setenv("TURGOR_CACHE_LIMIT", text, 1);
+    EXPECT_FALSE(cache_limit()) << text;
+  }
+  unsetenv("TURGOR_CACHE_LIMIT");
+  EXPECT_EQ(*cache_limit(), std::uintmax_t(10e9));
+}
+
+TEST(GreenCache, ValuesThatAreWholeButWrongAreFoundByTheBody) {
+  const fs::path file = test::fresh_folder() / "green.h5";
+  sfem::Model model = computed();
+  model.green.single_values[model.green.single_values.size() / 2] *= 1.01f;  // the file's checksums agree
+  ASSERT_TRUE(write_green(file, model));
+  sfem::Model again = built();
+  const CachedGreen cached = read_green(file, again);
+  EXPECT_FALSE(cached.found);
+  EXPECT_NE(cached.note.find("computed anew"), std::string::npos) << cached.note;
+}
+
+TEST(GreenCache, AWorldComputesOnceAndRebuildsWhatIsDamaged) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::body_scene(folder);
+  const Exec exec(1);
+  const World first = test::sfem_world(exec, scene);
+  EXPECT_FALSE(first.sfem_bodies[0].facts.from_cache);
+  const World second = test::sfem_world(exec, scene);
+  EXPECT_TRUE(second.sfem_bodies[0].facts.from_cache);
+  const fs::path file = second.sfem_bodies[0].facts.cache_file;
+  ASSERT_TRUE(write_file(file, read_file(file).value().substr(0, 5000)));
+  const World third = test::sfem_world(exec, scene);
+  EXPECT_FALSE(third.sfem_bodies[0].facts.from_cache);
+  ASSERT_EQ(third.sfem_bodies[0].facts.notes.size(), 1u);
+  EXPECT_NE(third.sfem_bodies[0].facts.notes[0].find("computed anew"), std::string::npos);
+  EXPECT_TRUE(test::sfem_world(exec, scene).sfem_bodies[0].facts.from_cache);
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,70 @@
+#include "turgor/sim/bodies/sfem/make_body.hpp"
+
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "turgor/geometry/hex_block.hpp"
+
+namespace turgor {
+namespace {
+
+SolidMesh block() { return hex_block({0.1, 0.1, 0.05}, {10, 10, 5}); }
+
+int held_count(const HeldBy& held) {
+  const std::vector<std::uint8_t> fixed = held_points(block().vertices, held);
+  return std::accumulate(fixed.begin(), fixed.end(), 0);
+}
+
+TEST(OrganBody, SidesHoldATenthOfTheBoxOrWhatIsAskedFor) {
+  EXPECT_EQ(held_count({.sides = {Side::kFeet}, .depth = 0}), 11 * 11);
+  EXPECT_EQ(held_count({.sides = {Side::kBack}, .depth = 0.1}), 2 * 11 * 6);
+  EXPECT_EQ(held_count({.sides = {Side::kLeft, Side::kRight}, .depth = 0}), 2 * 11 * 6);
+}
+
+TEST(OrganBody, ABoxHoldsWhatIsInIt) {
+  HeldBy held;
+  held.box = {{{-1, -1, -1}, {0.0251, 1, 1}}};
+  EXPECT_EQ(held_count(held), 3 * 11 * 6);
+  held.box = {{{0, 0, 0}, {1, 0.001, 1}}};
+  held.by_fraction = true;
+  EXPECT_EQ(held_count(held), 11 * 6);
+}
+
+TEST(OrganBody, LabelsAndSpheresBecomeMaterials) {
+  SolidMesh mesh = block();
+  mesh.regions.assign(element_count(mesh), 5);
+  mesh.regions[7] = 200;
+  SfemScene scene;
+  scene.inside = {{"nodule", 200, {4e4, 0.4}}};
+  scene.inclusions = {{.name = "cyst",
+                       .centre = {0.5, 0.5, 0.5},
+                       .by_fraction = true,
+                       .radius = 0.01,
+                       .material = {500, 0.3}}};
+  const Result<sfem::Body> body = make_body(mesh, scene);
+  ASSERT_TRUE(body) << body.error().message;
+  ASSERT_EQ(body->materials.size(), 3u);
+  EXPECT_EQ(std::accumulate(body->material.begin(), body->material.end(), 0), 1);
+  EXPECT_EQ(body->material[7], 1);
+  EXPECT_EQ(body->inclusions[0].material, 2);
+  EXPECT_NEAR(norm(body->inclusions[0].centre - Vec3d{0.05, 0.05, 0.025}), 0, 1e-12);
+}
+
+TEST(OrganBody, MaterialsThatNoElementHasAreErrors) {
+  SolidMesh mesh = block();
+  mesh.regions.assign(element_count(mesh), 5);
+  SfemScene scene;
+  scene.place = "s.toml:3:1: body.b";
+  scene.inside = {{"nodule", 200, {4e4, 0.4}}};
+  EXPECT_EQ(make_body(mesh, scene).error().message,
+            "s.toml:3:1: body.b.inside.nodule: no element has the label 200; there are: 5");
+  scene.inside.clear();
+  scene.inclusions = {
+      {.name = "far", .centre = {1, 1, 1}, .by_fraction = false, .radius = 0.01, .material = {1, 0.3}}};
+  EXPECT_NE(make_body(mesh, scene).error().message.find("body.b.inclusion.far: no element has its middle in"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace turgor

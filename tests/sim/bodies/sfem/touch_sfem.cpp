@@ -1,0 +1,349 @@
+#include <cmath>
+#include <set>
+
+#include "sim/sfem_scene_text.hpp"
+#include "turgor/core/hash.hpp"
+#include "turgor/geometry/hex_block.hpp"
+#include "turgor/io/file.hpp"
+#include "turgor/io/solid_files.hpp"
+#include "turgor/sim/bodies/sfem/follow_tools.hpp"
+#include "turgor/sim/recording/recording.hpp"
+#include "turgor/sim/recording/recording_touch.hpp"
+#include "turgor/sim/report/forces_csv.hpp"
+#include "turgor/sim/report/report.hpp"
+#include "turgor/sim/report/report_touch.hpp"
+
+namespace turgor {
+namespace {
+
+using test::body_scene;
+using test::sfem_world;
+
+World run_world(const Exec& exec, const Scene& scene) {
+  World world = sfem_world(exec, scene);
+  for (int frame = 0; frame < frame_count(scene); frame++) EXPECT_TRUE(step(exec, world));
+  return world;
+}
+
+TEST(TouchOrgan, TicksAreMillisecondsWhateverTheFrameRate) {
+  const auto folder = test::fresh_folder();
+  for (const char* rate : {"60", "77", "1000"}) {
+    const World world = run_world(
+        Exec(1), body_scene(folder, "", {std::string("world.frame_rate=") + rate, "world.duration=0.1"}));
+    const auto& samples = world.tools[0].samples;
+    ASSERT_GE(samples.size(), 98u) << rate;
+    ASSERT_LE(samples.size(), 107u) << rate;
+    for (std::size_t i = 0; i < samples.size(); i++)
+      EXPECT_NEAR(samples[i].time, 1e-3 * double(i + 1), 1e-12);
+  }
+}
+
+TEST(TouchOrgan, ForceStartsAtTheSurfaceGrowsWithDepthAndEndsAboveIt) {
+  const World world = run_world(Exec(1), body_scene(test::fresh_folder()));
+  const auto& samples = world.tools[0].samples;
+  double before = 0, largest = 0;
+  for (const ForceSample& s : samples) {
+    if (s.depth == 0) {
+      EXPECT_LT(norm(s.force), 1e-3) << s.time;
+    }
+    if (s.time < 0.1) {
+      EXPECT_GE(s.force.z, before - 1e-6) << s.time;
+      before = s.force.z;
+    }
+    largest = std::max(largest, s.depth);
+  }
+  EXPECT_NEAR(largest, 0.003, 1e-4);
+  // Hertz says 0.101 N for a ball of 6 mm pressed by 3 mm; the mesh is coarse, with a patch of 3.75 mm.
+  EXPECT_NEAR(before, 0.1, 0.03);
+  EXPECT_GT(world.sfem_bodies[0].rebuilds.size(), 1u) << "the patch follows";
+  EXPECT_GT(world.sfem_bodies[0].largest_force, before * 0.99);
+}
+
+TEST(TouchOrgan, APatchIsTakenThreeTicksAfterItIsWantedAndTicksGoOnMeanwhile) {
+  World world = sfem_world(Exec(1), body_scene(test::fresh_folder()));
+  SfemBody& body = world.sfem_bodies[0];
+  touch_body(Exec(1), body, world.tools, 0, 0.1);  // pressed
+  body.centres[0].x += 0.02;                       // far from where it touches
+  const std::size_t before = body.rebuilds.size(), ticks = world.tools[0].samples.size();
+  touch_body(Exec(1), body, world.tools, 0.1, 0.11);
+  ASSERT_EQ(body.rebuilds.size(), before + 1);
+  EXPECT_NEAR(body.rebuilds.back().time, 0.101 + 1e-3 * kPatchTicks, 1e-9);
+  const auto& samples = world.tools[0].samples;
+  ASSERT_EQ(samples.size(), ticks + 10);
+  for (std::size_t i = ticks; i < samples.size(); i++) {
+    EXPECT_EQ(samples[i].new_patch, i == ticks + std::size_t(kPatchTicks));
+    EXPECT_GT(norm(samples[i].force), 0.05) << "no tick is left out";
+  }
+}
+
+TEST(TouchOrgan, TheSameBitsOnOneTwoAndEightThreads) {
+  const auto folder = test::fresh_folder();
+  std::set<std::uint64_t> hashes;
+  for (const int threads : {1, 2, 8})
+    hashes.insert(touch_hash(run_world(Exec(threads), body_scene(folder, "", {"body.pad.cache=false"}))));
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST(TouchOrgan, ColumnsOnDemandFeelLikeAllOfThem) {
+  const auto folder = test::fresh_folder();
+  const World dense = run_world(Exec(1), body_scene(folder, "", {"body.pad.cache=false"}));
+  const World demand = run_world(Exec(1), body_scene(folder, "", {"body.pad.memory=0.004"}));
+  ASSERT_TRUE(demand.sfem_bodies[0].facts.on_demand);
+  EXPECT_NE(demand.sfem_bodies[0].facts.notes[0].find("their columns are computed where the tools are"),
+            std::string::npos);
+  const auto &a = dense.tools[0].samples, &b = demand.tools[0].samples;
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); i++)
+    EXPECT_NEAR(norm(a[i].force - b[i].force), 0, 1e-4 * dense.sfem_bodies[0].largest_force) << a[i].time;
+}
+
+/// Force at the end of the press, when the tool has just stopped [N].
+double pressed_force(const World& world) { return norm(world.tools[0].samples[99].force); }
+
+TEST(TouchOrgan, ViscousTissueResistsAFastPressAndThenRelaxes) {
+  const auto folder = test::fresh_folder();
+  const World elastic = run_world(Exec(1), body_scene(folder, "", {"world.duration=0.15"}));
+  const World viscous = run_world(
+      Exec(1), body_scene(folder, "viscosity = { ratio = 1, time = 0.05 }\n", {"world.duration=0.15"}));
+  EXPECT_GT(pressed_force(viscous), 1.2 * pressed_force(elastic));
+  EXPECT_LT(pressed_force(viscous), 2 * pressed_force(elastic));
+  EXPECT_LT(norm(viscous.tools[0].samples.back().force), 0.9 * pressed_force(viscous));
+  // The surface that is shown lies where the patch does: the coarse part has the memory, too.
+  const ShownSurface surface = shown_surface(Exec(1), viscous.sfem_bodies[0], 0.15);
+  double lowest = 0;
+  for (const Vec3 u : surface.displacement) lowest = std::min(lowest, double(u.z));
+  EXPECT_NEAR(lowest, -0.003, 3e-4);
+}
+
+TEST(TouchOrgan, CorrectedRotationsChangeASmallPressLittle) {
+  const auto folder = test::fresh_folder();
+  const World plain = run_world(Exec(1), body_scene(folder, "", {"world.duration=0.15"}));
+  const World turned = run_world(Exec(1), body_scene(folder, "rotations = true\n", {"world.duration=0.15"}));
+  ASSERT_TRUE(turned.sfem_bodies[0].turning);
+  EXPECT_EQ(turned.sfem_bodies[0].turning->frames, 9);
+  EXPECT_NE(pressed_force(turned), pressed_force(plain));
+  EXPECT_NEAR(pressed_force(turned), pressed_force(plain), 0.25 * pressed_force(plain));
+}
+
+TEST(TouchOrgan, WhatIsHeldIsPulledWithTheTool) {
+  const auto folder = test::fresh_folder();
+  std::string text = test::sfem_scene_text("cache = false\n");
+  const std::size_t press = text.find("press = {"), end = text.find('\n', press);
+  text.replace(
+      press, end - press,
+      "path = [[0, 0.03, 0.03, 0.037], [0.1, 0.03, 0.03, 0.034, 1], [0.3, 0.03, 0.03, 0.039, 1], [0.4, "
+      "0.03, 0.03, 0.05, 0], [0.5, 0.03, 0.03, 0.05, 0]]");
+  const Result<Scene> scene = parse_scene(text, folder / "s.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  const World world = run_world(Exec(1), *scene);
+  const auto& samples = world.tools[0].samples;
+  EXPECT_GT(samples[99].force.z, 0.01) << "pressed";
+  EXPECT_LT(samples[299].force.z, -0.01) << "pulled";
+  EXPECT_LT(norm(samples.back().force), 1e-3) << "let go";
+}
+
+TEST(TouchOrgan, TheShownSurfaceIsClosedAndLiesOnTheTool) {
+  const Exec exec(1);
+  const Scene scene = body_scene(test::fresh_folder(), "", {"world.duration=0.12"});
+  const World world = run_world(exec, scene);
+  const ShownSurface surface = shown_surface(exec, world.sfem_bodies[0], time_of(world));
+  std::map<std::pair<int, int>, int> edges;
+  for (const Int3 t : surface.triangles)
+    for (int c = 0; c < 3; c++) edges[{t[c], t[(c + 1) % 3]}]++;
+  int open = 0;
+  for (const auto& [edge, count] : edges) {
+    EXPECT_EQ(count, 1);
+    open += !edges.contains({edge.second, edge.first});
+  }
+  // Where the patch ends, a coarse edge meets the parts of it: those do not close, all others do.
+  EXPECT_LT(open, int(edges.size()) / 6);
+  const contact::ToolPose& pose = world.sfem_bodies[0].poses[0];
+  double nearest = 1;
+  for (std::size_t v = 0; v < surface.rest.size(); v++)
+    nearest = std::min(nearest, norm(Vec3d(surface.rest[v] + surface.displacement[v]) - pose.pose.position));
+  EXPECT_NEAR(nearest, 0.006, 1e-4) << "no vertex is inside of the ball, some touch it";
+}
+
+TEST(TouchOrgan, AFinerSurfaceIsCarriedAlong) {
+  const auto folder = test::fresh_folder();
+  // The pad's own top as two triangles a square of 2.5 mm.
+  std::string obj;
+  for (int j = 0; j <= 24; j++)
+    for (int i = 0; i <= 24; i++)
+      obj += "v " + std::to_string(2.5 * i) + " " + std::to_string(2.5 * j) + " 30\n";
+  for (int j = 0; j < 24; j++)
+    for (int i = 0; i < 24; i++) {
+      const int a = j * 25 + i + 1;
+      obj += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " + std::to_string(a + 26) + " " +
+             std::to_string(a + 25) + "\n";
+    }
+  test::write(folder / "top.obj", obj);
+  const Exec exec(1);
+  const World world = run_world(
+      exec, body_scene(folder, "seen = \"top.obj\"\nseen_scale = 0.001\n", {"world.duration=0.12"}));
+  const ShownSurface surface = shown_surface(exec, world.sfem_bodies[0], time_of(world));
+  ASSERT_EQ(surface.rest.size(), 625u);
+  const Vec3d ball = world.sfem_bodies[0].poses[0].pose.position;
+  double lowest = 0, deepest_inside = 0;
+  for (std::size_t v = 0; v < surface.rest.size(); v++) {
+    const Vec3d x(surface.rest[v] + surface.displacement[v]);
+    lowest = std::min(lowest, double(surface.displacement[v].z));
+    deepest_inside = std::max(deepest_inside, 0.006 - norm(x - ball));
+  }
+  EXPECT_NEAR(lowest, -0.003, 5e-4) << "the dent is as deep as the press";
+  EXPECT_LT(deepest_inside, 1e-3) << "and follows the patch around the ball";
+}
+
+/// Twelve frames with a snapshot at the start, in the middle and at the end.
+void record(const Exec& exec, const std::filesystem::path& file, const Scene& scene, World& world) {
+  Result<RecordingWriter> writer = RecordingWriter::create(file, scene, world);
+  ASSERT_TRUE(writer);
+  for (int frame = 0; frame <= 12; frame++) {
+    if (frame > 0) {
+      ASSERT_TRUE(step(exec, world));
+    }
+    if (frame % 6 != 0) continue;
+    world.sfem_bodies[0].shown = shown_surface(exec, world.sfem_bodies[0], time_of(world));
+    ASSERT_TRUE(writer->add_snapshot(world));
+  }
+  ASSERT_TRUE(writer->finish(world, "{}"));
+}
+
+TEST(TouchOrgan, ARecordingGivesSurfacesAndForcesBackToTheBit) {
+  const auto folder = test::fresh_folder();
+  const Exec exec(1);
+  const Scene scene = body_scene(folder, "", {"world.duration=0.2"});
+  World world = sfem_world(exec, scene);
+  record(exec, folder / "r.h5", scene, world);
+  const Result<Recording> recording = Recording::open(folder / "r.h5");
+  ASSERT_TRUE(recording) << recording.error().message;
+  const Result<Scene> again = recording->scene({});
+  ASSERT_TRUE(again) << again.error().message;
+  Result<World> drawn = load_world(exec, *again, {}, Purpose::kDraw);
+  ASSERT_TRUE(drawn);
+  ASSERT_TRUE(recording->restore(2, *drawn));
+  ASSERT_TRUE(recording->restore_touch(*drawn));
+  const ShownSurface &a = world.sfem_bodies[0].shown, &b = drawn->sfem_bodies[0].shown;
+  EXPECT_EQ(a.rest, b.rest);
+  EXPECT_EQ(a.displacement, b.displacement);
+  EXPECT_EQ(a.pressure, b.pressure);
+  EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.tools[0].pose.position, b.tools[0].pose.position);
+  EXPECT_EQ(world.sfem_bodies[0].deepest.displacement, drawn->sfem_bodies[0].deepest.displacement);
+  ASSERT_EQ(world.tools[0].samples.size(), drawn->tools[0].samples.size());
+  for (std::size_t i = 0; i < world.tools[0].samples.size(); i++) {
+    EXPECT_EQ(world.tools[0].samples[i].force, drawn->tools[0].samples[i].force);
+    EXPECT_EQ(world.tools[0].samples[i].depth, drawn->tools[0].samples[i].depth);
+  }
+}
+
+TEST(TouchOrgan, ForcesAreATableWithAColumnForEveryName) {
+  const auto folder = test::fresh_folder();
+  const World world = run_world(Exec(1), body_scene(folder, "", {"world.duration=0.05"}));
+  ASSERT_TRUE(write_forces(folder / "f.csv", world.tools));
+  const std::string text = read_file(folder / "f.csv").value();
+  std::istringstream lines(text);
+  std::size_t columns = 0, rows = 0;
+  for (std::string line; std::getline(lines, line); rows++) {
+    const auto count = std::size_t(std::count(line.begin(), line.end(), ','));
+    columns = rows == 0 ? count : columns;
+    EXPECT_EQ(count, columns) << line;
+  }
+  EXPECT_EQ(rows, 1 + world.tools[0].samples.size());
+}
+
+TEST(TouchOrgan, AToolWiderThanTheOrganIsRefused) {
+  const auto folder = test::fresh_folder();
+  const Result<World> world = load_world(Exec(1), body_scene(folder, "", {"tool.finger.shape.sphere=0.05"}));
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("tool.finger: the tool is 0.1 m wide, the body pad 0.06 m"),
+            std::string::npos)
+      << world.error().message;
+}
+
+TEST(TouchOrgan, NearlyIncompressibleAveragedTetrahedraAreFeltOrRefusedNeverTheEndOfTheProgram) {
+  const auto folder = test::fresh_folder();
+  const SolidMesh tets = tetrahedralize(hex_block({0.06, 0.06, 0.03}, {8, 8, 4}));
+  ASSERT_TRUE(write_msh(folder / "pad.msh", tets));
+  for (const char* poisson : {"0.499", "0.49995", "0.4999999", "0.49999999999"}) {
+    std::string text = test::sfem_scene_text("formulation = \"averaged\"\ncache = false\n");
+    const std::size_t block = text.find("block = {"), end = text.find('\n', block);
+    text.replace(block, end - block, "mesh = \"pad.msh\"");
+    text.replace(text.find("poisson = 0.4"), 13, std::string("poisson = ") + poisson);
+    const Result<Scene> scene = parse_scene(text, folder / "s.toml");
+    ASSERT_TRUE(scene) << scene.error().message;
+    Result<World> world = load_world(Exec(1), *scene);
+    if (!world) {
+      EXPECT_NE(world.error().message.find("lost to rounding"), std::string::npos) << world.error().message;
+      continue;
+    }
+    touch_body(Exec(1), world->sfem_bodies[0], world->tools, 0, 0.1);
+    const double force = norm(world->sfem_bodies[0].forces[0].force);
+    EXPECT_TRUE(force > 0.05 && force < 1) << poisson << ": " << force;
+  }
+}
+
+TEST(TouchOrgan, APatchBeyondTheMemoryIsRefusedBeforeItIsBuiltWithAdvice) {
+  const auto folder = test::fresh_folder();
+  const Result<World> world =
+      load_world(Exec(1), body_scene(folder, "patch = { radius = 0.06, refinement = 4 }\nmemory = 0.3\n",
+                                     {"body.pad.block.count=[12, 12, 6]"}));
+  ASSERT_FALSE(world);
+  for (const char* words :
+       {"body.pad.patch: a patch of ", "nodes of its own and would take ", "allowed are 0.3 GB",
+        "a smaller patch.radius, a lower patch.refinement or more memory"})
+    EXPECT_NE(world.error().message.find(words), std::string::npos) << world.error().message;
+}
+
+TEST(TouchOrgan, APatchThatCannotFollowLeavesTheOneBeforeAndIsWarnedOf) {
+  World world = sfem_world(Exec(1), body_scene(test::fresh_folder()));
+  SfemBody& body = world.sfem_bodies[0];
+  touch_body(Exec(1), body, world.tools, 0, 0.1);
+  const std::vector<int> elements = body.patch.elements;
+  body.patch_memory = 1000;
+  body.centres[0].x += 0.02;  // far from where it touches
+  touch_body(Exec(1), body, world.tools, 0.1, 0.11);
+  EXPECT_EQ(body.patch.elements, elements);
+  EXPECT_EQ(body.kept_patches, 1) << "tried once, not in every tick";
+  EXPECT_GT(norm(world.tools[0].samples.back().force), 0.05) << "the force goes on";
+  const std::vector<std::string> warnings = touch_warnings(world);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(
+      warnings[0].find("pad: the patch did not follow the tools 1 times, the one before stayed: a patch of "),
+      std::string::npos)
+      << warnings[0];
+}
+
+TEST(TouchOrgan, TheCostOfAPatchIsKnownWithinAFactorOfThree) {
+  const World world = sfem_world(Exec(1), body_scene(test::fresh_folder()));
+  const SfemBody& body = world.sfem_bodies[0];
+  const sfem::PatchCost cost =
+      sfem::patch_cost(body.model, body.patch.elements, body.refinement, body.centres);
+  EXPECT_EQ(cost.local_nodes, std::size_t(body.patch.local_nodes));
+  EXPECT_EQ(cost.points, body.patch.points.size());
+  double kept = double(body.patch.compliance.size()) * 8;
+  for (const sfem::PatchLevel& level : body.patch.levels)
+    kept += double(level.motion.size() + level.compliance.size()) * 8;
+  const auto& system = std::get<0>(body.patch.system);
+  kept +=
+      4 * double(system.factor.size() + system.coupling.size() + system.green.size() + system.change.size());
+  EXPECT_GT(cost.bytes, kept);
+  EXPECT_LT(cost.bytes, 4 * kept);
+}
+
+TEST(TouchOrgan, TheReportHoldsForcesInNewtonsAndTimes) {
+  const Exec exec(1);
+  const Scene scene = body_scene(test::fresh_folder(), "", {"world.duration=0.2"});
+  const World world = run_world(exec, scene);
+  const Json report = simulation_report(exec, scene, world, make_measures(world), {});
+  EXPECT_EQ(report["bodies"][0]["mesh"]["vertices"], 9 * 9 * 5);
+  EXPECT_EQ(report["tools"][0]["shape"], "sphere of 6 mm");
+  // Of all ticks, not only of those that end a frame.
+  EXPECT_GE(report["tools"][0]["force_max_N"].get<double>(), world.sfem_bodies[0].largest_force - 1e-6);
+  EXPECT_GE(report["tools"][0]["series"].size(), 190u);
+  EXPECT_FALSE(report["scene"].contains("method"));
+  EXPECT_EQ(report["state_hash"].get<std::string>().size(), 16u);
+}
+
+}  // namespace
+}  // namespace turgor

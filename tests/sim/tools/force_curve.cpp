@@ -1,0 +1,44 @@
+#include "turgor/sim/tools/force_curve.hpp"
+
+#include <gtest/gtest.h>
+
+#include "folders.hpp"
+
+namespace turgor {
+namespace {
+
+class ForceCurve : public ::testing::Test {
+ protected:
+  std::filesystem::path file(const std::string& text) {
+    test::write(folder_ / "curve.csv", text);
+    return folder_ / "curve.csv";
+  }
+  std::string message(const std::string& text) {
+    const auto curve = read_force_curve(file(text));
+    return curve ? "read" : curve.error().message.substr((folder_ / "").string().size());
+  }
+  std::filesystem::path folder_ = test::fresh_folder();
+};
+
+TEST_F(ForceCurve, names_comments_and_any_separator_are_read) {
+  const auto curve = *read_force_curve(
+      file("depth_m,force_N\r\n# at 1 mm/s\r\n0,0\r\n\r\n0.001; 0.02\n0.002\t0.05\n 0.003 0.09"));
+  ASSERT_EQ(curve.size(), 4u);
+  EXPECT_EQ(curve[1].depth, 0.001);
+  EXPECT_EQ(curve[3].force, 0.09);
+}
+
+TEST_F(ForceCurve, lines_that_are_no_points_are_refused_with_their_place) {
+  EXPECT_EQ(message("depth,force\n0,0\n0.001,abc\n"),
+            "curve.csv:3: expected two numbers, a depth [m] and a force [N], found \"0.001,abc\"");
+  EXPECT_EQ(message("0,0,0\n"),
+            "curve.csv:1: expected two numbers, a depth [m] and a force [N], found \"0,0,0\"");
+  EXPECT_EQ(message("0 nan\n0 inf\n"),
+            "curve.csv:2: expected two numbers, a depth [m] and a force [N], found \"0 inf\"");
+  EXPECT_EQ(message("names\n"),
+            "curve.csv: expected lines of two numbers, a depth [m] and a force [N], found none");
+  EXPECT_FALSE(read_force_curve(folder_ / "missing.csv"));
+}
+
+}  // namespace
+}  // namespace turgor

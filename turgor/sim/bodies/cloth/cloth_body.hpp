@@ -1,0 +1,74 @@
+// A cloth of the scene while it is simulated: the model, what holds it, what it lies on, and what is
+// measured.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turgor/contact/tool.hpp"
+#include "turgor/core/progress.hpp"
+#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/measure.hpp"
+#include "turgor/models/cloth/obstacle.hpp"
+#include "turgor/sim/bodies/cloth/cloth_support.hpp"
+#include "turgor/sim/scene/cloth_scene.hpp"
+
+namespace turgor {
+
+struct World;
+
+/// Vertices of the mesh that are held now and then.
+struct ClothHold {
+  HoldScene scene;
+  std::vector<int> vertices;  // of the mesh
+  std::vector<Vec3> places;   // where they were when they were seized [m]
+  bool is_held = false;
+  std::vector<Vec3d> force;  // that it takes, by frame [N]
+};
+
+/// What the cloth stays out of.
+struct ClothObstacle {
+  std::string name;
+  double friction = 0, gap = 0;     // [1] [m]
+  std::optional<PlaneScene> plane;  // one of these four
+  std::optional<contact::Shape> shape;
+  contact::Pose pose;  // of `shape`
+  std::shared_ptr<const cloth::MovingSurface> surface;
+  std::optional<ClothSupport> support;
+  TriMesh shown;             // to be drawn; of bodies, nothing
+  std::vector<Vec3d> force;  // of the cloth on it, by frame [N]
+};
+
+/// One frame.
+struct ClothSample {
+  double time = 0;           // [s]
+  double seconds = 0;        // wall time of the step
+  double largest_speed = 0;  // [m/s]
+  double residual = -1;      // of the linear system; -1 = was not measured [1]
+  double energy = 0;         // elastic and kinetic, at snapshots [J]
+  double stretch = 0;        // longest spring, at snapshots [1]
+  int contacts = 0;
+};
+
+struct ClothBody {
+  std::string name;
+  cloth::Model model;
+  cloth::State state;
+  cloth::Air air;
+  std::vector<WindTurn> turns;
+  std::vector<ClothHold> holds;
+  std::vector<ClothObstacle> obstacles;
+  std::vector<ClothSample> samples;
+  std::vector<std::string> notes;
+  double build_seconds = 0;
+};
+
+/// Error: a file that cannot be read, a mesh that is no cloth, a held vertex that is not there.
+Result<ClothBody> load_cloth(const Exec& exec, const ClothScene& scene);
+
+/// One frame of a cloth, after the bodies it lies on. False: the step was undone.
+bool step_cloth(const Exec& exec, ClothBody& body, World& world, bool measure);
+
+}  // namespace turgor

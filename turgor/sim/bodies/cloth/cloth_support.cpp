@@ -1,0 +1,117 @@
+#include "turgor/sim/bodies/cloth/cloth_support.hpp"
+
+#include <algorithm>
+
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+namespace {
+
+/// The vertices that a body's triangles use; the triangles then count in them.
+void use_vertices(const std::vector<Int3>& triangles, ClothSupport& support) {
+  for (const Int3 t : triangles) support.carrier.insert(support.carrier.end(), {t.x, t.y, t.z});
+  std::sort(support.carrier.begin(), support.carrier.end());
+  support.carrier.erase(std::unique(support.carrier.begin(), support.carrier.end()), support.carrier.end());
+  const auto place = [&](int v) {
+    return int(std::lower_bound(support.carrier.begin(), support.carrier.end(), v) - support.carrier.begin());
+  };
+  for (const Int3 t : triangles) support.triangles.push_back({place(t.x), place(t.y), place(t.z)});
+}
+
+/// At rest plus a displacement of every vertex of the body.
+std::vector<Vec3> displaced(const ClothSupport& support, const std::vector<Vec3d>& rest,
+                            const std::vector<Vec3d>& displacement) {
+  std::vector<Vec3> places;
+  for (const int v : support.carrier)
+    places.push_back(Vec3(rest[std::size_t(v)] + displacement[std::size_t(v)]));
+  return places;
+}
+
+std::vector<Vec3> lattice_places(const LatticeBody& body, ClothSupport& support) {
+  if (!support.skin || !body.state.cut_edges.empty()) {  // cuts make new surfaces
+    support.skin =
+        std::make_shared<const lattice::BodySurface>(lattice::build_surface(body.model, body.state));
+    support.carrier = support.skin->slot, support.triangles = support.skin->triangles;
+  }
+  return lattice::deformed_surface(body.model, body.state, *support.skin, lattice::Shown::kNothing).vertices;
+}
+
+std::vector<Vec3> sfem_places(const Exec& exec, const SfemBody& body, ClothSupport& support) {
+  if (support.carrier.empty()) use_vertices(body.model.surface.triangles, support);
+  return displaced(support, body.model.body.mesh.vertices, coarse_displacements(exec, body));
+}
+
+std::vector<Vec3> rhombus_places(const Exec& exec, RhombusBody& body, ClothSupport& support) {
+  if (support.carrier.empty()) use_vertices(body.model.surface.triangles, support);
+  rhombus::step(exec, body.model, body.state);
+  return displaced(support, body.model.surface.vertices, body.state.displacement);
+}
+
+std::vector<Vec3> places_now(const Exec& exec, ClothSupport& support, World& world) {
+  const auto b = std::size_t(support.body.index);
+  if (support.body.kind == BodyKind::kLattice) return lattice_places(world.lattice_bodies[b], support);
+  if (support.body.kind == BodyKind::kSfem) return sfem_places(exec, world.sfem_bodies[b], support);
+  return rhombus_places(exec, world.rhombus_bodies[b], support);
+}
+
+ClothPush push_on(const World& world, BodyId body) {
+  ClothPush push;
+  for (const ClothBody& cloth : world.cloth_bodies) {
+    bool touches = false;
+    for (const ClothObstacle& obstacle : cloth.obstacles) {
+      if (!obstacle.support || obstacle.support->body != body) continue;
+      const auto& force = obstacle.support->force;
+      push.force.insert(push.force.end(), force.begin(), force.end());
+      touches = touches || !force.empty();
+    }
+    if (touches) push.mass += cloth.model.total_mass;
+  }
+  return push;
+}
+
+/// A node that a change of the force accelerates moves by w f h² at most: its neighbours hold it back.
+void press_lattice(const ClothPush& push, double dt, LatticeBody& body) {
+  ClothLoad& load = body.cloth;
+  take_over(push, load);
+  double largest = 0;
+  for (const auto& [slot, f] : load.force)
+    largest = std::max(largest, norm(f) * double(body.model.inverse_mass[std::size_t(slot)]));
+  const double sum = sum_of_sizes(load), answer = sum > 0 ? largest * dt * dt / sum : 0;
+  load.answer = {answer, answer, answer};
+  choose_part(push.mass, dt, load);
+}
+
+}  // namespace
+
+std::vector<lattice::NodeLoad> node_loads(const LatticeBody& body) {
+  const Mat3d to_lattice = transposed(body.model.grid.axes);
+  std::vector<lattice::NodeLoad> loads;
+  for (const auto& [slot, f] : body.cloth.force) loads.push_back({slot, Vec3(to_lattice * f)});
+  return loads;
+}
+
+void follow_body(const Exec& exec, ClothSupport& support, World& world) {
+  std::vector<Vec3> now = places_now(exec, support, world);
+  const bool comparable = support.places.size() == now.size();
+  const TriMesh from{.vertices = comparable ? support.places : now, .triangles = support.triangles};
+  support.moving = cloth::moving_surface(from, comparable ? now : std::vector<Vec3>(), world.dt);
+  support.places = std::move(now);
+}
+
+void note_force(const cloth::State& state, int obstacle, double dt, ClothSupport& support) {
+  std::vector<Vec3d> impulse(support.carrier.size());
+  cloth::add_surface_impulses(state, obstacle, *support.moving, dt, impulse);
+  support.force.clear();
+  for (std::size_t v = 0; v < impulse.size(); v++)
+    if (impulse[v] != Vec3d{}) support.force.push_back({support.carrier[v], impulse[v] / dt});
+}
+
+void load_bodies(const Exec& exec, World& world) {
+  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++)
+    press_lattice(push_on(world, {BodyKind::kLattice, int(b)}), world.dt, world.lattice_bodies[b]);
+  for (std::size_t b = 0; b < world.sfem_bodies.size(); b++)
+    press_body(exec, world.sfem_bodies[b], push_on(world, {BodyKind::kSfem, int(b)}), world.dt);
+}
+
+}  // namespace turgor

@@ -1,0 +1,137 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "turgor/core/timing.hpp"
+#include "turgor/geometry/where_is.hpp"
+#include "turgor/io/surface_files.hpp"
+#include "turgor/sim/bodies/cloth/cloth_body.hpp"
+#include "turgor/sim/tools/tool_mesh.hpp"
+
+namespace turgor {
+
+namespace {
+
+Result<TriMesh> read_garment_file(const GarmentFile& garment, std::vector<std::string>& notes) {
+  Result<ReadSurface> read = read_surface(garment.file, garment.scale);
+  if (!read) return read.error();
+  notes.insert(notes.end(), read->notes.begin(), read->notes.end());
+  TriMesh mesh = std::move(read->mesh);
+  for (Vec3& x : mesh.vertices) {
+    if (garment.is_y_up) x = {x.x, -x.z, x.y};
+    x += Vec3(garment.shift);
+  }
+  mesh.normals.clear();
+  return mesh;
+}
+
+/// Columns with the z axis along a direction.
+Mat3d axes_along(Vec3d z) {
+  const Vec3d aside = std::abs(z.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d y = normalized(cross(z, aside));
+  return {{cross(y, z), y, z}};
+}
+
+TriMesh placed(TriMesh mesh, const contact::Pose& pose) {
+  for (Vec3& x : mesh.vertices) x = Vec3(contact::to_world(pose, Vec3d(x)));
+  mesh.normals = vertex_normals(mesh);
+  return mesh;
+}
+
+/// A square around a place, to be drawn.
+TriMesh shown_plane(const PlaneScene& plane, double size) {
+  const Mat3d axes = axes_along(normalized(plane.normal));
+  const Vec3d side = axes.column[0] * size, up = axes.column[1] * size;
+  TriMesh mesh = cloth::make_sheet({plane.through - (side + up) * 0.5, side, up, 1, 1});
+  mesh.normals = vertex_normals(mesh);
+  return mesh;
+}
+
+Result<ClothObstacle> load_obstacle(const ObstacleScene& scene, ClothBody& body) {
+  ClothObstacle obstacle{.name = scene.name, .friction = scene.friction, .gap = scene.gap};
+  if (const auto* plane = std::get_if<PlaneScene>(&scene.shape)) {
+    obstacle.plane = *plane;
+    obstacle.shown = shown_plane(*plane, 1.5 * std::sqrt(body.model.area));
+  } else if (const auto* ball = std::get_if<BallScene>(&scene.shape)) {
+    obstacle.shape = contact::Sphere{ball->radius};
+    obstacle.pose.position = ball->centre;
+    obstacle.shown = placed(capsule_mesh(ball->radius, 0), obstacle.pose);
+  } else if (const auto* rod = std::get_if<RodScene>(&scene.shape)) {
+    const Vec3d along = rod->to - rod->from;
+    obstacle.shape = contact::Capsule{rod->radius, norm(along) / 2};
+    obstacle.pose = {(rod->from + rod->to) * 0.5,
+                     axes_along(norm(along) > 0 ? normalized(along) : Vec3d{0, 0, 1})};
+    obstacle.shown = placed(capsule_mesh(rod->radius, norm(along) / 2), obstacle.pose);
+  } else if (const auto* file = std::get_if<GarmentFile>(&scene.shape)) {
+    Result<TriMesh> mesh = read_garment_file(*file, body.notes);
+    if (!mesh) return mesh.error();
+    obstacle.surface = cloth::moving_surface(*mesh, {}, 0);
+    mesh->normals = vertex_normals(*mesh);
+    obstacle.shown = std::move(*mesh);
+  } else {
+    obstacle.support.emplace().body = std::get<BodyId>(scene.shape);
+  }
+  return obstacle;
+}
+
+Result<ClothHold> load_hold(const HoldScene& scene, const TriMesh& mesh, const cloth::Model& model) {
+  ClothHold hold{.scene = scene, .vertices = scene.vertices};
+  const int count = int(mesh.vertices.size());
+  for (const int v : scene.vertices)
+    if (v >= count)
+      return Error{
+          fmt::format("hold.{}: expected vertices from 0 to {}, found {}", scene.name, count - 1, v)};
+  for (int v = 0; scene.box && v < count; v++) {
+    const Vec3d x(mesh.vertices[std::size_t(v)]), low = (*scene.box)[0], high = (*scene.box)[1];
+    if (max(min(x, high), low) == x) hold.vertices.push_back(v);
+  }
+  if (hold.vertices.empty() && !scene.ball)
+    return Error{fmt::format("hold.{}: no vertex of the cloth lies in the box; {}", scene.name,
+                             where_is(std::vector<Vec3d>(mesh.vertices.begin(), mesh.vertices.end()),
+                                      ((*scene.box)[0] + (*scene.box)[1]) * 0.5))};
+  // Once each, though several may have been welded into one.
+  const auto place = [&model](int v) { return model.place[std::size_t(v)]; };
+  std::sort(hold.vertices.begin(), hold.vertices.end(), [&](int a, int b) { return place(a) < place(b); });
+  hold.vertices.erase(std::unique(hold.vertices.begin(), hold.vertices.end(),
+                                  [&](int a, int b) { return place(a) == place(b); }),
+                      hold.vertices.end());
+  return hold;
+}
+
+}  // namespace
+
+Result<ClothBody> load_cloth(const Exec& exec, const ClothScene& scene) {
+  ClothBody body;
+  body.name = scene.name, body.air = scene.air, body.turns = scene.turns;
+  const auto failed = [&](const Error& error) {
+    return Error{fmt::format("{}: {}", scene.place, error.message)};
+  };
+  const Timer timer;
+  TriMesh mesh;
+  if (const auto* sheet = std::get_if<cloth::Sheet>(&scene.source)) {
+    mesh = cloth::make_sheet(*sheet);
+  } else {
+    Result<TriMesh> read = read_garment_file(std::get<GarmentFile>(scene.source), body.notes);
+    if (!read) return failed(read.error());
+    mesh = std::move(*read);
+  }
+  Result<cloth::Model> model = cloth::build(exec, mesh, scene.params);
+  if (!model) return failed(model.error());
+  body.model = std::move(*model);
+  body.state = cloth::make_state(body.model);
+  body.notes.insert(body.notes.end(), body.model.notes.begin(), body.model.notes.end());
+  for (const HoldScene& hold_scene : scene.holds) {
+    Result<ClothHold> hold = load_hold(hold_scene, mesh, body.model);
+    if (!hold) return failed(hold.error());
+    body.holds.push_back(std::move(*hold));
+  }
+  for (const ObstacleScene& obstacle_scene : scene.obstacles) {
+    Result<ClothObstacle> obstacle = load_obstacle(obstacle_scene, body);
+    if (!obstacle) return failed(obstacle.error());
+    body.obstacles.push_back(std::move(*obstacle));
+  }
+  body.build_seconds = timer.seconds();
+  return body;
+}
+
+}  // namespace turgor

@@ -1,0 +1,239 @@
+#include "turgor/sim/bodies/lattice/lattice_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "turgor/contact/tick.hpp"
+#include "turgor/core/timing.hpp"
+#include "turgor/io/ct.hpp"
+#include "turgor/models/lattice/body_nodes.hpp"
+#include "turgor/sim/bodies/lattice/keep_label.hpp"
+#include "turgor/sim/bodies/lattice/load_ct.hpp"
+#include "turgor/sim/bodies/sfem/make_body.hpp"
+
+namespace turgor {
+
+namespace {
+
+/// Whole voxels that come nearest to a lattice step.
+Int3 block_of(const Grid& ct, double step) {
+  const auto voxels = [step](double spacing) {
+    return int(std::clamp(std::round(step / spacing), 1.0, 64.0));
+  };
+  return {voxels(ct.spacing.x), voxels(ct.spacing.y), voxels(ct.spacing.z)};
+}
+
+/// What lies beside the CT on the same patient.
+struct ReadFields {
+  std::optional<LabelVolume> labels;
+  std::optional<VectorVolume> lines;
+};
+Result<ReadFields> read_fields(const LatticeScene& scene, const Grid& ct,
+                               std::optional<LabelVolume> phantom_labels) {
+  ReadFields fields{std::move(phantom_labels), std::nullopt};
+  if (!scene.labels.empty()) {
+    Result<LabelFile> read = read_labels_of(scene.labels, ct);
+    if (!read) return read.error();
+    fields.labels = std::move(read->labels);
+  }
+  if (!scene.direction_field.empty()) {
+    Result<VectorVolume> read = read_vectors(scene.direction_field);
+    if (!read) return read.error();
+    fields.lines = std::move(*read);
+  }
+  return fields;
+}
+
+/// Fixes the nodes of the body that are held.
+void hold_nodes(const HeldBy& held, lattice::BodyNodes& nodes) {
+  std::vector<Vec3d> points;
+  std::vector<std::size_t> indices;
+  for (int k = 0; k < nodes.grid.size.z; k++)
+    for (int j = 0; j < nodes.grid.size.y; j++)
+      for (int i = 0; i < nodes.grid.size.x; i++) {
+        const std::size_t n = sample_index(nodes.grid, i, j, k);
+        if (!lattice::is_body(nodes.tissue[n])) continue;
+        points.push_back(point_at(nodes.grid, Vec3d(Int3{i, j, k})));
+        indices.push_back(n);
+      }
+  const std::vector<std::uint8_t> fixed = held_points(points, held);
+  for (std::size_t p = 0; p < points.size(); p++) nodes.fixed[indices[p]] |= fixed[p];
+}
+
+Result<lattice::Model> build_model(const Exec& exec, const LatticeScene& scene, Int3 block,
+                                   const CtVolume& ct, const ReadFields& fields) {
+  lattice::Params params = scene.params;
+  params.block = block;
+  const bool stiffness_by_label = fields.labels && !params.tissue.young_of_label.empty();
+  Result<lattice::BodyNodes> nodes =
+      lattice::classify(exec, ct, stiffness_by_label ? &*fields.labels : nullptr, params);
+  if (!nodes) return nodes.error();
+  if (scene.held) hold_nodes(*scene.held, *nodes);
+  return lattice::assemble(exec, *nodes, fields.lines ? &*fields.lines : nullptr, params);
+}
+
+Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Progress& progress) {
+  LatticeBody body;
+  body.name = scene.name;
+  body.has_gravity = scene.has_gravity;
+  const Timer reading;
+  Result<LoadedCt> ct = load_ct(exec, scene.ct, progress);
+  if (!ct) return ct.error();
+  body.ct = std::move(ct->volume);
+  body.notes = std::move(ct->notes);
+  if (!scene.label_note.empty()) body.notes.push_back(scene.label_note);
+  const Result<ReadFields> fields = read_fields(scene, body.ct.grid, std::move(ct->labels));
+  if (!fields) return fields.error();
+  const Int3 block = scene.step > 0 ? block_of(body.ct.grid, scene.step) : scene.params.block;
+  if (scene.only > 0) {
+    const Int3 margin{2 * block.x, 2 * block.y, 2 * block.z};  // air for the surface to lie in
+    const Status kept = keep_label(exec, *fields->labels, scene.only, margin, body.ct, body.notes);
+    if (!kept) return kept.error();
+  }
+  body.ct_hash = content_hash(body.ct);
+  body.read_seconds = reading.seconds();
+
+  const Timer building;
+  Result<lattice::Model> model = build_model(exec, scene, block, body.ct, *fields);
+  if (!model) return model.error();
+  body.model = std::move(*model);
+  body.state = lattice::make_state(body.model);
+  body.build_seconds = building.seconds();
+  return body;
+}
+
+void set_poses(LatticeBody& body, const std::vector<TouchingTool>& tools, double time) {
+  for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
+    const PathRow row = path_at(tools[std::size_t(body.tool_indices[t])].path, time);
+    body.poses[t] = {{row.position, axes_of(row.orientation)}, row.hold};
+  }
+}
+
+/// Parts of a step in each of which no tool moves farther than half of its tip.
+int part_count(LatticeBody& body, const std::vector<TouchingTool>& tools, double from, double to) {
+  constexpr double kWay = 0.5;
+  constexpr int kMostParts = 8;
+  set_poses(body, tools, from);
+  const std::vector<contact::ToolPose> before = body.poses;
+  set_poses(body, tools, to);
+  double parts = 1;
+  for (std::size_t t = 0; t < body.tools.size(); t++) {
+    const contact::Shape& shape = body.tools[t].shape;
+    parts = std::max(parts, contact::motion(shape, before[t].pose, body.poses[t].pose) /
+                                (kWay * contact::tip_radius(shape)));
+  }
+  return int(std::ceil(std::min(parts, double(kMostParts))));
+}
+
+/// Of the surface at rest inside a tool, looked at in every triangle's corners, its middle and those of its
+/// sides [m].
+double depth_at_rest(const LatticeBody& body, const contact::Tool& tool, const contact::Pose& pose) {
+  const double near = contact::bounding_radius(tool.shape);
+  double deepest = 0;
+  const auto look_at = [&](Vec3d x) {
+    if (const Vec3d d = x - pose.position; dot(d, d) < near * near)
+      deepest = std::max(deepest, -contact::distance(tool.shape, pose, x).distance);
+  };
+  for (const Int3 t : body.surface.triangles) {
+    const Vec3d a = body.rest[std::size_t(t.x)], b = body.rest[std::size_t(t.y)],
+                c = body.rest[std::size_t(t.z)];
+    for (const Vec3d x : {a, b, c, (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5, (a + b + c) / 3}) look_at(x);
+  }
+  return deepest;
+}
+
+void record_step(const LatticeBody& body, std::vector<TouchingTool>& tools, double time, double seconds) {
+  for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
+    const contact::ToolForce& felt = body.forces[t];
+    ForceSample sample{.time = time,
+                       .position = body.poses[t].pose.position,
+                       .force = felt.force,
+                       .torque = felt.torque,
+                       .contacts = felt.contacts,
+                       .tick_seconds = float(seconds)};
+    if (felt.contacts > 0) sample.depth = depth_at_rest(body, body.tools[t], body.poses[t].pose);
+    std::vector<ForceSample>& samples = tools[std::size_t(body.tool_indices[t])].samples;
+    if (!samples.empty()) sample.path = samples.back().path + norm(sample.position - samples.back().position);
+    samples.push_back(sample);
+  }
+}
+
+void make_surface(LatticeBody& body) {
+  body.surface = lattice::build_surface(body.model, body.state);
+  body.rest = lattice::rest_points(body.model, body.surface);
+  body.surface_cuts = body.state.cut_edges.size();
+}
+
+/// Blades have been at work: the walls they left can be touched.
+void follow_cuts(LatticeBody& body) {
+  if (body.state.cut_edges.size() == body.surface_cuts) return;
+  make_surface(body);
+  contact::take_surface(body.touch, body.model, body.surface);
+}
+
+}  // namespace
+
+Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, const BeginWork& begin) {
+  Result<LatticeBody> body = load(exec, scene, begin ? begin("reading", "") : Progress());
+  if (!body) return Error{fmt::format("{}: {}", scene.place, body.error().message)};
+  return body;
+}
+
+RestSurface rest_surface(LatticeBody& body) {
+  if (body.rest.empty()) make_surface(body);
+  return {body.rest, body.surface.triangles};
+}
+
+void begin_touch(LatticeBody& body, const std::vector<TouchingTool>& tools) {
+  for (const int t : body.tool_indices) body.tools.push_back(tools[std::size_t(t)].tool);
+  if (body.tools.empty()) return;
+  body.poses.resize(body.tools.size());
+  body.forces.resize(body.tools.size());
+  set_poses(body, tools, 0);
+  body.touch = contact::make_lattice_touch(body.model, body.surface, body.poses);
+}
+
+lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vector<TouchingTool>& tools,
+                                 const lattice::Inputs& inputs, double from, double to) {
+  if (body.tools.empty()) return lattice::step(exec, body.model, body.state, inputs, to - from);
+  const Timer timer;
+  follow_cuts(body);
+  const int parts = part_count(body, tools, from, to);
+  lattice::StepReport report;
+  for (int part = 1; part <= parts && report.finite; part++) {
+    set_poses(body, tools, from + (to - from) * part / parts);
+    report = contact::step(exec, body.model, body.state, body.touch, body.tools, body.poses, inputs,
+                           (to - from) / parts, body.forces);
+  }
+  record_step(body, tools, to, timer.seconds());
+  return report;
+}
+
+ShownSurface shown_tools(const LatticeBody& body, double time) {
+  ShownSurface shown{.time = time};
+  for (std::size_t t = 0; t < body.tools.size(); t++)
+    shown.tools.push_back({body.poses[t].pose, body.forces[t].force});
+  return shown;
+}
+
+void remember_deepest(LatticeBody& body, double time) {
+  double force = 0;
+  for (const contact::ToolForce& felt : body.forces) force += norm(felt.force);
+  if (force <= body.largest_force) return;
+  body.largest_force = force;
+  const Timer timer;
+  const TriMesh now =
+      lattice::deformed_surface(body.model, body.state, body.surface, lattice::Shown::kNothing);
+  body.deepest = shown_tools(body, time);
+  body.deepest.triangles = body.surface.triangles;
+  for (std::size_t v = 0; v < body.rest.size(); v++) {
+    body.deepest.rest.push_back(Vec3(body.rest[v]));
+    body.deepest.displacement.push_back(now.vertices[v] - body.deepest.rest[v]);
+  }
+  body.deepest.pressure.resize(body.rest.size());  // forces are known at nodes, not how they are spread
+  body.surface_seconds.push_back(timer.seconds());
+}
+
+}  // namespace turgor

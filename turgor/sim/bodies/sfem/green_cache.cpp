@@ -1,0 +1,127 @@
+#include "turgor/sim/bodies/sfem/green_cache.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "turgor/core/hash.hpp"
+#include "turgor/io/file.hpp"
+#include "turgor/io/hdf5_file.hpp"
+
+namespace turgor {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFormat = "turgor Green's functions 1";
+constexpr std::size_t kMostChecks = 1 << 10;
+
+template <class T>
+Status read_into(const Hdf5File& file, const char* name, std::size_t count, std::vector<T>& values) {
+  Result<std::vector<T>> read = file.read<T>(name, count);
+  if (!read) return read.error();
+  values = std::move(*read);
+  return Done{};
+}
+
+/// The values, as they are in the file; sfem::check_green says whether they are right.
+Result<sfem::Green> read_values(const fs::path& path, const sfem::Model& model) {
+  const Result<Hdf5File> file = Hdf5File::open(path);
+  if (!file) return file.error();
+  const Result<std::string> format = file->read_text("/format");
+  if (!format || *format != kFormat)
+    return Error{fmt::format("{}: expected \"{}\", found {}", path.string(), kFormat,
+                             format ? "\"" + *format + "\"" : std::string("another HDF5 file"))};
+  std::vector<std::uint64_t> content, sum;
+  if (const Status s = read_into(*file, "/content_hash", 1, content); !s) return s.error();
+  if (content[0] != sfem::content_hash(model))
+    return Error{fmt::format("{}: it belongs to another body: expected content {}, found {}", path.string(),
+                             hash_text(sfem::content_hash(model)), hash_text(content[0]))};
+  sfem::Green green;
+  green.nodes = model.green.nodes, green.surface_count = model.green.surface_count;
+  green.slot = model.green.slot;
+  const std::size_t count = 9 * green.nodes.size() * green.nodes.size();
+  const Status read = model.params.precision == sfem::Precision::kSingle
+                          ? read_into(*file, "/values", count, green.single_values)
+                          : read_into(*file, "/values", count, green.double_values);
+  if (!read) return read.error();
+  const Result<std::size_t> checks = file->count("/check/vertices", kMostChecks);
+  if (!checks) return checks.error();
+  if (const Status s = read_into(*file, "/check/vertices", *checks, green.check.vertices); !s)
+    return s.error();
+  const std::size_t check_values = 9 * *checks * model.vertex.size();
+  if (const Status s = read_into(*file, "/check/values", check_values, green.check.values); !s)
+    return s.error();
+  if (const Status s = read_into(*file, "/checksum", 1, sum); !s) return s.error();
+  green.checksum = sum[0];
+  return green;
+}
+
+Status write_values(const fs::path& path, const sfem::Model& model, const std::string& what_for) {
+  Result<Hdf5File> file = Hdf5File::create(path);
+  if (!file) return file.error();
+  const sfem::Green& green = model.green;
+  const std::size_t columns = 3 * green.nodes.size();
+  Status status = file->write_text("/format", kFormat);
+  if (status) status = file->write_text("/what_for", what_for);
+  const auto write = [&]<class T>(const char* name, const std::vector<T>& values, std::size_t width) {
+    // Hardly smaller when compressed, and much slower.
+    if (status) status = file->write(name, std::span<const T>(values), width, Hdf5Packing::kPlain);
+  };
+  write("/content_hash", std::vector<std::uint64_t>{sfem::content_hash(model)}, 1);
+  if (model.params.precision == sfem::Precision::kSingle)
+    write("/values", green.single_values, columns);
+  else
+    write("/values", green.double_values, columns);
+  write("/check/vertices", green.check.vertices, 1);
+  write("/check/values", green.check.values, 1);
+  write("/checksum", std::vector<std::uint64_t>{green.checksum}, 1);
+  return status ? file->close() : status;
+}
+
+}  // namespace
+
+fs::path user_cache_folder() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return fs::path(cache) / "turgor";
+  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "turgor";
+  return {};
+}
+
+fs::path green_cache_file(const fs::path& folder, std::uint64_t content_hash) {
+  std::error_code ignored;
+  const fs::path where = folder.empty() ? user_cache_folder() : fs::absolute(folder, ignored);
+  return where.empty() ? fs::path() : where / fmt::format("green-{}.h5", hash_text(content_hash));
+}
+
+CachedGreen read_green(const fs::path& path, sfem::Model& model) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return {};
+  Result<sfem::Green> green = read_values(path, model);
+  if (!green) return {false, green.error().message + "; computed anew"};
+  std::swap(model.green, *green);
+  const Status checked = sfem::check_green(model);
+  if (checked) {
+    fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);  // used now
+    return {true, ""};
+  }
+  std::swap(model.green, *green);
+  return {false, fmt::format("{}: {}; computed anew", path.string(), checked.error().message)};
+}
+
+Status write_green(const fs::path& path, const sfem::Model& model, const std::string& what_for) {
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  if (const Status goal = check_file_goal(path); !goal) return goal;
+  Unfinished partial(path);
+  if (const Status status = write_values(partial.path(), model, what_for); !status) return status;
+  return partial.keep([&]() -> Status {
+    if (rename(partial.path().c_str(), path.c_str()) == 0) return Done{};
+    return Error{fmt::format("{}: cannot give the file its name: {}", path.string(), std::strerror(errno))};
+  });
+}
+
+}  // namespace turgor

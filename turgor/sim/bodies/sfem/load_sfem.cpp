@@ -1,0 +1,224 @@
+#include "turgor/sim/bodies/sfem/load_sfem.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "turgor/core/timing.hpp"
+#include "turgor/geometry/hex_block.hpp"
+#include "turgor/geometry/organ_mesh.hpp"
+#include "turgor/io/ct.hpp"
+#include "turgor/io/solid_files.hpp"
+#include "turgor/io/surface_files.hpp"
+#include "turgor/sim/bodies/sfem/green_cache.hpp"
+#include "turgor/sim/bodies/sfem/make_body.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr double kLeastPatchMemory = 0.25;  // a patch may take this, however little a scene allows [GB]
+
+Progress begin_work(const BeginWork& begin, const std::string& label, const std::string& sentence = "") {
+  return begin ? begin(label, sentence) : Progress();
+}
+
+void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
+  notes.insert(notes.end(), more.begin(), more.end());
+}
+
+Result<OrganMesh> from_solid_file(const SolidFile& source) {
+  Result<ReadSolid> read = read_solid(source.file, source.scale);
+  if (!read) return read.error();
+  return OrganMesh{.mesh = std::move(read->mesh), .notes = std::move(read->notes)};
+}
+
+Result<OrganMesh> from_surface(const Exec& exec, const ClosedSurface& source, const BeginWork& begin) {
+  Result<ReadSurface> read = read_surface(source.file, source.scale);
+  if (!read) return read.error();
+  Result<OrganMesh> made = mesh_of_surface(exec, read->mesh, source.resolution, begin_work(begin, "meshing"));
+  if (!made) return Error{fmt::format("{}: {}", source.file.string(), made.error().message)};
+  append(made->notes, read->notes);
+  return made;
+}
+
+Result<OrganMesh> from_labels(const Exec& exec, const LabelledOrgan& source,
+                              const std::vector<InsideScene>& inside, const BeginWork& begin) {
+  LabelVolume labels;
+  if (source.phantom) {
+    make_phantom(exec, *source.phantom, &labels, begin_work(begin, "painting"));
+  } else {
+    Result<LabelFile> read = read_labels(source.file);
+    if (!read) return read.error();
+    labels = std::move(read->labels);
+  }
+  std::vector<int> wanted{source.label};
+  for (const InsideScene& part : inside) wanted.push_back(part.label);
+  Result<OrganMesh> made =
+      mesh_of_labels(exec, labels, wanted, source.resolution, begin_work(begin, "meshing"));
+  const std::string name = source.phantom ? "the phantom" : source.file.string();
+  if (!made) return Error{fmt::format("{}: {}", name, made.error().message)};
+  if (!source.label_note.empty()) made->notes.push_back(source.label_note);
+  return made;
+}
+
+Result<OrganMesh> load_shape(const Exec& exec, const SfemScene& scene, const BeginWork& begin) {
+  if (const auto* file = std::get_if<SolidFile>(&scene.source)) return from_solid_file(*file);
+  if (const auto* surface = std::get_if<ClosedSurface>(&scene.source))
+    return from_surface(exec, *surface, begin);
+  if (const auto* body = std::get_if<LabelledOrgan>(&scene.source))
+    return from_labels(exec, *body, scene.inside, begin);
+  const HexBlock& block = std::get<HexBlock>(scene.source);
+  return OrganMesh{.mesh = hex_block(block.size, block.count)};
+}
+
+double longest_edge(const SolidMesh& mesh) {
+  double longest = 0;
+  for (std::size_t e = 0; e < element_count(mesh); e++) {
+    const auto corners = element(mesh, e);
+    for (const int a : corners)
+      for (const int b : corners)
+        longest = std::max(longest, norm(mesh.vertices[std::size_t(a)] - mesh.vertices[std::size_t(b)]));
+  }
+  return longest;
+}
+
+std::string memory_text(double bytes) {
+  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
+}
+
+/// Columns on demand: the store does not fit, the factor does.
+Status prepare_on_demand(const Exec& exec, const SfemScene& scene, SfemBody& body, const BeginWork& begin) {
+  const sfem::GreenCost& cost = body.facts.cost;
+  if (double(cost.factor_bytes) > scene.memory * 1e9)
+    return Error{
+        fmt::format("{}: the body's factor alone takes {}, allowed are {} GB: raise body.{}.memory, or take "
+                    "a coarser mesh",
+                    scene.place, memory_text(double(cost.factor_bytes)), scene.memory, scene.name)};
+  body.facts.on_demand = true;
+  body.facts.notes.push_back(
+      fmt::format("all Green's functions would take {}, allowed are {} GB: their columns are computed where "
+                  "the tools are; "
+                  "more memory or a coarser mesh makes following faster",
+                  memory_text(double(cost.store_bytes)), scene.memory));
+  return sfem::prepare_columns(
+      exec, body.model,
+      begin_work(begin, "factor",
+                 fmt::format("{}: {} nodes, factor of {}, columns of Green's functions on demand", body.name,
+                             body.model.vertex.size(), memory_text(double(cost.factor_bytes)))));
+}
+
+Status compute_and_keep(const Exec& exec, const SfemScene& scene, const std::filesystem::path& cache,
+                        SfemBody& body, const BeginWork& begin) {
+  const sfem::GreenCost& cost = body.facts.cost;
+  const Progress progress = begin_work(
+      begin, "Green's functions",
+      fmt::format("{}: {} free nodes; Green's functions between {} of them take {}, the factor {}; {:.3g} "
+                  "thousand million operations",
+                  body.name, body.model.vertex.size(), body.model.green.nodes.size(),
+                  memory_text(double(cost.store_bytes)), memory_text(double(cost.factor_bytes)),
+                  (cost.factor_flops + cost.solve_flops) * 1e-9));
+  if (const Status status = sfem::compute_green(exec, body.model, std::size_t(scene.memory * 1e9), progress);
+      !status)
+    return Error{fmt::format("{}: {}", scene.place, status.error().message)};
+  if (cache.empty()) return Done{};
+  const Status kept = write_green(cache, body.model, scene.place);
+  if (!kept) body.facts.notes.push_back("not cached: " + kept.error().message);
+  return Done{};
+}
+
+/// What was not used for longest goes when the cache has grown beyond its limit.
+void keep_within_limit(const std::filesystem::path& cache, std::vector<std::string>& notes) {
+  const Result<std::uintmax_t> limit = cache_limit();
+  if (!limit) return notes.push_back(limit.error().message + "; the cache is not trimmed");
+  const std::vector<CacheFile> removed = trim_cache(cache.parent_path(), *limit, cache);
+  if (removed.empty()) return;
+  double bytes = 0;
+  for (const CacheFile& file : removed) bytes += double(file.bytes);
+  notes.push_back(fmt::format(
+      "{}: {} files of {} that were not used for longest were removed: the limit is {} "
+      "(TURGOR_CACHE_LIMIT, in GB)",
+      cache.parent_path().string(), removed.size(), memory_text(bytes), memory_text(double(*limit))));
+}
+
+Status prepare_green(const Exec& exec, const SfemScene& scene, SfemBody& body, const BeginWork& begin) {
+  const Timer timer;
+  body.facts.cost = sfem::green_cost(body.model);
+  body.facts.content_hash = sfem::content_hash(body.model);
+  const auto& cost = body.facts.cost;
+  if (double(cost.store_bytes + cost.factor_bytes) > scene.memory * 1e9) {
+    const Status status = prepare_on_demand(exec, scene, body, begin);
+    body.facts.green_seconds = timer.seconds();
+    return status;
+  }
+  const std::filesystem::path cache =
+      scene.cached ? green_cache_file(scene.cache, body.facts.content_hash) : std::filesystem::path();
+  body.facts.cache_file = cache.string();
+  Status status = Done{};
+  CachedGreen cached = cache.empty() ? CachedGreen{} : read_green(cache, body.model);
+  if (!cached.note.empty()) body.facts.notes.push_back(cached.note);
+  body.facts.from_cache = cached.found;
+  if (!cached.found) status = compute_and_keep(exec, scene, cache, body, begin);
+  if (!cached.found && !cache.empty() && status) keep_within_limit(cache, body.facts.notes);
+  body.facts.green_seconds = timer.seconds();
+  return status;
+}
+
+Status load_seen(const Exec& exec, const SfemScene& scene, SfemBody& body) {
+  if (scene.seen.empty()) return Done{};
+  Result<ReadSurface> read = read_surface(scene.seen, scene.seen_scale);
+  if (!read) return Error{fmt::format("{}.seen: {}", scene.place, read.error().message)};
+  append(body.facts.notes, read->notes);
+  body.seen = SeenSurface{embed(exec, read->mesh, body.model.body.mesh), read->mesh.triangles};
+  const double edge = longest_edge(body.model.body.mesh);
+  if (body.seen->embedding.farthest_outside > 3 * edge)
+    return Error{
+        fmt::format("{}.seen: {}: a vertex is {:.4g} m away from the body, whose longest edge is {:.4g} "
+                    "m; expected a surface of the same body (seen_scale?)",
+                    scene.place, scene.seen.string(), body.seen->embedding.farthest_outside, edge)};
+  return Done{};
+}
+
+Status prepare_turning(const Exec& exec, SfemBody& body, const BeginWork& begin) {
+  if (const Status s = sfem::factorize(exec, body.model, begin_work(begin, "factor")); !s) return s.error();
+  body.turning = Turning{sfem::make_corotation(exec, body.model), sfem::make_rotation_state(body.model)};
+  return Done{};
+}
+
+}  // namespace
+
+Result<SfemBody> load_sfem(const Exec& exec, const SfemScene& scene, const BeginWork& begin) {
+  SfemBody body;
+  body.name = scene.name;
+  const Timer shaping;
+  Result<OrganMesh> shape = load_shape(exec, scene, begin);
+  if (!shape) return Error{fmt::format("{}: {}", scene.place, shape.error().message)};
+  body.facts.notes = std::move(shape->notes);
+  body.facts.input_volume = shape->input_volume;
+  if (shape->mesh.corners == 4) body.facts.quality = measure_quality(shape->mesh);
+  body.facts.volume = volume(shape->mesh);
+  Result<sfem::Body> elastic = make_body(std::move(shape->mesh), scene);
+  if (!elastic) return elastic.error();
+  body.facts.shape_seconds = shaping.seconds();
+
+  const sfem::Params params{scene.formulation, scene.precision, scene.patch.radius};
+  Result<sfem::Model> model = sfem::build(exec, std::move(*elastic), params);
+  if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
+  body.model = std::move(*model);
+  if (const Status status = prepare_green(exec, scene, body, begin); !status) return status.error();
+  if (const Status status = load_seen(exec, scene, body); !status) return status.error();
+  if (scene.rotations)
+    if (const Status status = prepare_turning(exec, body, begin); !status) return status.error();
+  body.refinement = scene.patch.refinement;
+  body.contacts = scene.contacts;
+  body.patch_memory = std::size_t(std::max(scene.memory, kLeastPatchMemory) * 1e9);
+  body.follow.radius = scene.patch.radius;
+  body.follow.hysteresis = scene.patch.hysteresis;
+  return body;
+}
+
+RestSurface rest_surface(const SfemBody& body) {
+  return {body.model.body.mesh.vertices, body.model.surface.triangles};
+}
+
+}  // namespace turgor

@@ -1,0 +1,105 @@
+#include "turgor/sim/bodies/sfem/make_body.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "turgor/geometry/where_is.hpp"
+
+namespace turgor {
+
+namespace {
+
+Vec3d in_box(const Box& box, Vec3d fraction) { return box.low + hadamard(fraction, box.high - box.low); }
+
+bool is_inside(const Box& box, Vec3d x) {
+  for (int axis = 0; axis < 3; axis++)
+    if (x[axis] < box.low[axis] || x[axis] > box.high[axis]) return false;
+  return true;
+}
+
+/// The part of a box that is near one of its sides. A little more than that: what lies on the side itself
+/// belongs to it whatever the rounding.
+Box near_side(Box box, Side side, double depth) {
+  const int axis = int(side) / 2;
+  const bool high = int(side) % 2 == 1;
+  const double extent = box.high[axis] - box.low[axis], reach = extent * std::max(depth, 1e-9);
+  if (high)
+    box.low[axis] = box.high[axis] - reach;
+  else
+    box.high[axis] = box.low[axis] + reach;
+  return box;
+}
+
+bool holds_an_element(const SolidMesh& mesh, const sfem::Inclusion& inclusion) {
+  for (std::size_t e = 0; e < element_count(mesh); e++)
+    if (norm(centroid(mesh, e) - inclusion.centre) <= inclusion.radius) return true;
+  return false;
+}
+
+Status add_inside(const SfemScene& scene, sfem::Body& body) {
+  if (scene.inside.empty()) return Done{};
+  const std::set<int> labels(body.mesh.regions.begin(), body.mesh.regions.end());
+  body.material.assign(element_count(body.mesh), 0);
+  for (const InsideScene& part : scene.inside) {
+    if (!labels.contains(part.label))
+      return Error{fmt::format(
+          "{}.inside.{}: no element has the label {}; there are: {}", scene.place, part.name, part.label,
+          labels.empty() ? std::string("none") : fmt::format("{}", fmt::join(labels, ", ")))};
+    const int index = int(body.materials.size());
+    body.materials.push_back(part.material);
+    for (std::size_t e = 0; e < body.material.size(); e++)
+      if (region(body.mesh, e) == part.label) body.material[e] = index;
+  }
+  return Done{};
+}
+
+Status add_inclusions(const SfemScene& scene, sfem::Body& body) {
+  const Box box = box_around(body.mesh.vertices);
+  for (const InclusionScene& given : scene.inclusions) {
+    const sfem::Inclusion inclusion{.centre = given.by_fraction ? in_box(box, given.centre) : given.centre,
+                                    .radius = given.radius,
+                                    .material = int(body.materials.size())};
+    if (!holds_an_element(body.mesh, inclusion))
+      return Error{fmt::format(
+          "{}.inclusion.{}: no element has its middle in the sphere around {:.4g}, {:.4g}, {:.4g} m with the "
+          "radius {} m; expected a place inside the body and a radius above half of an element; {}",
+          scene.place, given.name, inclusion.centre.x, inclusion.centre.y, inclusion.centre.z, given.radius,
+          where_is(body.mesh.vertices, inclusion.centre))};
+    body.materials.push_back(given.material);
+    body.inclusions.push_back(inclusion);
+  }
+  return Done{};
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> held_points(std::span<const Vec3d> points, const HeldBy& held) {
+  const Box box = box_around(points);
+  std::vector<Box> holders;
+  if (held.box) {
+    const auto& [low, high] = *held.box;
+    holders.push_back(held.by_fraction ? Box{in_box(box, low), in_box(box, high)} : Box{low, high});
+  } else {
+    for (const Side side : held.sides) holders.push_back(near_side(box, side, held.depth));
+  }
+  std::vector<std::uint8_t> fixed(points.size(), 0);
+  for (std::size_t v = 0; v < fixed.size(); v++)
+    fixed[v] = std::any_of(holders.begin(), holders.end(),
+                           [&](const Box& holder) { return is_inside(holder, points[v]); });
+  return fixed;
+}
+
+Result<sfem::Body> make_body(SolidMesh mesh, const SfemScene& scene) {
+  sfem::Body body;
+  body.fixed = held_points(mesh.vertices, scene.fixed);
+  body.mesh = std::move(mesh);
+  body.materials = {scene.material};
+  if (const Status status = add_inside(scene, body); !status) return status.error();
+  if (const Status status = add_inclusions(scene, body); !status) return status.error();
+  return body;
+}
+
+}  // namespace turgor

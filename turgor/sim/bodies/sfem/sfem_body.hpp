@@ -1,0 +1,130 @@
+// A body of the sfem model while tools touch it: the body with its Green's functions, the patch that
+// follows the tools, what every haptic tick answered, and its surface as pictures show it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turgor/contact/follow.hpp"
+#include "turgor/contact/touch.hpp"
+#include "turgor/geometry/embedding.hpp"
+#include "turgor/geometry/mesh_quality.hpp"
+#include "turgor/models/sfem/patch.hpp"
+#include "turgor/models/sfem/rotation.hpp"
+#include "turgor/models/sfem/sfem.hpp"
+#include "turgor/sim/bodies/cloth/cloth_load.hpp"
+#include "turgor/sim/scene/sfem_scene.hpp"
+#include "turgor/sim/tools/touched_body.hpp"
+
+namespace turgor {
+
+/// A patch that was built while the tool moved.
+struct PatchRebuild {
+  double time = 0;              // when it was taken into use [s]
+  double seconds = 0;           // wall time of building it, beside the ticks
+  double handover_seconds = 0;  // and of taking it into use
+  int elements = 0, local_nodes = 0, points = 0;
+  double force_jump = 0;  // before it is blended away [N]
+};
+
+/// A finer surface that moves with the body.
+struct SeenSurface {
+  Embedding embedding;
+  std::vector<Int3> triangles;
+};
+
+/// How the body was made, for the report.
+struct SfemFacts {
+  MeshQuality quality;       // of tetrahedra
+  double volume = 0;         // of the mesh [m³]
+  double input_volume = 0;   // of the label or the surface it was made from; 0 = there was none [m³]
+  double shape_seconds = 0;  // reading and meshing
+  double green_seconds = 0;  // computing, or reading from the cache
+  bool from_cache = false, on_demand = false;
+  sfem::GreenCost cost;
+  std::string cache_file;  // empty = none
+  std::uint64_t content_hash = 0;
+  std::vector<std::string> notes;
+};
+
+/// Large rotations, corrected once a frame.
+struct Turning {
+  sfem::Corotation corotation;
+  sfem::RotationState state;
+  int frames = 0, unconverged = 0;
+  double largest_residual = 0;  // see sfem::RotationReport
+};
+
+/// Cloth that lies on the body.
+struct ClothPress {
+  ClothLoad load;
+  std::vector<Vec3d> displacement;  // that it makes, of every vertex [m]
+};
+
+/// How turned elements and cloth move every vertex; ticks go from where that was a frame ago to where it is
+/// now. Empty = nothing does.
+struct FreeMotion {
+  std::vector<Vec3d> before, now;  // [m]
+};
+
+struct SfemBody : TouchedBody {
+  SfemFacts facts;
+  sfem::Model model;
+  std::optional<SeenSurface> seen;
+
+  std::optional<Turning> turning;
+  std::optional<ClothPress> press;
+  FreeMotion free;
+
+  int refinement = 2;
+  int contacts = 32;             // contact::TouchParams::capacity
+  std::size_t patch_memory = 0;  // that a patch may take [bytes]
+  contact::FollowParams follow;
+  sfem::Patch patch;
+  contact::TouchState touch;
+  std::vector<Vec3d> centres;  // where the present patch was built for [m]
+
+  std::vector<contact::Tool> tools;  // one for each of tool_indices, as the two below
+  std::vector<contact::ToolPose> poses;
+  std::vector<contact::ToolForce> forces;
+
+  std::vector<PatchRebuild> rebuilds;
+  int kept_patches = 0;      // times that a patch could not follow: the present one stayed
+  std::string kept_because;  // the first time
+};
+
+/// The surface as it lies now.
+ShownSurface shown_surface(const Exec& exec, const SfemBody& body, double time);
+
+/// Builds the patch where the tools are at the start, and everything a tick needs. Error: the patch takes
+/// more than SfemBody::patch_memory, or its numbers do not hold.
+Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
+                   const contact::Viscosity& viscosity);
+/// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick.
+void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& tools, double from, double to);
+
+/// Corrects large rotations for the next frame, if the body does so. The ticks have arrived where free
+/// motion led them.
+void turn_body(const Exec& exec, SfemBody& body);
+/// Feels what cloth does to it, from the next frame on.
+void press_body(const Exec& exec, SfemBody& body, const ClothPush& push, double dt);
+/// Where the ticks of the next frame go to.
+void sum_free_motion(SfemBody& body);
+/// Forces on vertices under which the elastic body lies as the body does now: those of the contacts, and
+/// what viscous tissue remembers; ascending.
+std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body);
+
+/// Keeps the surface when the force on the tools is the largest so far.
+void remember_deepest(const Exec& exec, SfemBody& body, double time);
+
+/// Displacement of every vertex of the mesh by the coarse functions; zero where none are kept [m]: of the
+/// body as it lies now, and of these forces alone.
+std::vector<Vec3d> coarse_displacements(const Exec& exec, const SfemBody& body);
+std::vector<Vec3d> displacements(const Exec& exec, const SfemBody& body,
+                                 std::span<const contact::VertexForce> forces);
+
+/// How far the deepest point of a tool is below the surface of the patch at rest; 0 = it does not touch [m].
+double depth_at_rest(const SfemBody& body, const contact::Tool& tool, const contact::Pose& pose);
+
+}  // namespace turgor

@@ -1,0 +1,238 @@
+// The surface of a body as pictures show it. Outside the patch it is the coarse one, inside it is the
+// patch's; a finer surface of the scene hangs on the coarse elements and, inside the patch, follows that.
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "turgor/models/sfem/green.hpp"
+#include "turgor/sim/bodies/sfem/sfem_body.hpp"
+
+namespace turgor {
+
+namespace {
+
+std::vector<double> flat(std::span<const Vec3d> vectors) {
+  std::vector<double> values;
+  values.reserve(3 * vectors.size());
+  for (const Vec3d v : vectors) values.insert(values.end(), {v.x, v.y, v.z});
+  return values;
+}
+
+/// The vertex of the mesh at which each point of the patch lies; -1 = between vertices.
+std::vector<int> vertices_of_points(const SfemBody& body) {
+  std::map<std::array<double, 3>, int> vertex_at;
+  const std::vector<Vec3d>& x = body.model.body.mesh.vertices;
+  for (const int e : body.patch.elements)
+    for (const int v : element(body.model.body.mesh, std::size_t(e))) {
+      const Vec3d p = x[std::size_t(v)];
+      vertex_at[{p.x, p.y, p.z}] = v;
+    }
+  std::vector<int> vertices;
+  for (const sfem::PatchPoint& point : body.patch.points) {
+    const auto found = vertex_at.find({point.x.x, point.x.y, point.x.z});
+    vertices.push_back(found == vertex_at.end() ? -1 : found->second);
+  }
+  return vertices;
+}
+
+/// Vertices of a surface in the making, by where they come from.
+class SurfaceBuilder {
+ public:
+  int add(Vec3d rest, Vec3d displacement, float pressure) {
+    surface.rest.push_back(Vec3(rest));
+    surface.displacement.push_back(Vec3(displacement));
+    surface.pressure.push_back(pressure);
+    return int(surface.rest.size()) - 1;
+  }
+  ShownSurface surface;
+};
+
+/// The coarse surface with the patch in place of the triangles it covers.
+ShownSurface joined_surface(const SfemBody& body, const std::vector<Vec3d>& coarse,
+                            const std::vector<float>& pressure) {
+  const SolidMesh& mesh = body.model.body.mesh;
+  SurfaceBuilder builder;
+  std::vector<int> shown_vertex(mesh.vertices.size(), -1), shown_point(body.patch.points.size(), -1);
+  std::vector<bool> covered(mesh.vertices.size(), false), in_patch(element_count(mesh), false);
+  for (const int e : body.patch.elements) in_patch[std::size_t(e)] = true;
+  const std::vector<int> vertices = vertices_of_points(body);
+  for (std::size_t p = 0; p < body.patch.points.size(); p++) {
+    const Vec3d rest = body.patch.points[p].x;
+    shown_point[p] = builder.add(rest, body.touch.x[p] - rest, pressure[p]);
+    if (vertices[p] < 0) continue;
+    shown_vertex[std::size_t(vertices[p])] = shown_point[p];
+    covered[std::size_t(vertices[p])] = true;
+  }
+  for (const Int3 t : body.patch.triangles)
+    builder.surface.triangles.push_back(
+        {shown_point[std::size_t(t.x)], shown_point[std::size_t(t.y)], shown_point[std::size_t(t.z)]});
+  const SolidSurface& outer = body.model.surface;
+  for (std::size_t i = 0; i < outer.triangles.size(); i++) {
+    const Int3 t = outer.triangles[i];
+    const bool is_covered = in_patch[std::size_t(outer.element[i])] && covered[std::size_t(t.x)] &&
+                            covered[std::size_t(t.y)] && covered[std::size_t(t.z)];
+    if (is_covered) continue;
+    Int3 shown;
+    for (int corner = 0; corner < 3; corner++) {
+      const auto v = std::size_t(t[corner]);
+      if (shown_vertex[v] < 0) shown_vertex[v] = builder.add(mesh.vertices[v], coarse[v], 0);
+      shown[corner] = shown_vertex[v];
+    }
+    builder.surface.triangles.push_back(shown);
+  }
+  return std::move(builder.surface);
+}
+
+/// What a place near the patch has that the coarse functions do not say: the nearest point of the patch's
+/// surface tells.
+struct PatchPlace {
+  Int3 point;
+  Vec3d weight;
+  double distance = 0;  // [m]
+};
+PatchPlace nearest_in_patch(const sfem::Patch& patch, Vec3d x) {
+  PatchPlace best{.point = {}, .weight = {}, .distance = 1e300};
+  for (const Int3 t : patch.triangles) {
+    const Vec3d a = patch.points[std::size_t(t.x)].x, b = patch.points[std::size_t(t.y)].x,
+                c = patch.points[std::size_t(t.z)].x;
+    const Vec3d w = contact::closest_weights(x, a, b, c);
+    const double distance = norm(a * w.x + b * w.y + c * w.z - x);
+    if (distance < best.distance) best = {t, w, distance};
+  }
+  return best;
+}
+
+double longest_edge(const sfem::Patch& patch) {
+  double longest = 0;
+  for (const Int3 t : patch.triangles)
+    for (int corner = 0; corner < 3; corner++)
+      longest = std::max(longest, norm(patch.points[std::size_t(t[corner])].x -
+                                       patch.points[std::size_t(t[(corner + 1) % 3])].x));
+  return longest;
+}
+
+template <class Of>
+auto interpolated(const PatchPlace& place, const Of& of) {
+  return of(place.point.x) * place.weight.x + of(place.point.y) * place.weight.y +
+         of(place.point.z) * place.weight.z;
+}
+
+/// The part of a point's displacement that the coarse functions do not have [m].
+Vec3d fine_part(const SfemBody& body, const std::vector<Vec3d>& coarse, int p) {
+  const sfem::PatchPoint& point = body.patch.points[std::size_t(p)];
+  Vec3d u = body.touch.x[std::size_t(p)] - point.x;
+  for (int s = 0; s < point.supports; s++) {
+    const auto i = std::size_t(s);
+    u -= coarse[std::size_t(body.patch.coarse[std::size_t(point.coarse[i])])] * point.weight[i];
+  }
+  return u;
+}
+
+/// The finer surface: carried by the coarse elements, and near the patch by what that adds.
+ShownSurface carried_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec3d>& coarse,
+                             const std::vector<float>& pressure) {
+  const Embedding& embedding = body.seen->embedding;
+  const std::size_t count = embedding.rest.size();
+  ShownSurface surface;
+  surface.rest = embedding.rest;
+  surface.triangles = body.seen->triangles;
+  std::vector<Vec3> moved(count);
+  move(embedding, coarse, moved);
+  surface.displacement.resize(count);
+  surface.pressure.assign(count, 0);
+  // The two surfaces differ by less than the coarse one's triangles are large; farther is another side.
+  const double reach = longest_edge(body.patch);
+  std::vector<std::uint8_t> near_patch(body.model.body.mesh.vertices.size(), 0);
+  for (const int v : body.patch.coarse) near_patch[std::size_t(v)] = 1;
+  parallel_for(exec, count, [&](std::size_t v) {
+    Vec3d u = Vec3d(moved[v]) - Vec3d(embedding.rest[v]);
+    const int* corners = &embedding.nodes[v * std::size_t(embedding.corners)];
+    if (std::any_of(corners, corners + embedding.corners,
+                    [&](int node) { return near_patch[std::size_t(node)] != 0; })) {
+      const PatchPlace place = nearest_in_patch(body.patch, Vec3d(embedding.rest[v]));
+      if (place.distance < reach) {
+        u += interpolated(place, [&](int p) { return fine_part(body, coarse, p); });
+        surface.pressure[v] =
+            float(interpolated(place, [&](int p) { return double(pressure[std::size_t(p)]); }));
+      }
+    }
+    surface.displacement[v] = Vec3(u);
+  });
+  return surface;
+}
+
+/// Of a kept node below the surface.
+Vec3d inner_displacement(const sfem::Model& model, int slot, const std::vector<int>& from,
+                         const std::vector<Vec3d>& forces) {
+  Vec3d u;
+  for (std::size_t f = 0; f < from.size(); f++) {
+    if (model.free_node[std::size_t(from[f])] < 0) continue;
+    std::array<double, 9> block{};
+    sfem::green_block(model.green, slot, model.green.slot[std::size_t(from[f])], block);
+    for (int axis = 0; axis < 3; axis++) {
+      const double* column = &block[3 * std::size_t(axis)];
+      u += Vec3d{column[0], column[1], column[2]} * forces[f][axis];
+    }
+  }
+  return u;
+}
+
+}  // namespace
+
+std::vector<Vec3d> coarse_displacements(const Exec& exec, const SfemBody& body) {
+  std::vector<Vec3d> displacement = displacements(exec, body, coarse_forces_now(body));
+  for (std::size_t v = 0; v < body.free.before.size(); v++) displacement[v] += body.free.before[v];
+  return displacement;
+}
+
+std::vector<Vec3d> displacements(const Exec& exec, const SfemBody& body,
+                                 std::span<const contact::VertexForce> vertex_forces) {
+  const sfem::Green& green = body.model.green;
+  std::vector<int> from;
+  std::vector<Vec3d> forces;
+  for (const auto& [vertex, force] : vertex_forces) from.push_back(vertex), forces.push_back(force);
+  std::vector<float> u(3 * green.surface_count);
+  sfem::surface_displacements(exec, body.model, from, flat(forces), u);
+  std::vector<Vec3d> displacement(body.model.body.mesh.vertices.size());
+  for (std::size_t n = 0; n < green.surface_count; n++)
+    displacement[std::size_t(green.nodes[n])] = {u[3 * n], u[3 * n + 1], u[3 * n + 2]};
+  // A finer surface hangs on the vertices behind the coarse one, too.
+  if (body.seen)
+    parallel_for(exec, green.nodes.size() - green.surface_count, [&](std::size_t i) {
+      const std::size_t n = green.surface_count + i;
+      displacement[std::size_t(green.nodes[n])] = inner_displacement(body.model, int(n), from, forces);
+    });
+  return displacement;
+}
+
+std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body) {
+  if (body.tools.empty()) return {};
+  // From viscosity.hpp: u = (Ξ f + p v)/(1 + p) after a tick, v = Ξ φ.
+  const double p = body.touch.params.viscosity.stiffening;
+  const std::vector<double> f = sfem::coarse_forces(body.patch, flat(body.touch.force));
+  std::map<int, Vec3d> forces;
+  for (std::size_t c = 0; c < body.patch.coarse.size(); c++)
+    forces[body.patch.coarse[c]] += Vec3d{f[3 * c], f[3 * c + 1], f[3 * c + 2]} / (1 + p);
+  if (p > 0)
+    for (const contact::VertexForce& remembered : contact::coarse_history(body.touch.history, body.patch))
+      forces[remembered.vertex] += remembered.force * (p / (1 + p));
+  std::vector<contact::VertexForce> list;
+  for (const auto& [vertex, force] : forces) list.push_back({vertex, force});
+  return list;
+}
+
+ShownSurface shown_surface(const Exec& exec, const SfemBody& body, double time) {
+  std::vector<Vec3d> coarse(body.model.body.mesh.vertices.size());
+  if (!body.tools.empty() || body.press) coarse = coarse_displacements(exec, body);
+  std::vector<double> pressure(body.patch.points.size());
+  if (!body.tools.empty()) contact::contact_pressure(body.touch, pressure);
+  const std::vector<float> shown_pressure(pressure.begin(), pressure.end());
+  ShownSurface surface = body.seen ? carried_surface(exec, body, coarse, shown_pressure)
+                                   : joined_surface(body, coarse, shown_pressure);
+  surface.time = time;
+  for (std::size_t t = 0; t < body.tools.size(); t++)
+    surface.tools.push_back({body.poses[t].pose, body.forces[t].force});
+  return surface;
+}
+
+}  // namespace turgor

@@ -1,0 +1,51 @@
+#include "turgor/sim/scene/scene_body.hpp"
+
+#include <optional>
+
+namespace turgor {
+
+namespace {
+
+std::vector<std::string> names_of(const Scene& scene, BodyKind kind) {
+  std::vector<std::string> names;
+  const auto collect = [&names](const auto& bodies) {
+    for (const auto& body : bodies) names.push_back(body.name);
+  };
+  switch (kind) {
+    case BodyKind::kLattice:
+      collect(scene.lattice_bodies);
+      break;
+    case BodyKind::kSfem:
+      collect(scene.sfem_bodies);
+      break;
+    case BodyKind::kRhombus:
+      collect(scene.rhombus_bodies);
+      break;
+    case BodyKind::kCloth:
+      collect(scene.cloth_bodies);
+      break;
+  }
+  return names;
+}
+
+}  // namespace
+
+BodyId read_body(SceneTable& table, std::string_view key, const Scene& scene,
+                 std::initializer_list<BodyKind> kinds) {
+  std::string name, models;
+  table.read(key, name);
+  std::vector<std::string> known;
+  for (const BodyKind kind : kinds) {
+    const std::vector<std::string> names = names_of(scene, kind);
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) return {kind, int(found - names.begin())};
+    known.insert(known.end(), names.begin(), names.end());
+    models += fmt::format("{}\"{}\"", models.empty() ? "" : ", ", model_name(kind));
+  }
+  if (const toml::node* node = table.find(key); node && node->is_string())
+    table.fail(key, fmt::format("the scene has no body {} with model = {}{}", name, models,
+                                suggestion(name, known)));
+  return {};
+}
+
+}  // namespace turgor

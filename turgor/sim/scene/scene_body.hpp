@@ -1,0 +1,16 @@
+// Names of bodies in a scene. Used by scene_*.cpp.
+#pragma once
+
+#include <initializer_list>
+
+#include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/scene/scene_table.hpp"
+
+namespace turgor {
+
+/// The name under a key, as in `body = "torso"`, of a body of one of these models. Notes a problem when the
+/// scene has none.
+BodyId read_body(SceneTable& table, std::string_view key, const Scene& scene,
+                 std::initializer_list<BodyKind> kinds);
+
+}  // namespace turgor

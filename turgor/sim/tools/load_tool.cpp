@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "turgor/geometry/box.hpp"
+#include "turgor/geometry/phantom_liver.hpp"
+#include "turgor/io/surface_files.hpp"
+#include "turgor/sim/bodies/sfem/load_sfem.hpp"
+#include "turgor/sim/tools/tool_mesh.hpp"
+
+namespace turgor {
+
+namespace {
+
+/// A tool's shape for contact and for pictures.
+struct MadeShape {
+  contact::Shape shape;
+  TriMesh shown;
+  std::optional<contact::Forceps> forceps;
+};
+
+/// The two parts of the surface are the jaws.
+Result<contact::Forceps> make_forceps(const ForcepsTool& given) {
+  if (given.file.empty())
+    return contact::build_forceps(phantom_forceps_half(false), phantom_forceps_half(true), given.opening);
+  Result<ReadSurface> read = read_surface(given.file, given.scale);
+  if (!read) return read.error();
+  Result<contact::Forceps> made = contact::build_forceps(read->mesh, given.opening);
+  if (!made) return Error{fmt::format("{}: {}", given.file.string(), made.error().message)};
+  return made;
+}
+
+Result<MadeShape> make_shape(const ToolShape& given) {
+  if (const auto* ball = std::get_if<BallTool>(&given))
+    return MadeShape{contact::Sphere{ball->radius}, capsule_mesh(ball->radius, 0)};
+  if (const auto* rod = std::get_if<RodTool>(&given))
+    return MadeShape{contact::Capsule{rod->radius, rod->half_length},
+                     capsule_mesh(rod->radius, rod->half_length)};
+  if (const auto* jaws = std::get_if<ForcepsTool>(&given)) {
+    Result<contact::Forceps> forceps = make_forceps(*jaws);
+    if (!forceps) return forceps.error();
+    TriMesh closed = contact::forceps_mesh(*forceps, 0);
+    Result<contact::Shape> shape = contact::mesh_shape(closed);
+    if (!shape) return Error{fmt::format("the forceps: {}", shape.error().message)};
+    return MadeShape{std::move(*shape), std::move(closed), std::move(*forceps)};
+  }
+  const MeshTool& mesh = std::get<MeshTool>(given);
+  Result<ReadSurface> read = read_surface(mesh.file, mesh.scale);
+  if (!read) return read.error();
+  Result<contact::Shape> shape = contact::mesh_shape(read->mesh);
+  if (!shape) return Error{fmt::format("{}: {}", mesh.file.string(), shape.error().message)};
+  return MadeShape{std::move(*shape), std::move(read->mesh)};
+}
+
+/// Across, which for a rod is its thickness: it may well be longer than what it touches [m].
+double width(const ToolShape& given, const contact::Shape& shape) {
+  if (const auto* rod = std::get_if<RodTool>(&given)) return 2 * rod->radius;
+  if (const auto* jaws = std::get_if<ForcepsTool>(&given)) return jaws->opening;
+  return 2 * contact::bounding_radius(shape);
+}
+
+/// How far the tool reaches below its origin [m].
+double tip(const TriMesh& mesh) {
+  float lowest = 0;
+  for (const Vec3 x : mesh.vertices) lowest = std::min(lowest, x.z);
+  return -double(lowest);
+}
+
+Result<ToolPath> make_path(const ToolScene& scene, const TouchingTool& tool, const RestSurface& surface) {
+  const double reach = 0.5 * width(scene.shape, tool.tool.shape);
+  if (const auto* rows = std::get_if<GivenPath>(&scene.motion)) return ToolPath{rows->rows, rows->smooth};
+  if (const auto* press = std::get_if<Press>(&scene.motion))
+    return press_path(surface, *press, tip(tool.shown), reach);
+  if (const auto* grasp = std::get_if<Grasp>(&scene.motion))
+    return grasp_path(surface, *grasp, tip(tool.shown), reach);
+  const PathFile& file = std::get<PathFile>(scene.motion);
+  Result<std::vector<PathRow>> rows = read_path_rows(file.file);
+  if (!rows) return rows.error();
+  return ToolPath{std::move(*rows), file.smooth};
+}
+
+}  // namespace
+
+Result<TouchingTool> load_tool_shape(const ToolScene& scene) {
+  TouchingTool tool;
+  tool.name = scene.name, tool.body = scene.body;
+  Result<MadeShape> made = make_shape(scene.shape);
+  if (!made) return Error{fmt::format("{}: {}", scene.place, made.error().message)};
+  tool.tool = {std::move(made->shape), scene.friction};
+  tool.shown = std::move(made->shown);
+  tool.forceps = std::move(made->forceps);
+  if (const auto* jaws = std::get_if<ForcepsTool>(&scene.shape)) tool.closing_time = jaws->closing;
+  return tool;
+}
+
+Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, const RestSurface& surface) {
+  Result<TouchingTool> loaded = load_tool_shape(scene);
+  if (!loaded) return loaded.error();
+  TouchingTool tool = std::move(*loaded);
+  const Box box = box_around(surface.vertices);
+  const Vec3d extent = box.high - box.low;
+  const double organ_width = std::max({extent.x, extent.y, extent.z}),
+               tool_width = width(scene.shape, tool.tool.shape);
+  if (tool_width >= organ_width)
+    return Error{
+        fmt::format("{}: the tool is {:.4g} m wide, the body {} {:.4g} m; expected a tool that is smaller "
+                    "than what it touches (are lengths in metres?)",
+                    scene.place, tool_width, body, organ_width)};
+  Result<ToolPath> path = make_path(scene, tool, surface);
+  if (!path) return Error{fmt::format("{}: {}", scene.place, path.error().message)};
+  tool.path = std::move(*path);
+  return tool;
+}
+
+}  // namespace turgor

@@ -1,0 +1,131 @@
+#include "turgor/sim/tools/tool_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "turgor/io/number_table.hpp"
+
+namespace turgor {
+
+namespace {
+
+using Quaternion = std::array<double, 4>;
+
+Error row_error(std::size_t row, const std::string& what) {
+  return {fmt::format("row {} of the path: {}", row + 1, what)};
+}
+
+/// Slope of a monotone cubic at a row (Fritsch and Butland 1984): the weighted harmonic mean of the slopes on
+/// both sides, zero where they point apart.
+double slope_at(double h0, double d0, double h1, double d1) {
+  if (!(d0 * d1 > 0)) return 0;
+  const double w0 = 2 * h1 + h0, w1 = h1 + 2 * h0;
+  return (w0 + w1) / (w0 / d0 + w1 / d1);
+}
+
+double slope_of_row(const std::vector<PathRow>& rows, std::size_t r, int axis) {
+  if (r == 0 || r + 1 == rows.size()) return 0;  // the tool starts and ends at rest
+  const double h0 = rows[r].time - rows[r - 1].time, h1 = rows[r + 1].time - rows[r].time;
+  return slope_at(h0, (rows[r].position[axis] - rows[r - 1].position[axis]) / h0, h1,
+                  (rows[r + 1].position[axis] - rows[r].position[axis]) / h1);
+}
+
+Vec3d smooth_position(const std::vector<PathRow>& rows, std::size_t r, double s) {
+  const double h = rows[r + 1].time - rows[r].time, s2 = s * s, s3 = s2 * s;
+  Vec3d x;
+  for (int axis = 0; axis < 3; axis++)
+    x[axis] =
+        (2 * s3 - 3 * s2 + 1) * rows[r].position[axis] + (s3 - 2 * s2 + s) * h * slope_of_row(rows, r, axis) +
+        (3 * s2 - 2 * s3) * rows[r + 1].position[axis] + (s3 - s2) * h * slope_of_row(rows, r + 1, axis);
+  return x;
+}
+
+double dot(const Quaternion& a, const Quaternion& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+}
+
+Quaternion normalized(Quaternion q) {
+  const double length = std::sqrt(dot(q, q));
+  for (double& part : q) part /= length;
+  return q;
+}
+
+/// Between two orientations along the shorter way.
+Quaternion between(const Quaternion& a, const Quaternion& b, double s) {
+  const double sign = dot(a, b) < 0 ? -1 : 1;
+  Quaternion q;
+  for (std::size_t i = 0; i < 4; i++) q[i] = (1 - s) * a[i] + s * sign * b[i];
+  return dot(q, q) > 0 ? normalized(q) : a;
+}
+
+}  // namespace
+
+Result<std::vector<PathRow>> path_rows(const std::vector<std::vector<double>>& rows) {
+  std::vector<PathRow> path;
+  for (std::size_t r = 0; r < rows.size(); r++) {
+    const std::vector<double>& v = rows[r];
+    if (v.size() != 4 && v.size() != 5 && v.size() != 9)
+      return row_error(r, fmt::format("expected t, x, y, z and at most hold and a quaternion w, x, y, z "
+                                      "(4, 5 or 9 numbers), found {} numbers",
+                                      v.size()));
+    for (const double value : v)
+      if (!std::isfinite(value)) return row_error(r, fmt::format("expected numbers, found {}", value));
+    if (r > 0 && v[0] <= path.back().time)
+      return row_error(r, fmt::format("expected a time after that of the row before, {} s, found {} s",
+                                      path.back().time, v[0]));
+    PathRow row{.time = v[0],
+                .position = {v[1], v[2], v[3]},
+                .hold = v.size() > 4 && v[4] != 0,
+                .orientation = {1, 0, 0, 0}};
+    if (v.size() == 9) {
+      row.orientation = {v[5], v[6], v[7], v[8]};
+      if (!(dot(row.orientation, row.orientation) > 0))
+        return row_error(r, "expected a quaternion, found four zeros");
+      row.orientation = normalized(row.orientation);
+    }
+    path.push_back(row);
+  }
+  if (path.empty()) return Error{"expected a path of at least one row, t, x, y, z, found none"};
+  return path;
+}
+
+Result<std::vector<PathRow>> read_path_rows(const std::filesystem::path& file) {
+  const Result<std::vector<NumberRow>> table = read_number_table(file, "numbers t, x, y, z");
+  if (!table) return table.error();
+  std::vector<std::vector<double>> rows;
+  for (const NumberRow& row : *table) rows.push_back(row.values);
+  Result<std::vector<PathRow>> path = path_rows(rows);
+  if (!path) return Error{fmt::format("{}: {}", file.string(), path.error().message)};
+  return path;
+}
+
+PathRow path_at(const ToolPath& path, double time) {
+  const std::vector<PathRow>& rows = path.rows;
+  const auto later = std::upper_bound(rows.begin(), rows.end(), time,
+                                      [](double t, const PathRow& row) { return t < row.time; });
+  PathRow now = later == rows.begin() ? rows.front() : *(later - 1);
+  now.time = time;
+  if (later == rows.begin() || later == rows.end()) return now;
+  const std::size_t r = std::size_t(later - rows.begin()) - 1;
+  const double s = (time - rows[r].time) / (rows[r + 1].time - rows[r].time);
+  now.position =
+      path.smooth ? smooth_position(rows, r, s) : rows[r].position * (1 - s) + rows[r + 1].position * s;
+  now.orientation = between(rows[r].orientation, rows[r + 1].orientation, s);
+  return now;
+}
+
+Mat3d axes_of(const std::array<double, 4>& q) {
+  const auto [w, x, y, z] = q;
+  return {{{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+           {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+           {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}}};
+}
+
+std::array<double, 4> turned_to(Vec3d z) {
+  if (z.z <= -1 + 1e-12) return {0, 1, 0, 0};
+  return normalized(Quaternion{1 + z.z, -z.y, z.x, 0});
+}
+
+}  // namespace turgor
