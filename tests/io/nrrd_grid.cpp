@@ -62,8 +62,9 @@ TEST(NrrdGrid, ThatCannotBeKnownIsRefusedByItsField) {
   EXPECT_REFUSED(grid_of("spacings: 1 1 1\nunits: \"cm\" \"cm\" \"cm\"\n"), "units", "mm");
   EXPECT_REFUSED(grid_of("axis mins: 1 1 1\naxis maxs: 3 3 3\n"), "axis mins", "spacings");
   EXPECT_REFUSED(grid_of("spacings: 1 1\n"), "spacings: 1 1", "3 finite numbers");
-  for (const char* directions : {"(1,0,0) (0,1,0)", "(1,0) (0,1) (0,0)", "(1,0,0) (0,1,0) none", "(1,0,0",
-                                 "(1,0,0) x (0,1,0) (0,0,1)", "(1,0,0) (0,1,0) (0,0,inf)"})
+  for (const char* directions :
+       {"(1,0,0) (0,1,0)", "(1,0) (0,1) (0,0)", "(1,0,0) (0,1,0) none", "none (1,0,0) (0,1,0) (0,0,1)",
+        "(1,0,0", "(1,0,0) x (0,1,0) (0,0,1)", "(1,0,0) (0,1,0) (0,0,inf)"})
     EXPECT_REFUSED(grid_of(lps + "space directions: " + directions + "\n"), "space directions");
   for (const char* origin : {"1 2 3", "(1,2)", "none", "(1,2,nan)", "(1,2,3) (4,5,6)"})
     EXPECT_REFUSED(grid_of(lps + "space origin: " + origin + "\n"), "space origin");

@@ -21,8 +21,8 @@ Error unexpected(const fs::path& path, const TextFields& fields, const std::stri
   return {fmt::format("{}: \"{}: {}\"; expected {}", path.string(), key, fields.get(key), expected)};
 }
 
-/// What turns the axes of a space into left, posterior, superior. A space that does not speak of the patient
-/// is taken for that.
+/// What turns the axes of a space into left, posterior, superior. A right-handed space that does not speak of
+/// the patient is taken for that; a left-handed one would show the patient in a mirror.
 Result<Vec3d> signs_to_lps(const fs::path& path, const TextFields& fields) {
   static const std::map<std::string, Vec3d, std::less<>> kSigns = {{"left-posterior-superior", {1, 1, 1}},
                                                                    {"lps", {1, 1, 1}},
@@ -58,6 +58,16 @@ Status check_units(const fs::path& path, const TextFields& fields) {
   return Done{};
 }
 
+/// The directions of the three axes in space: all but the one of components.
+std::vector<Vec3d> directions_in_space(const TextFields& fields) {
+  const auto written = nrrd_vectors(fields.get("space directions"));
+  std::vector<Vec3d> directions;
+  for (const std::optional<Vec3d>& direction : written)
+    if (direction) directions.push_back(*direction);
+  const bool is_one_an_axis = written.size() == whole_numbers(fields.get("sizes")).size();
+  return is_one_an_axis ? directions : std::vector<Vec3d>{};
+}
+
 Status place_in_space(const fs::path& path, const TextFields& fields, Grid& grid) {
   const Result<Vec3d> signs = signs_to_lps(path, fields);
   if (!signs) return signs.error();
@@ -71,14 +81,11 @@ Status place_in_space(const fs::path& path, const TextFields& fields, Grid& grid
     grid.origin = hadamard(*signs, *origin[0]) * 1e-3;
   }
   if (!fields.has("space directions")) return Done{};
-  std::vector<std::optional<Vec3d>> directions = nrrd_vectors(fields.get("space directions"));
-  const auto none = std::find(directions.begin(), directions.end(), std::nullopt);
-  if (directions.size() == 4 && none != directions.end()) directions.erase(none);
-  if (directions.size() != 3 ||
-      std::find(directions.begin(), directions.end(), std::nullopt) != directions.end())
+  const std::vector<Vec3d> directions = directions_in_space(fields);
+  if (directions.size() != 3)
     return unexpected(path, fields, "space directions", "3 directions of finite numbers: (x,y,z)");
   for (int axis = 0; axis < 3; axis++) {
-    const Vec3d step = hadamard(*signs, *directions[std::size_t(axis)]);
+    const Vec3d step = hadamard(*signs, directions[std::size_t(axis)]);
     grid.spacing[axis] = norm(step) * 1e-3;
     grid.axes.column[axis] = step / norm(step);
   }
