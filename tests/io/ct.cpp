@@ -420,9 +420,6 @@ TEST(Ct, BadTextHeadersAreRefusedByTheirField) {
     const auto file = folder / (text.starts_with("NRRD") ? "a.nrrd" : "a.mha");
     write(file, text + std::string(16, '\0'));
     EXPECT_REFUSED(read_ct(kExec, file), word);
-    const std::string message = read_ct(kExec, file).error().message;
-    for (const char* library : {"itk", "ITK", "nrrd_", "[nrrd]", "MetaImage: "})  // sentences are our own
-      EXPECT_EQ(message.find(library), std::string::npos) << message;
   };
   write(folder / "a.nrrd", nrrd + std::string(16, '\0'));
   EXPECT_TRUE(read_ct(kExec, folder / "a.nrrd"));

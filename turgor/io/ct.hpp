@@ -1,5 +1,5 @@
-// CT volumes and segmentations in and out: DICOM folders (GDCM where compressed), NIfTI, NRRD and MetaImage
-// (ITK). Files are in mm, NIfTI in RAS; everything is metres and LPS once read, and axes are right-handed:
+// CT volumes and segmentations in and out: DICOM folders (GDCM where compressed), NIfTI, NRRD and MetaImage.
+// Files are in mm, NIfTI in RAS; everything is metres and LPS once read, and axes are right-handed:
 // the order of samples along i is mirrored where a file's axes are not. Errors name the file, the place, what
 // was expected and what was found.
 #pragma once

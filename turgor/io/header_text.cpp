@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/io/mesh_cursor.hpp"
+
 namespace turgor::io {
 
 namespace fs = std::filesystem;
@@ -23,18 +25,18 @@ bool next_line(std::string_view text, std::size_t& at, std::string_view& line) {
   return true;
 }
 
-std::vector<std::string_view> words(std::string_view text, std::string_view separators) {
-  std::vector<std::string_view> found;
-  for (std::size_t at = text.find_first_not_of(separators); at != text.npos;) {
-    const std::size_t end = std::min(text.find_first_of(separators, at), text.size());
-    found.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(separators, end);
-  }
-  return found;
-}
-
 Error endless(const fs::path& path) {
   return {fmt::format("{}: truncated or corrupt: the header does not end", path.string())};
+}
+
+/// Fields are of either case, and some have a second name.
+std::string nrrd_key(std::string_view written) {
+  static const std::map<std::string, std::string> kSecond = {
+      {"datafile", "data file"}, {"lineskip", "line skip"}, {"byteskip", "byte skip"},
+      {"axismins", "axis mins"}, {"axismaxs", "axis maxs"}, {"centers", "centerings"}};
+  std::string key = lower_case(written);
+  const auto found = kSecond.find(key);
+  return found == kSecond.end() ? key : found->second;
 }
 
 Status insert(const fs::path& path, TextFields& fields, std::string key, std::string value) {
@@ -51,11 +53,19 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(begin, text.find_last_not_of(kSpace) - begin + 1));
 }
 
-std::size_t word_count(std::string_view text) { return words(text, kSpace).size(); }
+std::vector<std::string_view> words(std::string_view text) {
+  std::vector<std::string_view> found;
+  for (std::size_t at = text.find_first_not_of(kSpace); at != text.npos;) {
+    const std::size_t end = std::min(text.find_first_of(kSpace, at), text.size());
+    found.push_back(text.substr(at, end - at));
+    at = text.find_first_not_of(kSpace, end);
+  }
+  return found;
+}
 
 std::vector<std::int64_t> whole_numbers(std::string_view text) {
   std::vector<std::int64_t> numbers;
-  for (const std::string_view word : words(text, kSpace)) {
+  for (const std::string_view word : words(text)) {
     std::int64_t number = 0;
     const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), number);
     if (failed != std::errc{} || end != word.data() + word.size()) return {};
@@ -64,22 +74,31 @@ std::vector<std::int64_t> whole_numbers(std::string_view text) {
   return numbers;
 }
 
-bool all_finite(std::string_view text) {
-  for (std::string_view word : words(text, " \t\r(),")) {
-    if (word == "none") continue;
+std::vector<double> real_numbers(std::string_view text) {
+  std::vector<double> numbers;
+  for (std::string_view word : words(text)) {
     if (word.starts_with('+')) word.remove_prefix(1);
     double number = 0;
     const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (failed != std::errc{} || end != word.data() + word.size() || !std::isfinite(number)) return false;
+    if (failed != std::errc{} || end != word.data() + word.size() || !std::isfinite(number)) return {};
+    numbers.push_back(number);
   }
-  return true;
+  return numbers;
+}
+
+bool is_millimetre(std::string_view unit) {
+  for (const char* known : {"mm", "millimeter", "millimeters", "millimetre", "millimetres", "", "?", "???"})
+    if (unit == known) return true;
+  return false;
 }
 
 Result<TextFields> read_nrrd_fields(const fs::path& path, std::string_view head, std::size_t& end) {
   TextFields fields;
   std::string_view line;
   end = 0;
-  if (!next_line(head, end, line)) return endless(path);  // "NRRD0004"
+  if (!next_line(head, end, line)) return endless(path);
+  if (line < "NRRD0001" || line > "NRRD0005")
+    return Error{fmt::format("{}: \"{}\"; expected NRRD0001 to NRRD0005", path.string(), line.substr(0, 60))};
   for (;;) {
     if (!next_line(head, end, line)) {
       if (fields.has("data file")) return fields;  // a detached header needs no empty line
@@ -94,8 +113,7 @@ Result<TextFields> read_nrrd_fields(const fs::path& path, std::string_view head,
     }
     if (colon == line.npos)
       return Error{fmt::format("{}: corrupt: header line \"{}\"", path.string(), line.substr(0, 60))};
-    std::string key(line.substr(0, colon));
-    if (key == "datafile") key = "data file";
+    const std::string key = nrrd_key(line.substr(0, colon));
     if (Status done = insert(path, fields, key, trimmed(line.substr(colon + 2))); !done) return done.error();
   }
 }

@@ -33,10 +33,12 @@ Result<TextFields> read_meta_fields(const std::filesystem::path& path, std::stri
                                     std::size_t& end);
 
 std::string trimmed(std::string_view text);
+std::vector<std::string_view> words(std::string_view text);
 /// The whole numbers in a text of words; empty when a word is none.
 std::vector<std::int64_t> whole_numbers(std::string_view text);
-std::size_t word_count(std::string_view text);
-/// Whether every number in the text is finite; brackets, commas and the word "none" are passed over.
-bool all_finite(std::string_view text);
+/// The real numbers in a text of words; empty when a word is none, or is not finite.
+std::vector<double> real_numbers(std::string_view text);
+/// Whether a unit of length is the millimetre, or says nothing.
+bool is_millimetre(std::string_view unit);
 
 }  // namespace turgor::io

@@ -124,7 +124,6 @@ Status place(const fs::path& path, const Fields& f, VolumeHeader& header) {
     header.grid.axes.column[axis] = Vec3d{-ras.x, -ras.y, ras.z} / length;
   }
   header.grid.origin = Vec3d{-a.origin.x, -a.origin.y, a.origin.z} * unit;
-  header.grid.size = {int(header.size[0]), int(header.size[1]), int(header.size[2])};
   return Done{};
 }
 
@@ -183,6 +182,7 @@ Result<VolumeHeader> parse_nifti(const fs::path& path, std::string_view head) {
     return Error{fmt::format("{}: corrupt: {} bits a sample, type {} has {}", path.string(),
                              f.get<std::int16_t>(72), code, expected_bits)};
   if (Status sizes = read_sizes(path, f, header); !sizes) return sizes.error();
+  header.component_stride = header.components > 1 ? header.size[0] * header.size[1] * header.size[2] : 1;
   if (Status placed = place(path, f, header); !placed) return placed.error();
   const double offset = f.get<float>(108);
   if (!(offset >= 352 && offset < 1e9) || offset != std::floor(offset))

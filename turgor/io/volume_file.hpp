@@ -1,5 +1,4 @@
-// NRRD and MetaImage files in through ITK, NIfTI by itself, all three out by themselves, as bytes of one
-// sample type. Internal to io/.
+// NIfTI, NRRD and MetaImage files in and out, as bytes of one sample type. Internal to io/.
 #pragma once
 
 #include <cstddef>
@@ -40,9 +39,9 @@ struct SamplesToWrite {
 /// The format follows from the name.
 Status write_volume_file(const std::filesystem::path& path, const SamplesToWrite& samples);
 
-/// The samples of a NIfTI file whose header is known. (ITK's reader turns samples that are no number into 0
-/// HU: water.)
-Result<RawVolume> read_nifti_samples(const std::filesystem::path& path, const VolumeHeader& header);
+/// The samples of a file whose header is known, in this machine's byte order; all that it promises must be
+/// there, and a compressed stream must hold no more.
+Result<RawVolume> read_volume_samples(const std::filesystem::path& path, const VolumeHeader& header);
 
 // The three formats, into a file that is open; write_volume_file calls them.
 Status write_nifti(FileWriter& file, const std::filesystem::path& path, const SamplesToWrite& samples);

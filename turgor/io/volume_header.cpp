@@ -1,10 +1,7 @@
-// Recognises the format by content, and checks that a file holds the samples that its header promises.
+// Recognises the format by content, and checks that what a header promises is no more than can be.
 #include "turgor/io/volume_header.hpp"
 
-#include <algorithm>
-#include <limits>
 #include <memory>
-#include <vector>
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -36,65 +33,6 @@ std::string read_head(const fs::path& path, std::size_t count) {
   const int got = file ? gzread(file.get(), head.data(), static_cast<unsigned>(count)) : 0;
   head.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
   return head;
-}
-
-/// How many bytes the compressed stream of a header yields, up to `limit` or a little more; 0 if it is
-/// damaged.
-std::int64_t inflated_size(const VolumeHeader& header, std::int64_t limit) {
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(header.data_file.c_str(), "rb"),
-                                                       std::fclose);
-  if (!file || std::fseek(file.get(), static_cast<long>(header.data_offset), SEEK_SET) != 0) return 0;
-  constexpr std::size_t kBlock = std::size_t{1} << 18;
-  std::vector<unsigned char> in(kBlock), out(kBlock);
-  z_stream stream{};
-  if (inflateInit2(&stream, 15 + 32) != Z_OK) return 0;  // 32: a zlib or a gzip header
-  std::int64_t total = 0, left = header.packed_length > 0 ? header.packed_length
-                                                          : std::numeric_limits<std::int64_t>::max();
-  int state = Z_OK;
-  while (state == Z_OK &&
-         total <= limit) {  // as long as the stream has not ended, its checksum may still be wrong
-    if (stream.avail_in == 0) {
-      const auto block = std::min<std::int64_t>(left, kBlock);
-      stream.avail_in = static_cast<unsigned>(std::fread(in.data(), 1, std::size_t(block), file.get()));
-      stream.next_in = in.data();
-      left -= stream.avail_in;
-      if (stream.avail_in == 0) break;
-    }
-    stream.next_out = out.data();
-    stream.avail_out = kBlock;
-    state = inflate(&stream, Z_NO_FLUSH);
-    total += static_cast<std::int64_t>(kBlock - stream.avail_out);
-  }
-  inflateEnd(&stream);
-  return state == Z_STREAM_END || (state == Z_OK && total > limit) ? total : std::min(total, limit - 1);
-}
-
-std::int64_t available_bytes(const VolumeHeader& header, std::int64_t wanted) {
-  using Packing = VolumeHeader::Packing;
-  std::error_code failed;
-  const auto on_disk = static_cast<std::int64_t>(fs::file_size(header.data_file, failed));
-  if (failed) return 0;
-  if (header.packing == Packing::kRaw) return on_disk - header.data_offset;
-  if (wanted > on_disk * 1100 + 1024)
-    return on_disk * 1100;  // deflate packs a thousandfold at best: do not even try
-  if (header.packing == Packing::kGzipFile) return wanted;  // whoever reads the file finds its end
-  return inflated_size(header, wanted);
-}
-
-Status check_data(const fs::path& path, const VolumeHeader& header) {
-  std::error_code failed;
-  if (!fs::is_regular_file(header.data_file, failed))
-    return Error{fmt::format("{}: names the data file {}, which does not exist", path.string(),
-                             header.data_file.string())};
-  const std::int64_t wanted = header.size[0] * header.size[1] * header.size[2] * header.components *
-                              static_cast<std::int64_t>(byte_size(header.type));
-  const std::int64_t found = available_bytes(header, wanted);
-  const bool must_match = header.packing == VolumeHeader::Packing::kZlib;  // MetaIO takes no more and no less
-  if (must_match ? found == wanted : found >= wanted) return Done{};
-  return Error{fmt::format(
-      "{}: truncated or corrupt: the header promises {} bytes of samples ({} x {} x {}), the file holds {}",
-      path.string(), wanted, header.size[0], header.size[1], header.size[2],
-      std::max(found, std::int64_t{0}))};
 }
 
 bool looks_like_nifti(std::string_view head) {
@@ -173,10 +111,11 @@ Result<VolumeHeader> read_volume_header(const fs::path& path) {
       return Error{fmt::format(
           "{}: a gzip file with {} inside; expected such a file to be NIfTI and to be named .nii.gz",
           path.string(), name(header->format))};
-    header->packing = VolumeHeader::Packing::kGzipFile;
+    header->is_packed = true;
+    header->skipped_bytes = std::exchange(header->data_offset, 0);
   }
   if (Status extent = check_extent(path, *header); !extent) return extent.error();
-  if (Status data = check_data(path, *header); !data) return data.error();
+  header->grid.size = {int(header->size[0]), int(header->size[1]), int(header->size[2])};
   return header;
 }
 

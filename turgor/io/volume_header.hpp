@@ -1,5 +1,5 @@
-// What the header of a NIfTI, NRRD or MetaImage file promises, read and checked before ITK sees the file: its
-// readers trust headers, and a corrupt one makes them allocate wildly or crash. Internal to io/.
+// What the header of a NIfTI, NRRD or MetaImage file promises, checked before memory is taken for it: a
+// corrupt one promises anything. Internal to io/.
 #pragma once
 
 #include <array>
@@ -25,14 +25,19 @@ struct VolumeHeader {
   SampleType type{};
   std::array<std::int64_t, 3> size{};  // samples along i, j, k
   int components = 1;
-  double slope = 1, intercept = 0;  // value = slope · stored + intercept (NIfTI)
-  bool is_swapped = false;          // NIfTI: of the other byte order than this machine
-  Grid grid{};                      // NIfTI; the others leave that to ITK
-  std::filesystem::path data_file;  // where the samples are: the file itself, or the one it names
-  std::int64_t data_offset = 0;     // in data_file, after decompression where the whole file is compressed
-  std::int64_t packed_length = 0;   // of compressed data; 0 = up to the end of the file [bytes]
-  LabelNames label_names;           // of a segmentation, if the file says
-  enum class Packing { kRaw, kGzip, kZlib, kGzipFile } packing = Packing::kRaw;
+  double slope = 1, intercept = 0;    // value = slope · stored + intercept (NIfTI)
+  bool is_swapped = false;            // of the other byte order than this machine
+  std::int64_t component_stride = 1;  // from a component to the next of the same voxel, in samples as stored
+  Grid grid{};
+  LabelNames label_names;  // of a segmentation, if the file says
+
+  // Where the samples are. Of the data file: `data_offset` bytes, then `skipped_lines`, then the samples or a
+  // compressed stream of them; of what that yields `skipped_bytes` come first.
+  std::filesystem::path data_file;  // the file itself, or the one it names
+  std::int64_t data_offset = 0, skipped_lines = 0, skipped_bytes = 0;
+  bool is_packed = false;
+  std::int64_t packed_length = 0;  // of the compressed stream; 0 = up to the end of the file [bytes]
+  bool is_at_end = false;          // raw samples are the last bytes of the file, whatever comes before
 };
 
 /// The label names that a NIfTI extension holds: XML with <Label Key="5">liver</Label>, or pairs of a number
@@ -41,8 +46,7 @@ LabelNames label_names_in(std::string_view text);
 
 /// What a file whose samples do not matter calls its labels; empty if that cannot be read.
 LabelNames read_header_names(const std::filesystem::path& path);
-/// Reads and checks the header of a file, recognised by its content; then checks that the samples are all
-/// there.
+/// Reads and checks the header of a file, recognised by its content.
 Result<VolumeHeader> read_volume_header(const std::filesystem::path& path);
 
 // The three formats. `head` holds the first bytes of the file (decompressed if the whole file is).
@@ -50,6 +54,9 @@ Result<VolumeHeader> parse_nifti(const std::filesystem::path& path, std::string_
 Result<VolumeHeader> parse_nrrd(const std::filesystem::path& path, std::string_view head);
 Result<VolumeHeader> parse_meta(const std::filesystem::path& path, std::string_view head);
 
+/// Most bytes, or lines, before the samples of a file.
+constexpr std::int64_t kMostSkipped = std::int64_t{1} << 40;
+constexpr std::int64_t kMostComponents = 100;
 /// Largest volume that is read: 2^33 samples.
 constexpr std::int64_t kMaxSamples = std::int64_t{1} << 33;
 /// Checks sizes (positive, small enough together) and components.
