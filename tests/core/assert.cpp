@@ -1,9 +1,9 @@
+#include "turgor/core/assert.hpp"
+
 #include <stdexcept>
 #include <string>
 
 #include <gtest/gtest.h>
-
-#include "turgor/core/assert.hpp"
 
 namespace turgor {
 namespace {

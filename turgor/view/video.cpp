@@ -79,28 +79,15 @@ bool is_mp4(const fs::path& path) {
 /// Runs ffmpeg in the folder; it is watched by what it writes.
 Status encode(const fs::path& folder, double frames_per_second, double patience) {
   const io::ChildLimits limits{.seconds = patience, .memory = 16ull << 30};
-  const io::Child child = io::start_program({"ffmpeg",
-                                             "-y",
-                                             "-nostdin",
-                                             "-xerror",  // else a full disk is no failure to it
-                                             "-loglevel",
-                                             "error",
-                                             "-framerate",
-                                             fmt::format("{}", frames_per_second),
-                                             "-i",
-                                             "%06d.png",
-                                             "-vf",
-                                             "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-                                             "-c:v",
-                                             "libx264",
-                                             "-pix_fmt",
-                                             "yuv420p",
-                                             "-crf",
-                                             "18",
-                                             "-movflags",
-                                             "+faststart",
-                                             kVideo},
-                                            folder, kLog, limits);
+  const io::Child child =
+      io::start_program({"ffmpeg",    "-y",       "-nostdin",
+                         "-xerror",  // else a full disk is no failure to it
+                         "-loglevel", "error",    "-framerate", fmt::format("{}", frames_per_second),
+                         "-i",        "%06d.png", "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                         "-c:v",      "libx264",  "-pix_fmt",   "yuv420p",
+                         "-crf",      "18",       "-movflags",  "+faststart",
+                         kVideo},
+                        folder, kLog, limits);
   const io::ChildEnd end = io::wait_for({&child, 1}, limits, [&] {
     std::error_code none;
     const auto size = fs::file_size(folder / kVideo, none);
