@@ -96,7 +96,7 @@ void add_mesh_command(CLI::App& program, Global& global) {
   auto options = std::make_shared<MeshOptions>();
   command
       ->add_option("input", options->input,
-                   "A segmentation (.nii, .nii.gz, .nrrd, .mha) or a surface (.obj, .stl, .ply)")
+                   "A segmentation (.nii, .nii.gz, .nrrd, .mha) or a surface (.obj, .stl, .ply, .vtp, .vtk)")
       ->required();
   command->add_option("-o,--output", options->output, "The file to write: .vtu or .msh")->required();
   command

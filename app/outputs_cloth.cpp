@@ -48,7 +48,8 @@ Status write_cloth_meshes(const World& world, Outputs& outputs) {
   for (const ClothBody& body : world.clothes) {
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, world.frame);
     const Status status = write_vtu(outputs.folder / file, cloth::surface(body.model, body.state),
-                                    {vertex_field("displacement [m]", displacements(body))});
+                                    {length_field("displacement", displacements(body))},
+                                    outputs.scene->output.mesh_space);
     if (!status) return status;
     outputs.series.push_back({time_of(world), file, body.name});
   }
@@ -58,7 +59,8 @@ Status write_cloth_meshes(const World& world, Outputs& outputs) {
 Status write_cloth_objs(const World& world, Outputs& outputs) {
   for (const ClothBody& body : world.clothes) {
     const std::string file = body.name + ".obj";
-    if (const Status s = write_obj(outputs.folder / file, cloth::surface(body.model, body.state)); !s)
+    const TriMesh mesh = cloth::surface(body.model, body.state);
+    if (const Status s = write_obj(outputs.folder / file, mesh, outputs.scene->output.mesh_space); !s)
       return s;
     outputs.facts.files.push_back(file);
   }

@@ -199,8 +199,9 @@ Status write_organ_meshes(const World& world, Outputs& outputs) {
     const TouchedOrgan& organ = touched_organ(world, o);
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", organ.name, world.frame);
     const Status status = write_vtu(outputs.folder / file, deformed_mesh(organ.shown, SkinColor::kNone),
-                                    {vertex_field("displacement [m]", organ.shown.displacement),
-                                     vertex_field("pressure [Pa]", organ.shown.pressure)});
+                                    {length_field("displacement", organ.shown.displacement),
+                                     vertex_field("pressure [Pa]", organ.shown.pressure)},
+                                    outputs.scene->output.mesh_space);
     if (!status) return status;
     outputs.series.push_back({time_of(world), file, organ.name});
   }
@@ -213,7 +214,8 @@ Status finish_organ_outputs(const World& world, Outputs& outputs) {
     const TouchedOrgan& organ = touched_organ(world, o);
     if (!outputs.scene->output.obj || !(organ.largest_force > 0) || o >= organ_count(world)) continue;
     const std::string file = organ.name + ".obj";
-    if (const Status s = write_obj(outputs.folder / file, deformed_mesh(organ.deepest, SkinColor::kNone)); !s)
+    const TriMesh mesh = deformed_mesh(organ.deepest, SkinColor::kNone);
+    if (const Status s = write_obj(outputs.folder / file, mesh, outputs.scene->output.mesh_space); !s)
       return s;
     outputs.facts.files.push_back(file);
   }

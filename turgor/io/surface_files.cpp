@@ -42,17 +42,44 @@ Result<FoundSurface> parse_surface(const fs::path& path, std::string_view bytes)
       return parse_stl_binary(path, bytes);
     case SurfaceFormat::kPly:
       return parse_ply(path, bytes);
+    case SurfaceFormat::kVtp:
+      return parse_vtp(path, bytes);
+    case SurfaceFormat::kVtk:
+      return parse_vtk_surface(path, bytes);
     case SurfaceFormat::kNone:
       break;
   }
-  return Error{fmt::format("{}: expected a surface (OBJ, STL, PLY), found {}", path.string(),
+  return Error{fmt::format("{}: expected a surface (OBJ, STL, PLY, VTP, VTK), found {}", path.string(),
                            quoted(bytes.substr(0, bytes.find('\n'))))};
+}
+
+/// Whether the line DATASET of a legacy file says POLYDATA; it stands behind a title, which may say anything.
+bool is_legacy_polydata(std::string_view head) {
+  MeshCursor cursor("", head);
+  cursor.line(), cursor.line();
+  const std::size_t dataset = head.find("\nDATASET", std::max<std::size_t>(cursor.offset(), 1) - 1);
+  if (dataset == std::string_view::npos) return false;
+  cursor.seek(dataset + 1);
+  cursor.word();
+  return cursor.word() == "POLYDATA";
 }
 
 }  // namespace
 
+SurfaceFormat vtk_surface_format(std::string_view head) {
+  if (head.starts_with("# vtk DataFile"))
+    return is_legacy_polydata(head) ? SurfaceFormat::kVtk : SurfaceFormat::kNone;
+  MeshCursor cursor("", head);
+  const std::string_view first = cursor.word();
+  if (!first.starts_with("<?xml") && !first.starts_with("<VTKFile")) return SurfaceFormat::kNone;
+  const std::size_t begin = std::min(head.find("<VTKFile"), head.size());
+  const std::string_view tag = head.substr(begin, std::min(head.find('>', begin), head.size()) - begin);
+  return tag.find("PolyData") != tag.npos ? SurfaceFormat::kVtp : SurfaceFormat::kNone;
+}
+
 SurfaceFormat surface_format(const fs::path& path, std::string_view head, std::uintmax_t size) {
   if (head.starts_with("ply\n") || head.starts_with("ply\r")) return SurfaceFormat::kPly;
+  if (const SurfaceFormat vtk = vtk_surface_format(head); vtk != SurfaceFormat::kNone) return vtk;
   if (has_size_of_stl(head, size)) return SurfaceFormat::kStlBinary;
   MeshCursor cursor(path, head);
   const std::string first = lower_case(cursor.word());
