@@ -47,9 +47,9 @@ void add_clothes(const World& world, SkinColor color, const ColorScale* scale, P
 Status write_cloth_meshes(const World& world, Outputs& outputs) {
   for (const ClothBody& body : world.clothes) {
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, world.frame);
-    const Status status = write_vtu(outputs.folder / file, cloth::surface(body.model, body.state),
-                                    {length_field("displacement", displacements(body))},
-                                    outputs.scene->output.mesh_space);
+    const Status status =
+        write_vtu(outputs.folder / file, cloth::surface(body.model, body.state),
+                  {length_field("displacement", displacements(body))}, outputs.scene->output.mesh_space);
     if (!status) return status;
     outputs.series.push_back({time_of(world), file, body.name});
   }

@@ -35,7 +35,8 @@ TEST(Palpation, SurfacesInMillimetresAndRasAreTheSameBody) {
   write(folder / "s.toml", organ_scene_text(kCache));
   ASSERT_EQ(run_program("run s.toml -q --out metres", folder).code, 0);
   const Ended ended = run_program(
-      "run --replay metres/recording.h5 --out mm --set output.mesh_unit=mm --set output.mesh_frame=RAS", folder);
+      "run --replay metres/recording.h5 --out mm --set output.mesh_unit=mm --set output.mesh_frame=RAS",
+      folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   const Result<ReadSurface> metres = read_surface(folder / "metres" / "pad.obj"),
                             turned = read_surface(folder / "mm" / "pad.obj", 0.001);

@@ -75,8 +75,9 @@ TEST(MeshFiles, AnObjOfMillimetresAndRasIsReadBackAsHalfATurnOfTheSame) {
   const std::string path = test::fresh_folder() / "a.obj";
   ASSERT_TRUE(write_obj(path, mesh, {.is_mm = true, .is_ras = true}));
   const std::string text = read_file(path).value();
-  EXPECT_TRUE(text.starts_with("# Turgor: millimetres, patient frame RAS (x to the right, y to the front, z "
-                               "to the head)\n# SPACE=RAS\n"))
+  EXPECT_TRUE(
+      text.starts_with("# Turgor: millimetres, patient frame RAS (x to the right, y to the front, z "
+                       "to the head)\n# SPACE=RAS\n"))
       << text;
   EXPECT_EQ(text.find("-0.0000 "), std::string::npos) << "zero has no sign";
   const Result<ReadSurface> read = read_surface(path, 0.001);

@@ -84,10 +84,9 @@ std::string field_arrays(Appended& appended, const std::vector<VertexField>& fie
 std::string text_array(std::string_view name, std::string_view text) {
   std::string bytes;
   for (const char c : text) bytes += fmt::format("{} ", int(static_cast<unsigned char>(c)));
-  return fmt::format(
-      R"(<Array type="String" Name="{}" NumberOfTuples="1" format="ascii">{}0</Array>)"
-      "\n",
-      name, bytes);
+  return fmt::format(R"(<Array type="String" Name="{}" NumberOfTuples="1" format="ascii">{}0</Array>)"
+                     "\n",
+                     name, bytes);
 }
 
 /// Cells of one type with so many corners each.

@@ -14,8 +14,8 @@
 
 namespace turgor {
 
-/// The lengths and axes of a file. LPS: x to the left, y to the back, z to the head. RAS: x to the right, y to
-/// the front, which is half a turn about z.
+/// The lengths and axes of a file. LPS: x to the left, y to the back, z to the head. RAS: x to the right, y
+/// to the front, which is half a turn about z.
 struct MeshSpace {
   bool is_mm = false;
   bool is_ras = false;
@@ -48,8 +48,8 @@ VertexField length_field(std::string name, const std::vector<Value>& values) {
 /// The mesh with its normals, when it has them, and the fields.
 Status write_vtu(const std::filesystem::path& path, const TriMesh& mesh,
                  const std::vector<VertexField>& fields, MeshSpace space = {});
-/// A solid mesh, in metres and LPS, with its regions, fields at its vertices and fields in its elements; read_solid reads it
-/// back.
+/// A solid mesh, in metres and LPS, with its regions, fields at its vertices and fields in its elements;
+/// read_solid reads it back.
 Status write_vtu(const std::filesystem::path& path, const SolidMesh& mesh,
                  const std::vector<VertexField>& vertex_fields,
                  const std::vector<VertexField>& element_fields);

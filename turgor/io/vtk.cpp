@@ -18,8 +18,8 @@ struct VtkReader {
   Encoding encoding = Encoding::kText;  // of numbers; words are always text
   std::string format;
   std::vector<Vec3d> points;
-  VtkCells cells;      // of a grid
-  VtkSurface surface;  // of POLYDATA
+  VtkCells cells;          // of a grid
+  VtkSurface surface;      // of POLYDATA
   std::size_t tuples = 0;  // of the fields that follow
   bool of_cells = false;   // whether they are of cells
   int rank = 0;            // of the field that the regions are from
@@ -146,8 +146,8 @@ void read_scalars(VtkReader& in) {
   read_field(in, name, in.tuples, std::size_t(components), type);
 }
 
-/// Texts: lines of their own; in binary files, behind their length, whose first two bits say how many bytes it
-/// takes.
+/// Texts: lines of their own; in binary files, behind their length, whose first two bits say how many bytes
+/// it takes.
 void skip_strings(VtkReader& in, std::size_t count) {
   MeshCursor& cursor = in.cursor;
   cursor.line();
@@ -240,7 +240,7 @@ void read_header(VtkReader& in, std::string_view dataset) {
   else if (encoding != "ASCII")
     in.cursor.fail("ASCII or BINARY");
   in.format = fmt::format("VTK {}{}", first.substr(std::min(first.rfind(' ') + 1, first.size())),
-                                in.encoding == Encoding::kText ? "" : " (binary)");
+                          in.encoding == Encoding::kText ? "" : " (binary)");
   if (in.cursor.peek_word() == "FIELD") in.cursor.word(), read_fields(in);
   in.cursor.expect("DATASET");
   in.cursor.expect(dataset);

@@ -93,8 +93,8 @@ Status check_root(const VtkXml& file, std::string_view wanted) {
   const std::string_view type = root.attribute("type").as_string(),
                          compressor = root.attribute("compressor").as_string();
   if (type != wanted)
-    return Error{fmt::format("{}: expected a VTKFile of type {}, found {}", file.path.string(), wanted,
-                             quoted(type))};
+    return Error{
+        fmt::format("{}: expected a VTKFile of type {}, found {}", file.path.string(), wanted, quoted(type))};
   if (!compressor.empty() && compressor != "vtkZLibDataCompressor")
     return Error{fmt::format("{}: expected no compression or vtkZLibDataCompressor, found {}",
                              file.path.string(), quoted(compressor))};
@@ -163,8 +163,7 @@ Status read_wholes(const VtkXml& file, pugi::xml_node array, std::size_t count,
                     [&](MeshCursor& cursor, NumberType type) { values.push_back(read_whole(cursor, type)); });
 }
 
-Status read_points(const VtkXml& file, pugi::xml_node piece, std::size_t count,
-                   std::vector<Vec3d>& points) {
+Status read_points(const VtkXml& file, pugi::xml_node piece, std::size_t count, std::vector<Vec3d>& points) {
   int axis = 0;
   return read_array(file, piece.child("Points").child("DataArray"), 3 * count,
                     [&](MeshCursor& cursor, NumberType type) {

@@ -23,7 +23,8 @@ struct VtkXml {
   pugi::xml_document xml;
 };
 
-/// Parses the file's bytes. Error: no XML, another type than asked for (as "PolyData"), an unknown compression.
+/// Parses the file's bytes. Error: no XML, another type than asked for (as "PolyData"), an unknown
+/// compression.
 Status parse_vtk_xml(VtkXml& file, std::string_view type);
 /// "VTU", "VTU (compressed)".
 std::string vtk_xml_format(const VtkXml& file, std::string_view name);

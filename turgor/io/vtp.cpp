@@ -18,8 +18,7 @@ Result<std::size_t> read_cell_count(const VtkXml& file, pugi::xml_node piece, co
 Status read_cells(const VtkXml& file, pugi::xml_node piece, const char* name, VtkCells& cells) {
   const Result<std::size_t> count = read_cell_count(file, piece, fmt::format("NumberOf{}", name).c_str());
   if (!count) return count.error();
-  return *count > 0 ? read_corners(file, piece.child(name), *count, cells.ends, cells.nodes)
-                    : Status(Done{});
+  return *count > 0 ? read_corners(file, piece.child(name), *count, cells.ends, cells.nodes) : Status(Done{});
 }
 
 Status read_piece(const VtkXml& file, pugi::xml_node piece, FoundSurface& found, VtkSurface& surface) {

@@ -56,6 +56,7 @@ struct TouchingTool {
   ToolPath path;
   std::vector<ForceSample> samples;
   ForceLimits limits;
+  std::vector<std::string> notes;  // what a person should know of its path
 };
 
 /// A patch that was built while the tool moved.

@@ -69,16 +69,6 @@ Status advance_blade(World& world, std::size_t index) {
   return Done{};
 }
 
-RestSurface rest_surface(World& world, std::size_t body) {
-  if (body >= organ_count(world)) return rest_surface(world.lattices[body - organ_count(world)]);
-  if (body < world.organs.size()) {
-    const sfem::Model& model = world.organs[body].model;
-    return {model.body.mesh.vertices, model.surface.triangles};
-  }
-  const rhombus::Surface& surface = world.rhombi[body - world.organs.size()].model.surface;
-  return {surface.vertices, surface.triangles};
-}
-
 Status load_organs(const Exec& exec, const Scene& scene, const BeginWork& begin, World& world) {
   for (const SfemScene& organ_scene : scene.organs) {
     Result<Organ> organ = load_organ(exec, organ_scene, begin);
@@ -93,6 +83,7 @@ Status load_organs(const Exec& exec, const Scene& scene, const BeginWork& begin,
   for (const ToolScene& tool_scene : scene.tools) {
     const auto body = std::size_t(tool_scene.body);
     TouchedOrgan& organ = touched_organ(world, body);
+    if (body >= organ_count(world)) make_rest_surface(world.lattices[body - organ_count(world)]);
     Result<TouchingTool> tool = load_tool(tool_scene, organ.name, rest_surface(world, body));
     if (!tool) return tool.error();
     organ.tool_indices.push_back(int(world.tools.size()));
@@ -133,6 +124,19 @@ Status name_organs(const Scene& scene, World& world) {
 }
 
 }  // namespace
+
+RestSurface rest_surface(const World& world, std::size_t body) {
+  if (body >= organ_count(world)) {
+    const LatticeBody& lattice = world.lattices[body - organ_count(world)];
+    return {lattice.rest, lattice.surface.triangles};
+  }
+  if (body < world.organs.size()) {
+    const sfem::Model& model = world.organs[body].model;
+    return {model.body.mesh.vertices, model.surface.triangles};
+  }
+  const rhombus::Surface& surface = world.rhombi[body - world.organs.size()].model.surface;
+  return {surface.vertices, surface.triangles};
+}
 
 BodyBox body_box(const lattice::Model& model) {
   constexpr double kFar = std::numeric_limits<double>::max();

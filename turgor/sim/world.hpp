@@ -59,6 +59,9 @@ inline TouchedOrgan& touched_organ(World& world, std::size_t index) {
 }
 inline double time_of(const World& world) { return world.frame * world.dt; }
 
+/// What tools find at rest. That of a lattice is there once a tool has come.
+RestSurface rest_surface(const World& world, std::size_t body);
+
 struct FrameReport {
   bool finite = true;          // false: a model's step was undone
   double seconds = 0;          // wall time
