@@ -178,9 +178,9 @@ TEST(Palpation, WrongInputsAreToldWhatIsWrong) {
   path.replace(path.find("press = {"), path.find("slide = 0.15 }") + 14 - path.find("press = {"),
                "path = \"nan.csv\"");
   write(folder / "path.toml", path);
-  EXPECT_NE(run_program("run --out o path.toml", folder)
-                .printed.find("nan.csv: row 2 of the path: expected numbers, found nan"),
-            std::string::npos);
+  EXPECT_NE(
+      run_program("run --out o path.toml", folder).printed.find("nan.csv:3: expected numbers t, x, y, z"),
+      std::string::npos);
   const Ended back = run_program("run --out o path.toml --set tool.finger.path=back.csv", folder);
   EXPECT_EQ(back.code, 2);
   EXPECT_NE(back.printed.find("back.csv: row 3 of the path: expected a time after that of the row before"),

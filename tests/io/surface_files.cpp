@@ -193,6 +193,26 @@ TEST(SurfaceFiles, what_vtk_itself_writes_is_read_packed_or_not_in_either_order)
   }
 }
 
+TEST(SurfaceFiles, of_a_file_that_says_it_is_in_ras_there_is_a_note) {
+  const fs::path folder = fresh_folder();
+  const auto notes = [&](const std::string& text) {
+    const Result<ReadSurface> read = read_text(text);
+    EXPECT_TRUE(read) << text;
+    return read ? read->notes.size() : 0;
+  };
+  ASSERT_TRUE(write_obj(folder / "ras.obj", {kCorners, kFaces}, {.is_ras = true}));
+  ASSERT_TRUE(write_obj(folder / "lps.obj", {kCorners, kFaces}));
+  EXPECT_EQ(read_surface(folder / "ras.obj")->notes.size(), 1u);
+  EXPECT_EQ(read_surface(folder / "lps.obj")->notes.size(), 0u);
+  std::string text = vtp();
+  const std::string fields =
+      "<FieldData><Array type=\"String\" Name=\"SPACE\" format=\"ascii\">\n 82 65 83 0</Array></FieldData>";
+  EXPECT_EQ(notes(text.insert(text.find("<Piece"), fields)), 1u);
+  EXPECT_EQ(notes(text.replace(text.find("82 65"), 5, "76 80")), 0u);
+  text = ply();
+  EXPECT_EQ(notes(text.insert(text.find("comment"), "comment SPACE=RAS\n")), 1u);
+}
+
 TEST(SurfaceFiles, pieces_of_a_vtp_are_joined_where_they_meet) {
   std::string text = vtp();
   const std::size_t begin = text.find("<Piece"), end = text.find("</PolyData>");

@@ -56,8 +56,9 @@ TEST(BodyFiles, WhicheverAxisPointsUpInASurfaceTheBodyIsTheSame) {
     ASSERT_TRUE(write_obj(folder / "liver.obj", mesh));
     const std::string file = "\"liver.obj\"\nup = \"" + up.name + "\"\n";
     const Result<World> world =
-        load(folder, kSfem + ("surface = " + file) + "seen = \"liver.obj\"\n[body.c]\nmodel = \"rhombus\"\nsurface = " +
-                         file + "[body.d]\nmodel = \"cloth\"\nmesh = " + file);
+        load(folder, kSfem + ("surface = " + file) +
+                         "seen = \"liver.obj\"\n[body.c]\nmodel = \"rhombus\"\nsurface = " + file +
+                         "[body.d]\nmodel = \"cloth\"\nmesh = " + file);
     ASSERT_TRUE(world) << world.error().message;
     organs.push_back(world->organs[0].model.body.mesh.vertices);
     chains.push_back(world->rhombi[0].model.surface.vertices);
@@ -80,9 +81,9 @@ TEST(BodyFiles, WhicheverAxisPointsUpInASolidMeshTheBodyIsTheSame) {
     SolidMesh mesh = block;
     mesh.vertices = lying(block.vertices, up.axis);
     ASSERT_TRUE(write_msh(folder / "block.msh", mesh));
-    const Result<World> world =
-        load(folder, "[body.b]\nmodel = \"sfem\"\ncache = false\npatch = false\nmesh = \"block.msh\"\nup = \"" +
-                         up.name + "\"\n");
+    const Result<World> world = load(
+        folder, "[body.b]\nmodel = \"sfem\"\ncache = false\npatch = false\nmesh = \"block.msh\"\nup = \"" +
+                    up.name + "\"\n");
     ASSERT_TRUE(world) << world.error().message;
     EXPECT_EQ(world->organs[0].model.body.mesh.vertices, block.vertices) << up.name;
   }
@@ -107,10 +108,10 @@ TEST(BodyFiles, WhatMeshlabWritesRunsInAScene) {
   write(folder / "organ.ply", meshlab_ply(liver));
   for (const std::string name : {"organ.obj", "organ.ply"}) {
     SCOPED_TRACE(name);
-    Result<World> world =
-        load(folder, kSfem + ("surface = \"" + name + "\"\n[body.c]\nmodel = \"rhombus\"\nsurface = \"" + name +
-                              "\"\n[tool.t]\nbody = \"c\"\nshape = { sphere = 0.006 }\n"
-                              "press = { at_fraction = [0.3, 0.5, 1], start = 0, duration = 0.05 }\n"));
+    Result<World> world = load(
+        folder, kSfem + ("surface = \"" + name + "\"\n[body.c]\nmodel = \"rhombus\"\nsurface = \"" + name +
+                         "\"\n[tool.t]\nbody = \"c\"\nshape = { sphere = 0.006 }\n"
+                         "press = { at_fraction = [0.3, 0.5, 1], start = 0, duration = 0.05 }\n"));
     ASSERT_TRUE(world) << world.error().message;
     EXPECT_EQ(world->rhombi[0].model.surface.vertices.size(), liver.vertices.size());
     for (int frame = 0; frame < 4; frame++) ASSERT_TRUE(step(kExec, *world));

@@ -64,6 +64,18 @@ bool is_legacy_polydata(std::string_view head) {
   return cursor.word() == "POLYDATA";
 }
 
+/// Whether the beginning of a file says, as 3D Slicer writes it, that it is in RAS: in a comment or a title,
+/// or in XML as an array of bytes.
+bool says_ras(std::string_view bytes) {
+  const std::string_view head = bytes.substr(0, 4096);
+  const std::size_t array = head.find("Name=\"SPACE\"");
+  if (array == head.npos) return head.find("SPACE=RAS") != head.npos;
+  const std::size_t text = std::min(head.find('>', array), head.size() - 1) + 1;
+  MeshCursor cursor("", head);
+  cursor.seek(text);
+  return cursor.word() == "82" && cursor.word() == "65" && cursor.word() == "83";
+}
+
 }  // namespace
 
 SurfaceFormat vtk_surface_format(std::string_view head) {
@@ -99,7 +111,12 @@ Result<ReadSurface> read_surface(const fs::path& path, double scale) {
   if (!bytes) return bytes.error();
   const Result<io::FoundSurface> found = io::parse_surface(path, *bytes);
   if (!found) return found.error();
-  return io::finish_surface(path, *found, scale);
+  Result<ReadSurface> read = io::finish_surface(path, *found, scale);
+  if (read && io::says_ras(*bytes))
+    read->notes.push_back(
+        "the file says that it is in RAS; its coordinates are taken as they are, and bodies are in LPS: "
+        "x and y would change their signs");
+  return read;
 }
 
 bool is_surface_file(const fs::path& path) {

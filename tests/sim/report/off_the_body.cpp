@@ -27,8 +27,8 @@ std::vector<std::string> warnings_of(const std::string& body, const std::string&
 }
 
 TEST(OffTheBody, AToolThatNeverTouchedIsToldHowNearItCameAndWhereTheBodyIs) {
-  const std::vector<std::string> warnings = warnings_of(
-      kPad, "path = [[0, 0.03, 0.03, 0.2], [0.1, 0.03, 0.03, 0.05], [0.3, 0.03, 0.03, 0.2]]");
+  const std::vector<std::string> warnings =
+      warnings_of(kPad, "path = [[0, 0.03, 0.03, 0.2], [0.1, 0.03, 0.03, 0.05], [0.3, 0.03, 0.03, 0.2]]");
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0],
             "finger: it never touched pad; the body lies between (0, 0, 0) m and (0.06, 0.06, 0.03) m; its "
@@ -44,25 +44,27 @@ TEST(OffTheBody, ThatIsSoOfAllModels) {
         "[body.pad]\nmodel = \"lattice\"\nct = \"" + ct.string() + "\"\nblock = 2\nfixed = \"bone\"\n"}) {
     const std::vector<std::string> warnings = warnings_of(body, away);
     ASSERT_EQ(warnings.size(), 1u);
-    EXPECT_TRUE(warnings[0].starts_with("finger: it never touched pad; the body lies between (")) << warnings[0];
+    EXPECT_TRUE(warnings[0].starts_with("finger: it never touched pad; the body lies between ("))
+        << warnings[0];
   }
 }
 
 TEST(OffTheBody, NothingIsSaidOfAToolThatTouches) {
-  EXPECT_TRUE(warnings_of(kPad, "press = { at_fraction = [0.5, 0.5, 1], start = 0, duration = 0.1 }").empty());
+  EXPECT_TRUE(
+      warnings_of(kPad, "press = { at_fraction = [0.5, 0.5, 1], start = 0, duration = 0.1 }").empty());
 }
 
 TEST(OffTheBody, APlaceFartherOffThanTheToolIsWideIsSaidToBeMoved) {
   const auto press = [](const std::string& places) {
     return warnings_of(kPad, "press = { " + places + ", start = 0, duration = 0.1, slide = 0.05 }");
   };
-  const std::vector<std::string> warnings =
-      press("at = [0.03, 0.03, 0.5], to = [0.04, 0.03, -0.2]");
+  const std::vector<std::string> warnings = press("at = [0.03, 0.03, 0.5], to = [0.04, 0.03, -0.2]");
   ASSERT_EQ(warnings.size(), 2u);
-  EXPECT_EQ(warnings[0],
-            "finger: press.at = (0.03, 0.03, 0.5) m is off pad and was moved to its nearest point; the body lies "
-            "between (0, 0, 0) m and (0.06, 0.06, 0.03) m; its nearest point, (0.03, 0.03, 0.03) m, is 0.47 m "
-            "away");
+  EXPECT_EQ(
+      warnings[0],
+      "finger: press.at = (0.03, 0.03, 0.5) m is off pad and was moved to its nearest point; the body lies "
+      "between (0, 0, 0) m and (0.06, 0.06, 0.03) m; its nearest point, (0.03, 0.03, 0.03) m, is 0.47 m "
+      "away");
   EXPECT_TRUE(warnings[1].starts_with("finger: press.to = (0.04, 0.03, -0.2) m is off pad")) << warnings[1];
   EXPECT_TRUE(press("at = [0.03, 0.03, 0.04], to = [0.04, 0.03, 0.04]").empty()) << "nearer than it is wide";
   const std::vector<std::string> grasp =

@@ -16,8 +16,8 @@ constexpr std::size_t kMostMoments = 1000;  // of the way that are looked at
 
 /// Where the tool was nearest to the body.
 struct Nearest {
-  double time = 0;                                           // [s]
-  Vec3d place;                                               // on the body [m]
+  double time = 0;                                            // [s]
+  Vec3d place;                                                // on the body [m]
   double distance = std::numeric_limits<double>::infinity();  // of the tool's surface [m]
 };
 
