@@ -1,5 +1,5 @@
 // What `turgor info` says about meshes: solid ones (Gmsh, VTK, VTU, TetGen, Medit) and surfaces (OBJ, STL,
-// PLY).
+// PLY, VTP, VTK).
 #pragma once
 
 #include <string>

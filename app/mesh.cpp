@@ -1,6 +1,8 @@
 // `turgor mesh`: from a label of a segmentation, or a closed surface, to a mesh of tetrahedra.
 #include <filesystem>
 #include <memory>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,6 +14,7 @@
 #include "turgor/io/mesh_files.hpp"
 #include "turgor/io/solid_files.hpp"
 #include "turgor/io/surface_files.hpp"
+#include "turgor/sim/scene/scene_label.hpp"
 
 namespace turgor {
 
@@ -19,8 +22,8 @@ namespace {
 
 struct MeshOptions {
   std::string input, output;
-  std::vector<int> labels;
-  double size = 0.008;  // [m]
+  std::vector<std::string> labels;  // by number or by name
+  double size = 0.008;              // [m]
   double scale = 1;
 };
 
@@ -40,13 +43,26 @@ OrganMesh mesh_surface(const MeshOptions& options, const Exec& exec) {
   return body;
 }
 
+/// The numbers of the labels that are asked for; a note when their names are not the file's own.
+std::vector<int> label_numbers(const MeshOptions& options) {
+  SceneLabels names = labels_of(options.input);
+  std::vector<int> numbers;
+  for (const std::string& name : options.labels) {
+    const Result<int> label = find_label(name, names);
+    if (!label) throw Failure{2, "--label: " + label.error().message};
+    numbers.push_back(*label);
+    if (const std::string said = std::exchange(names.note, {}); !said.empty()) note(said);
+  }
+  return numbers;
+}
+
 OrganMesh mesh_labels(const MeshOptions& options, const Exec& exec) {
   const Result<LabelFile> file = read_labels(options.input);
   if (!file) throw Failure{2, file.error().message};
   if (options.scale != 1) throw Failure{2, "--scale is for surfaces; a segmentation knows its millimetres"};
+  const std::vector<int> labels = label_numbers(options);
   ProgressBar bar("meshing");
-  return finished(mesh_of_labels(exec, file->labels, options.labels, options.size, bar.callback()),
-                  options.input);
+  return finished(mesh_of_labels(exec, file->labels, labels, options.size, bar.callback()), options.input);
 }
 
 Status write_mesh(const std::filesystem::path& path, const SolidMesh& mesh) {
@@ -54,8 +70,8 @@ Status write_mesh(const std::filesystem::path& path, const SolidMesh& mesh) {
   return write_msh(path, mesh);
 }
 
-void print_regions(const SolidMesh& mesh, const std::vector<int>& labels) {
-  for (const int label : labels) {
+void print_regions(const SolidMesh& mesh) {
+  for (const int label : std::set<int>(mesh.regions.begin(), mesh.regions.end())) {
     std::size_t count = 0;
     double sum = 0;
     for (std::size_t e = 0; e < element_count(mesh); e++)
@@ -72,7 +88,7 @@ void print_mesh(const OrganMesh& body, const MeshOptions& options) {
              body.input_volume * 1e6, (quality.volume / body.input_volume - 1) * 100);
   fmt::print("  dihedral angles {:.1f} to {:.1f} degrees\n", quality.min_dihedral, quality.max_dihedral);
   fmt::print("  edges {:.3g} to {:.3g} mm\n", quality.shortest_edge * 1e3, quality.longest_edge * 1e3);
-  if (options.labels.size() > 1) print_regions(body.mesh, options.labels);
+  if (options.labels.size() > 1) print_regions(body.mesh);
 }
 
 void run_mesh(const MeshOptions& options, const Global& global) {
@@ -96,13 +112,12 @@ void add_mesh_command(CLI::App& program, Global& global) {
   auto options = std::make_shared<MeshOptions>();
   command
       ->add_option("input", options->input,
-                   "A segmentation (.nii, .nii.gz, .nrrd, .mha) or a surface (.obj, .stl, .ply)")
+                   "A segmentation (.nii, .nii.gz, .nrrd, .mha) or a surface (.obj, .stl, .ply, .vtp, .vtk)")
       ->required();
   command->add_option("-o,--output", options->output, "The file to write: .vtu or .msh")->required();
-  command
-      ->add_option("--label", options->labels,
-                   "Labels of the body, such as a body and the nodules in it: each becomes a region")
-      ->check(CLI::Range(1, 65535));
+  command->add_option("--label", options->labels,
+                      "Labels of the body by number or name, such as an organ and the nodules in it: each "
+                      "becomes a region");
   command->add_option("--size", options->size, "Length of the edges, about [m] (default 0.008)")
       ->check(number_within(1e-6, 100, "m"));
   command
@@ -110,7 +125,7 @@ void add_mesh_command(CLI::App& program, Global& global) {
       ->check(number_within(1e-12, 1e6, "m"));
   command->footer(
       "Examples:\n"
-      "  turgor mesh segmentation.nii.gz --label 5 --size 0.008 -o liver.vtu\n"
+      "  turgor mesh segmentation.nii.gz --label liver --size 0.008 -o liver.vtu\n"
       "  turgor mesh liver.stl --scale 0.001 -o liver.msh");
   command->callback([options, &global] { run_mesh(*options, global); });
 }

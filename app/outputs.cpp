@@ -226,7 +226,8 @@ Status finish_outputs(const World& world, Outputs& outputs) {
   }
   if (const Status status = finish_ct_outputs(world, outputs); !status) return status;
   if (outputs.scene->output.meshes) {
-    if (const Status status = write_pvd(outputs.folder / "meshes.pvd", outputs.series); !status)
+    const MeshSpace space = outputs.scene->output.mesh_space;
+    if (const Status status = write_pvd(outputs.folder / "meshes.pvd", outputs.series, space); !status)
       return status;
     outputs.facts.files.push_back("meshes.pvd");
   }

@@ -48,8 +48,9 @@ void add_clothes(const World& world, SkinColor color, const ColorScale* scale, P
 Status write_cloth_meshes(const World& world, Outputs& outputs) {
   for (const ClothBody& body : world.cloth_bodies) {
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, world.frame);
-    const Status status = write_vtu(outputs.folder / file, cloth::surface(body.model, body.state),
-                                    {vertex_field("displacement [m]", displacements(body))});
+    const Status status =
+        write_vtu(outputs.folder / file, cloth::surface(body.model, body.state),
+                  {length_field("displacement", displacements(body))}, outputs.scene->output.mesh_space);
     if (!status) return status;
     outputs.series.push_back({time_of(world), file, body.name});
   }
@@ -59,7 +60,8 @@ Status write_cloth_meshes(const World& world, Outputs& outputs) {
 Status write_cloth_objs(const World& world, Outputs& outputs) {
   for (const ClothBody& body : world.cloth_bodies) {
     const std::string file = body.name + ".obj";
-    if (const Status s = write_obj(outputs.folder / file, cloth::surface(body.model, body.state)); !s)
+    const TriMesh mesh = cloth::surface(body.model, body.state);
+    if (const Status s = write_obj(outputs.folder / file, mesh, outputs.scene->output.mesh_space); !s)
       return s;
     outputs.facts.files.push_back(file);
   }

@@ -68,7 +68,8 @@ Status write_skin_meshes(const World& world, Outputs& outputs) {
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, world.frame);
     const Status status = write_vtu(
         outputs.folder / file, moved,
-        {vertex_field("displacement [m]", displacement), vertex_field("area strain [1]", moved.scalars)});
+        {length_field("displacement", displacement), vertex_field("area strain [1]", moved.scalars)},
+        outputs.scene->output.mesh_space);
     if (!status) return status;
     outputs.series.push_back({time_of(world), file, body.name});
   }
@@ -81,7 +82,8 @@ Status write_skin_objs(const World& world, Outputs& outputs) {
     const std::string file = body.name + ".obj";
     const TriMesh mesh = lattice::deformed_surface(body.model, body.state, outputs.bodies[b].surface,
                                                    lattice::Shown::kNothing);
-    if (const Status status = write_obj(outputs.folder / file, mesh); !status) return status;
+    if (const Status s = write_obj(outputs.folder / file, mesh, outputs.scene->output.mesh_space); !s)
+      return s;
     outputs.facts.files.push_back(file);
   }
   return Done{};

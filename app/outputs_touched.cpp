@@ -195,8 +195,9 @@ Status write_touched_meshes(const World& world, Outputs& outputs) {
     if (id.kind == BodyKind::kLattice) return Done{};  // outputs_skin.cpp
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, world.frame);
     const Status status = write_vtu(outputs.folder / file, deformed_mesh(body.shown, SkinColor::kNone),
-                                    {vertex_field("displacement [m]", body.shown.displacement),
-                                     vertex_field("pressure [Pa]", body.shown.pressure)});
+                                    {length_field("displacement", body.shown.displacement),
+                                     vertex_field("pressure [Pa]", body.shown.pressure)},
+                                    outputs.scene->output.mesh_space);
     if (status) outputs.series.push_back({time_of(world), file, body.name});
     return status;
   });
@@ -209,7 +210,8 @@ Status finish_touched_outputs(const World& world, Outputs& outputs) {
       return Done{};
     const std::string file = body.name + ".obj";
     outputs.facts.files.push_back(file);
-    return write_obj(outputs.folder / file, deformed_mesh(body.deepest, SkinColor::kNone));
+    const TriMesh mesh = deformed_mesh(body.deepest, SkinColor::kNone);
+    return write_obj(outputs.folder / file, mesh, outputs.scene->output.mesh_space);
   });
   if (!drawn) return drawn;
   if (world.tools.empty()) return Done{};

@@ -59,6 +59,32 @@ TEST(Labels, AreCalledWhatTheirFileCallsThem) {
   EXPECT_NE(wrong.printed.find("found \"liver\""), std::string::npos) << wrong.printed;
 }
 
+TEST(Labels, MeshTakesTheNamesOfTheFileTooAndSaysWhenTheyAreTheUsualOnes) {
+  const fs::path folder = folder_with_ct();
+  write_segmentation(folder, "tumour");
+  const Ended own = run_program("mesh l.seg.nrrd --label tumour --size 0.02 -o name.msh", folder);
+  ASSERT_EQ(own.code, 0) << own.printed;
+  EXPECT_EQ(own.printed.find("TotalSegmentator"), std::string::npos) << own.printed;
+  ASSERT_EQ(run_program("mesh l.seg.nrrd --label 5 --size 0.02 -o number.msh", folder).code, 0);
+  EXPECT_EQ(bytes_of(folder / "name.msh"), bytes_of(folder / "number.msh"));
+  const Ended usual = run_program("mesh l.nii.gz --label liver --size 0.02 -o usual.msh", folder);
+  ASSERT_EQ(usual.code, 0) << usual.printed;
+  EXPECT_NE(usual.printed.find("\"liver\" is taken to be label 5, as TotalSegmentator numbers them"),
+            std::string::npos)
+      << usual.printed;
+  EXPECT_EQ(bytes_of(folder / "usual.msh"), bytes_of(folder / "number.msh"));
+  for (const auto& [label, words] :
+       {std::pair("tumor",
+                  "--label: expected a label's number (1 to 65535) or an organ's name, found \"tumor\"; "
+                  "did you mean tumour?"),
+        std::pair("70000", "found \"70000\""), std::pair("0", "found \"0\"")}) {
+    const Ended wrong = run_program(std::string("mesh l.seg.nrrd -o no.msh --label ") + label, folder);
+    EXPECT_EQ(wrong.code, 2);
+    EXPECT_NE(wrong.printed.find(words), std::string::npos) << wrong.printed;
+    EXPECT_FALSE(fs::exists(folder / "no.msh"));
+  }
+}
+
 TEST(Labels, NamesThatTheFileDoesNotSayAreNoted) {
   const fs::path folder = folder_with_ct();
   const Ended info = run_program("info ct.nii.gz --labels l.nii.gz", folder);

@@ -1,6 +1,7 @@
 // Bodies and tools as people run them: what a run leaves behind, and what wrong inputs are told.
 #include "app/program.hpp"
 #include "sim/sfem_scene_text.hpp"
+#include "turgor/io/surface_files.hpp"
 
 namespace turgor {
 namespace {
@@ -28,6 +29,28 @@ TEST(Palpation, LeavesForcesPicturesMeshesAndAReport) {
   EXPECT_FALSE(report["bodies"][0]["green"]["from_cache"].get<bool>());
   EXPECT_EQ(report["bodies"].size(), 1u);
   EXPECT_EQ(report["bodies"][0]["model"], "sfem");
+}
+
+TEST(Palpation, SurfacesInMillimetresAndRasAreTheSameBody) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", sfem_scene_text(kCache));
+  ASSERT_EQ(run_program("run s.toml -q --out metres", folder).code, 0);
+  const Ended ended = run_program(
+      "run --replay metres/recording.h5 --out mm --set output.mesh_unit=mm --set output.mesh_frame=RAS",
+      folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  const Result<ReadSurface> metres = read_surface(folder / "metres" / "pad.obj"),
+                            turned = read_surface(folder / "mm" / "pad.obj", 0.001);
+  ASSERT_TRUE(metres && turned);
+  EXPECT_EQ(metres->mesh.triangles, turned->mesh.triangles);
+  for (std::size_t v = 0; v < metres->mesh.vertices.size(); v++) {
+    const Vec3 a = metres->mesh.vertices[v], b = turned->mesh.vertices[v];
+    ASSERT_NEAR(norm(a - Vec3{-b.x, -b.y, b.z}), 0, 2e-6) << v;  // a .obj in metres ends at the micrometre
+  }
+  const std::string vtu = bytes_of(folder / "mm" / "meshes" / "pad-0030.vtu");
+  EXPECT_NE(vtu.find("Name=\"displacement [mm]\""), std::string::npos);
+  EXPECT_NE(vtu.find("Name=\"pressure [Pa]\""), std::string::npos);
+  EXPECT_NE(bytes_of(folder / "mm" / "meshes.pvd").find("millimetres, patient frame RAS"), std::string::npos);
 }
 
 TEST(Palpation, AReplayDrawsTheSamePicturesAndTheSameForces) {

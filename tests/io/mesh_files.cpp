@@ -6,6 +6,7 @@
 
 #include "folders.hpp"
 #include "turgor/io/file.hpp"
+#include "turgor/io/surface_files.hpp"
 
 namespace turgor {
 namespace {
@@ -67,6 +68,64 @@ TEST(MeshFiles, VtuHoldsPointsCellsAndFieldsInItsBinaryEnd) {
   EXPECT_EQ(appended<std::uint8_t>(text, "types"), (std::vector<std::uint8_t>{5, 5}));
 }
 
+TEST(MeshFiles, AnObjOfMillimetresAndRasIsReadBackAsHalfATurnOfTheSame) {
+  TriMesh mesh = two_triangles();
+  mesh.vertices[3] = {0.0123456f, -0.25f, 0.5f};
+  mesh.normals = vertex_normals(mesh);
+  const std::string path = test::fresh_folder() / "a.obj";
+  ASSERT_TRUE(write_obj(path, mesh, {.is_mm = true, .is_ras = true}));
+  const std::string text = read_file(path).value();
+  EXPECT_TRUE(
+      text.starts_with("# Turgor: millimetres, patient frame RAS (x to the right, y to the front, z "
+                       "to the head)\n# SPACE=RAS\n"))
+      << text;
+  EXPECT_EQ(text.find("-0.0000 "), std::string::npos) << "zero has no sign";
+  const Result<ReadSurface> read = read_surface(path, 0.001);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->mesh.triangles, mesh.triangles) << "a turn keeps the winding";
+  ASSERT_EQ(read->mesh.vertices.size(), 4u);
+  for (std::size_t v = 0; v < 4; v++) {
+    const Vec3 x = mesh.vertices[v];
+    EXPECT_NEAR(norm(read->mesh.vertices[v] - Vec3{-x.x, -x.y, x.z}), 0, 1e-7) << v;
+  }
+}
+
+TEST(MeshFiles, AVtuOfMillimetresAndRasHasItsLengthsInThemAndSaysSo) {
+  TriMesh mesh = two_triangles();
+  mesh.normals = std::vector<Vec3>(4, {1, 0, 0});
+  const std::vector<Vec3> moved = {{0.001f, 0.002f, 0.003f}, {}, {}, {}};
+  const std::vector<float> lengths = {0.5f, 0, 0, 0}, pressure = {7, 0, 0, 0};
+  const std::string text = written("mesh.vtu", [&](const auto& path) {
+    return write_vtu(path, mesh,
+                     {length_field("displacement", moved), length_field("way", lengths),
+                      vertex_field("pressure [Pa]", pressure)},
+                     {.is_mm = true, .is_ras = true});
+  });
+  EXPECT_EQ(appended<float>(text, "points")[9], -1000);
+  EXPECT_EQ(appended<float>(text, "points")[10], -1000);
+  EXPECT_EQ(appended<float>(text, "points")[11], 500);
+  EXPECT_EQ(appended<float>(text, "normal")[0], -1);
+  const std::vector<float> displacement = appended<float>(text, "displacement [mm]");
+  EXPECT_FLOAT_EQ(displacement[0], -1);
+  EXPECT_FLOAT_EQ(displacement[1], -2);
+  EXPECT_FLOAT_EQ(displacement[2], 3);
+  EXPECT_EQ(appended<float>(text, "way [mm]")[0], 500);
+  EXPECT_EQ(appended<float>(text, "pressure [Pa]")[0], 7);
+  EXPECT_NE(text.find("<!-- Turgor: millimetres, patient frame RAS"), std::string::npos);
+  EXPECT_NE(text.find("Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">82 65 83 0<"), std::string::npos);
+  EXPECT_NE(text.find("Name=\"unit\" NumberOfTuples=\"1\" format=\"ascii\">109 109 0<"), std::string::npos);
+}
+
+TEST(MeshFiles, WithoutAWishAVtuIsInMetresAndLps) {
+  const std::vector<Vec3> moved(4, {0.001f, 0.002f, 0.003f});
+  const std::string text = written("mesh.vtu", [&](const auto& path) {
+    return write_vtu(path, two_triangles(), {length_field("displacement", moved)});
+  });
+  EXPECT_EQ(appended<float>(text, "displacement [m]")[1], 0.002f);
+  EXPECT_NE(text.find("<!-- Turgor: metres, patient frame LPS"), std::string::npos);
+  EXPECT_NE(text.find(">76 80 83 0<"), std::string::npos);
+}
+
 TEST(MeshFiles, EmptyMeshesAreWritten) {
   const std::string text = written("empty.vtu", [](const auto& path) { return write_vtu(path, {}, {}); });
   EXPECT_TRUE(appended<float>(text, "points").empty());
@@ -74,8 +133,9 @@ TEST(MeshFiles, EmptyMeshesAreWritten) {
 
 TEST(MeshFiles, PvdListsTimesAndFiles) {
   const std::string text = written("series.pvd", [](const auto& path) {
-    return write_pvd(path, {{0, "a.vtu", "torso"}, {0.5, "b.vtu", "torso"}});
+    return write_pvd(path, {{0, "a.vtu", "torso"}, {0.5, "b.vtu", "torso"}}, {.is_mm = true});
   });
+  EXPECT_NE(text.find("<!-- Turgor: millimetres, patient frame LPS"), std::string::npos);
   EXPECT_NE(text.find("timestep=\"0.5\" part=\"0\" name=\"torso\" file=\"b.vtu\""), std::string::npos);
 }
 

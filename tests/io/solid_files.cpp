@@ -106,7 +106,7 @@ TEST(SolidFiles, fields_do_not_disturb_the_mesh_of_a_vtu) {
   const SolidMesh mesh = sample_mesh();
   const std::vector<Vec3> displacement(5, {1, 2, 3});
   const std::vector<float> pressure = {4, 5};
-  ASSERT_TRUE(write_vtu(folder / "mesh", mesh, {vertex_field("displacement [m]", displacement)},
+  ASSERT_TRUE(write_vtu(folder / "mesh", mesh, {length_field("displacement", displacement)},
                         {vertex_field("pressure [Pa]", pressure)}));
   expect_same(read_solid(folder / "mesh"), mesh);
 }

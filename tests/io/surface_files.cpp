@@ -8,10 +8,12 @@
 #include "folders.hpp"
 #include "io/bytes.hpp"
 #include "io/damage.hpp"
+#include "io/meshlab.hpp"
 #include "refused.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/io/mesh_files.hpp"
 #include "turgor/io/polygon.hpp"
+#include "turgor/io/solid_files.hpp"
 
 namespace turgor {
 namespace {
@@ -76,6 +78,26 @@ std::string ply_binary(bool is_big_endian) {
   return out.text;
 }
 
+/// Two polygons and a strip; a line, and two points by themselves.
+std::string vtk(const std::string& version = "3.0") {
+  return "# vtk DataFile Version " + version +
+         "\nv 1 2 3 DATASET STRUCTURED_POINTS\nASCII\nDATASET POLYDATA\n"
+         "POINTS 4 float\n0 0 0 1 0 0\n0 1 0 0 0 1\nVERTICES 2 4\n1 0\n1 1\nLINES 1 4\n3 0 1 2\n"
+         "POLYGONS 2 8\n3 0 2 1\n3 2 0 3\nTRIANGLE_STRIPS 1 5\n4 0 1 3 2\n"
+         "POINT_DATA 4\nNORMALS n float\n0 0 1 0 0 1 0 0 1 0 0 1\n";
+}
+std::string vtp() {
+  return "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+         "<PolyData>\n<Piece NumberOfPoints=\"4\" NumberOfPolys=\"2\" NumberOfStrips=\"1\">\n<Points>\n"
+         "<DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">\n"
+         "0 0 0 1 0 0 0 1 0 0 0 1</DataArray>\n</Points>\n<Polys>\n"
+         "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 2 1 2 0 3</DataArray>\n"
+         "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">3 6</DataArray>\n</Polys>\n<Strips>\n"
+         "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 3 2</DataArray>\n"
+         "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">4</DataArray>\n</Strips>\n"
+         "</Piece>\n</PolyData>\n</VTKFile>\n";
+}
+
 Result<ReadSurface> read_text(const std::string& text, const std::string& name = "mesh") {
   static const fs::path folder = fresh_folder();
   write(folder / name, text);
@@ -110,25 +132,96 @@ const std::vector<Sample>& samples() {
                                           {"STL (binary)", stl_binary()},
                                           {"PLY", ply()},
                                           {"PLY (binary)", ply_binary(false)},
-                                          {"PLY (binary)", ply_binary(true)}};
+                                          {"PLY (binary)", ply_binary(true)},
+                                          {"OBJ", meshlab_obj({kCorners, kFaces})},
+                                          {"PLY (binary)", meshlab_ply({kCorners, kFaces})},
+                                          {"VTP", vtp()}};
   return all;
+}
+
+void expect_tetrahedron(const Result<ReadSurface>& read, const std::string& format) {
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->format, format);
+  EXPECT_EQ(read->mesh.vertices.size(), 4u);
+  EXPECT_EQ(read->mesh.triangles.size(), 4u);
+  EXPECT_NEAR(enclosed(read->mesh), 1 / 6.0, 1e-7);
+  for_each_edge(sorted_edges(read->mesh.triangles), [](std::span<const EdgeUse> uses) {
+    ASSERT_EQ(uses.size(), 2u);
+    EXPECT_NE(uses[0].forward, uses[1].forward);
+  });
 }
 
 TEST(SurfaceFiles, every_format_gives_the_same_closed_tetrahedron) {
   for (const Sample& sample : samples()) {
     SCOPED_TRACE(sample.format);
     const Result<ReadSurface> read = read_text(sample.text);
-    ASSERT_TRUE(read) << read.error().message;
-    EXPECT_EQ(read->format, sample.format);
-    EXPECT_TRUE(read->notes.empty());
-    EXPECT_EQ(read->mesh.vertices.size(), 4u);
-    EXPECT_EQ(read->mesh.triangles.size(), 4u);
-    EXPECT_NEAR(enclosed(read->mesh), 1 / 6.0, 1e-7);
-    for_each_edge(sorted_edges(read->mesh.triangles), [](std::span<const EdgeUse> uses) {
-      ASSERT_EQ(uses.size(), 2u);
-      EXPECT_NE(uses[0].forward, uses[1].forward);
-    });
+    expect_tetrahedron(read, sample.format);
+    EXPECT_TRUE(read && read->notes.empty());
   }
+}
+
+const std::vector<std::string> kLeftOut = {"left out: 2 single points", "left out: 1 line"};
+
+TEST(SurfaceFiles, of_a_vtk_file_lines_and_points_are_left_out_and_noted) {
+  const Result<ReadSurface> read = read_text(vtk(), "mesh.vtk");
+  expect_tetrahedron(read, "VTK 3.0");
+  EXPECT_EQ(read->notes, kLeftOut);
+}
+
+TEST(SurfaceFiles, what_vtk_itself_writes_is_read_packed_or_not_in_either_order) {
+  const fs::path corpus = fs::path(TURGOR_SOURCE_DIR) / "tests" / "fuzz" / "corpus" / "surface";
+  const struct {
+    const char *name, *format;
+    bool has_more;  // a line and two points
+  } files[] = {{"text.vtp", "VTP", true},
+               {"inline-big.vtp", "VTP", false},
+               {"inline-zlib.vtp", "VTP (compressed)", false},
+               {"raw.vtp", "VTP", false},
+               {"raw-zlib-big.vtp", "VTP (compressed)", false},
+               {"base64-zlib.vtp", "VTP (compressed)", false},
+               {"vtk4.vtk", "VTK 4.2", true},
+               {"vtk4-binary.vtk", "VTK 4.2 (binary)", false},
+               {"vtk5.vtk", "VTK 5.1", false},
+               {"vtk5-binary.vtk", "VTK 5.1 (binary)", true}};
+  for (const auto& file : files) {
+    SCOPED_TRACE(file.name);
+    const Result<ReadSurface> read = read_surface(corpus / file.name);
+    expect_tetrahedron(read, file.format);
+    EXPECT_EQ(read->notes, file.has_more ? kLeftOut : std::vector<std::string>());
+    EXPECT_TRUE(is_surface_file(corpus / file.name));
+    EXPECT_FALSE(is_solid_file(corpus / file.name)) << "or turgor info would look for tetrahedra";
+  }
+}
+
+TEST(SurfaceFiles, of_a_file_that_says_it_is_in_ras_there_is_a_note) {
+  const fs::path folder = fresh_folder();
+  const auto notes = [&](const std::string& text) {
+    const Result<ReadSurface> read = read_text(text);
+    EXPECT_TRUE(read) << text;
+    return read ? read->notes.size() : 0;
+  };
+  ASSERT_TRUE(write_obj(folder / "ras.obj", {kCorners, kFaces}, {.is_ras = true}));
+  ASSERT_TRUE(write_obj(folder / "lps.obj", {kCorners, kFaces}));
+  EXPECT_EQ(read_surface(folder / "ras.obj")->notes.size(), 1u);
+  EXPECT_EQ(read_surface(folder / "lps.obj")->notes.size(), 0u);
+  std::string text = vtp();
+  const std::string fields =
+      "<FieldData><Array type=\"String\" Name=\"SPACE\" format=\"ascii\">\n 82 65 83 0</Array></FieldData>";
+  EXPECT_EQ(notes(text.insert(text.find("<Piece"), fields)), 1u);
+  EXPECT_EQ(notes(text.replace(text.find("82 65"), 5, "76 80")), 0u);
+  text = ply();
+  EXPECT_EQ(notes(text.insert(text.find("comment"), "comment SPACE=RAS\n")), 1u);
+}
+
+TEST(SurfaceFiles, pieces_of_a_vtp_are_joined_where_they_meet) {
+  std::string text = vtp();
+  const std::size_t begin = text.find("<Piece"), end = text.find("</PolyData>");
+  std::string second = text.substr(begin, end - begin);
+  second.replace(second.find("0 0 0 1 0 0 0 1 0 0 0 1"), 23, "0 0 0 0 1 0 1 0 0 0 0 -1");
+  const Result<ReadSurface> read = read_text(text.insert(end, second), "mesh.vtp");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->mesh.triangles.size(), 8u);
+  EXPECT_EQ(read->mesh.vertices.size(), 5u);
 }
 
 TEST(SurfaceFiles, vertices_at_one_place_become_one_and_zero_has_no_sign) {
@@ -201,6 +294,21 @@ TEST(SurfaceFiles, damaged_files_are_refused_with_file_place_expected_and_found)
        "expected the length of a list that the rest of the file can hold, found 300"},
       {ply(), "ascii", "zip", ":2: expected ascii, binary_little_endian or binary_big_endian, found \"zip\""},
       {ply(), "element face 4", "element face 0", "expected triangles, found none in this PLY file"},
+      {vtk(), "3 2 0 3", "3 2 0 4", "polygon 1: expected points from 0 to 3, found 4"},
+      {vtk(), "3 2 0 3", "3 2 0 -1", "polygon 1: expected points from 0 to 3, found -1"},
+      {vtk(), "4 0 1 3 2", "4 0 1 3 9", "strip 0: expected points from 0 to 3, found 9"},
+      {vtk(), "POLYGONS 2 8\n3 0 2 1\n3 2 0 3", "POLYGONS 2 7\n3 0 2 1\n2 2 0",
+       "polygon 1: expected at least 3 points, found 2"},
+      {vtk(), "POLYGONS 2 8", "POLYGONS 3 8", ":15: expected 3 cells, found 2"},
+      {vtk(), "POLYGONS 2 8", "POLYGONS 2 80000000", ":13: expected a number of numbers that"},
+      {vtk(), "POINTS 4 float", "POINTS 4 places", ":5: expected a type of numbers such as float or int"},
+      {vtp(), "0 2 1 2 0 3", "0 2 1 2 0 4", ":4: polygon 1: expected points from 0 to 3, found 4"},
+      {vtp(), ">3 6<", ">3 9<", ":10: expected a count of numbers that"},
+      {vtp(), ">3 6<", ">7 6<", ":4: polygon 0: expected its points to end between 0 and 6, found 7"},
+      {vtp(), "NumberOfPolys=\"2\"", "NumberOfPolys=\"99999999\"",
+       ":4: expected NumberOfPolys that the file can hold, found 99999999"},
+      {vtp(), "<Polys>", "<Pols>", "expected XML, found a mistake"},
+      {vtp(), "Name=\"offsets\"", "Name=\"off\"", "expected points, connectivity, offsets"},
   };
   for (const Damage& damage : table) {
     SCOPED_TRACE(damage.from + " -> " + damage.to);
@@ -234,7 +342,7 @@ TEST(SurfaceFiles, what_is_not_a_surface_is_named) {
   const fs::path folder = fresh_folder();
   EXPECT_REFUSED(read_surface(folder / "gone.obj"), "gone.obj: does not exist");
   EXPECT_REFUSED(read_text("$MeshFormat\n2.2 0 8\n"),
-                 "expected a surface (OBJ, STL, PLY), found \"$MeshFormat\"");
+                 "expected a surface (OBJ, STL, PLY, VTP, VTK), found \"$MeshFormat\"");
   write(folder / "a.ply", ply());
   EXPECT_TRUE(is_surface_file(folder / "a.ply"));
   EXPECT_FALSE(is_surface_file(folder / "gone.ply"));

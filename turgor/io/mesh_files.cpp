@@ -42,14 +42,51 @@ std::string field_array(Appended& appended, const VertexField& field) {
                     field.values.size_bytes());
 }
 
-std::string field_arrays(Appended& appended, const std::vector<VertexField>& fields, std::size_t count) {
+const char* frame_name(MeshSpace space) { return space.is_ras ? "RAS" : "LPS"; }
+std::string space_text(MeshSpace space) {
+  return fmt::format("{}, patient frame {} ({}, z to the head)", space.is_mm ? "millimetres" : "metres",
+                     frame_name(space),
+                     space.is_ras ? "x to the right, y to the front" : "x to the left, y to the back");
+}
+
+/// Along the axes of the file; zero keeps no sign.
+Vec3 turned(Vec3 v, MeshSpace space) { return space.is_ras ? Vec3{-v.x, -v.y, v.z} + Vec3{} : v; }
+std::vector<Vec3> turned(std::vector<Vec3> vectors, MeshSpace space) {
+  for (Vec3& v : vectors) v = turned(v, space);
+  return vectors;
+}
+Vec3 placed(Vec3 x, MeshSpace space) { return turned(space.is_mm ? x * 1000.0f : x, space); }
+
+/// A length in the file's unit, a vector along its axes.
+std::string length_array(Appended& appended, VertexField field, MeshSpace space) {
+  std::vector<float> values(field.values.begin(), field.values.end());
+  for (std::size_t i = 0; i < values.size(); i++) {
+    if (space.is_mm) values[i] *= 1000;
+    if (space.is_ras && field.components == 3 && i % 3 < 2) values[i] = 0 - values[i];
+  }
+  field.values = values;
+  field.name += fmt::format(" [{}]", unit_name(space));
+  return field_array(appended, field);
+}
+
+std::string field_arrays(Appended& appended, const std::vector<VertexField>& fields, std::size_t count,
+                         MeshSpace space) {
   std::string text;
   for (const VertexField& field : fields) {
     TURGOR_ASSERT(field.values.size() == count * std::size_t(field.components),
                   "a field has one value a vertex, or an element");
-    text += field_array(appended, field);
+    text += field.is_length ? length_array(appended, field, space) : field_array(appended, field);
   }
   return text;
+}
+
+/// A text as an array of the whole file: VTK stores the numbers of its bytes, and a zero behind them.
+std::string text_array(std::string_view name, std::string_view text) {
+  std::string bytes;
+  for (const char c : text) bytes += fmt::format("{} ", int(static_cast<unsigned char>(c)));
+  return fmt::format(R"(<Array type="String" Name="{}" NumberOfTuples="1" format="ascii">{}0</Array>)"
+                     "\n",
+                     name, bytes);
 }
 
 /// Cells of one type with so many corners each.
@@ -66,13 +103,14 @@ std::string cell_arrays(Appended& appended, const std::vector<std::int32_t>& cor
          data_array(appended, "UInt8", "types", 1, types.data(), types.size()) + "</Cells>\n";
 }
 
-std::string vtu_begin(std::size_t points, std::size_t cells) {
+std::string vtu_begin(std::size_t points, std::size_t cells, MeshSpace space) {
   return fmt::format(
-      "<?xml version=\"1.0\"?>\n<!-- Turgor: metres, patient frame LPS -->\n"
+      "<?xml version=\"1.0\"?>\n<!-- Turgor: {} -->\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\" "
-      "header_type=\"UInt64\">\n<UnstructuredGrid>\n"
+      "header_type=\"UInt64\">\n<UnstructuredGrid>\n<FieldData>\n{}{}</FieldData>\n"
       "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
-      byte_order(), points, cells);
+      space_text(space), byte_order(), text_array("SPACE", frame_name(space)),
+      text_array("unit", unit_name(space)), points, cells);
 }
 
 std::string vtu_end(const Appended& appended) {
@@ -82,13 +120,17 @@ std::string vtu_end(const Appended& appended) {
 
 }  // namespace
 
-Status write_obj(const std::filesystem::path& path, const TriMesh& mesh) {
-  std::string text = "# Turgor: metres, patient frame LPS (x to the left, y to the back, z to the head)\n";
+Status write_obj(const std::filesystem::path& path, const TriMesh& mesh, MeshSpace space) {
+  std::string text = fmt::format("# Turgor: {}\n# SPACE={}\n", space_text(space), frame_name(space));
   const auto out = std::back_inserter(text);
   const bool normals = mesh.normals.size() == mesh.vertices.size();
-  for (const Vec3 v : mesh.vertices) fmt::format_to(out, "v {:.6f} {:.6f} {:.6f}\n", v.x, v.y, v.z);
+  for (const Vec3 x : mesh.vertices) {
+    const Vec3 v = placed(x, space);
+    fmt::format_to(out, "v {0:.{3}f} {1:.{3}f} {2:.{3}f}\n", v.x, v.y, v.z, space.is_mm ? 4 : 6);
+  }
   if (normals)
-    for (const Vec3 n : mesh.normals) fmt::format_to(out, "vn {:.4f} {:.4f} {:.4f}\n", n.x, n.y, n.z);
+    for (const Vec3 n : turned(mesh.normals, space))
+      fmt::format_to(out, "vn {:.4f} {:.4f} {:.4f}\n", n.x, n.y, n.z);
   for (const auto [a, b, c] : mesh.triangles) {
     if (normals)
       fmt::format_to(out, "f {0}//{0} {1}//{1} {2}//{2}\n", a + 1, b + 1, c + 1);
@@ -99,14 +141,17 @@ Status write_obj(const std::filesystem::path& path, const TriMesh& mesh) {
 }
 
 Status write_vtu(const std::filesystem::path& path, const TriMesh& mesh,
-                 const std::vector<VertexField>& fields) {
+                 const std::vector<VertexField>& fields, MeshSpace space) {
   constexpr std::uint8_t kVtkTriangle = 5;
   const std::size_t vertices = mesh.vertices.size();
   Appended appended;
-  std::string text = vtu_begin(vertices, mesh.triangles.size()) + "<PointData>\n";
-  if (mesh.normals.size() == vertices) text += field_array(appended, vertex_field("normal", mesh.normals));
-  text += field_arrays(appended, fields, vertices);
-  text += "</PointData>\n<Points>\n" + field_array(appended, vertex_field("points", mesh.vertices));
+  std::string text = vtu_begin(vertices, mesh.triangles.size(), space) + "<PointData>\n";
+  if (mesh.normals.size() == vertices)
+    text += field_array(appended, vertex_field("normal", turned(mesh.normals, space)));
+  text += field_arrays(appended, fields, vertices, space);
+  std::vector<Vec3> places = mesh.vertices;
+  for (Vec3& x : places) x = placed(x, space);
+  text += "</PointData>\n<Points>\n" + field_array(appended, vertex_field("points", places));
   std::vector<std::int32_t> corners;
   for (const auto [a, b, c] : mesh.triangles) corners.insert(corners.end(), {a, b, c});
   text += "</Points>\n" + cell_arrays(appended, corners, 3, kVtkTriangle);
@@ -121,21 +166,21 @@ Status write_vtu(const std::filesystem::path& path, const SolidMesh& mesh,
   std::vector<std::int32_t> regions(count);
   for (std::size_t e = 0; e < count; e++) regions[e] = region(mesh, e);
   Appended appended;
-  std::string text = vtu_begin(vertices, count) + "<PointData>\n";
-  text += field_arrays(appended, vertex_fields, vertices) + "</PointData>\n<CellData>\n";
+  std::string text = vtu_begin(vertices, count, {}) + "<PointData>\n";
+  text += field_arrays(appended, vertex_fields, vertices, {}) + "</PointData>\n<CellData>\n";
   text += data_array(appended, "Int32", "region", 1, regions.data(), count * sizeof regions[0]);
-  text += field_arrays(appended, element_fields, count) + "</CellData>\n<Points>\n";
+  text += field_arrays(appended, element_fields, count, {}) + "</CellData>\n<Points>\n";
   text += data_array(appended, "Float64", "points", 3, mesh.vertices.data(), vertices * sizeof(Vec3d));
   const std::uint8_t type = mesh.corners == 4 ? kVtkTetra : kVtkHexahedron;
   text += "</Points>\n" + cell_arrays(appended, mesh.elements, mesh.corners, type);
   return write_file(path, text + vtu_end(appended));
 }
 
-Status write_pvd(const std::filesystem::path& path, const std::vector<PvdEntry>& entries) {
+Status write_pvd(const std::filesystem::path& path, const std::vector<PvdEntry>& entries, MeshSpace space) {
   std::string text = fmt::format(
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
+      "<?xml version=\"1.0\"?>\n<!-- Turgor: {} -->\n<VTKFile type=\"Collection\" version=\"0.1\" "
       "byte_order=\"{}\">\n<Collection>\n",
-      byte_order());
+      space_text(space), byte_order());
   for (const PvdEntry& entry : entries)
     text += fmt::format("<DataSet timestep=\"{}\" part=\"0\" name=\"{}\" file=\"{}\"/>\n", entry.time,
                         xml_text(entry.part), xml_text(entry.file));

@@ -1,5 +1,6 @@
 // Meshes out: Wavefront OBJ for modelling programs, VTK's .vtu (XML, raw binary) and .pvd time series for
-// ParaView. Coordinates are metres in the patient frame LPS; the files say so in a comment.
+// ParaView. Coordinates are metres in the patient frame LPS unless asked otherwise; the files say so in a
+// comment and, as 3D Slicer reads it, under the name SPACE.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +14,23 @@
 
 namespace turgor {
 
+/// The lengths and axes of a file. LPS: x to the left, y to the back, z to the head. RAS: x to the right, y
+/// to the front, which is half a turn about z.
+struct MeshSpace {
+  bool is_mm = false;
+  bool is_ras = false;
+};
+inline const char* unit_name(MeshSpace space) { return space.is_mm ? "mm" : "m"; }
+
 /// Vertices, normals when the mesh has them, and triangles.
-Status write_obj(const std::filesystem::path& path, const TriMesh& mesh);
+Status write_obj(const std::filesystem::path& path, const TriMesh& mesh, MeshSpace space = {});
 
 /// A quantity at every vertex, or in every element of a solid mesh: `components` numbers each, 1 or 3.
 struct VertexField {
-  std::string name;  // with its unit, as ParaView shows it
+  std::string name;  // with its unit, as ParaView shows it; without one if it is a length
   int components = 1;
   std::span<const float> values;
+  bool is_length = false;  // [m]: written in the file's unit, whose name is added, and along its axes
 };
 inline VertexField vertex_field(std::string name, const std::vector<Vec3>& values) {
   return {std::move(name), 3, {values.empty() ? nullptr : &values.front().x, values.size() * 3}};
@@ -28,12 +38,18 @@ inline VertexField vertex_field(std::string name, const std::vector<Vec3>& value
 inline VertexField vertex_field(std::string name, const std::vector<float>& values) {
   return {std::move(name), 1, values};
 }
+template <class Value>
+VertexField length_field(std::string name, const std::vector<Value>& values) {
+  VertexField field = vertex_field(std::move(name), values);
+  field.is_length = true;
+  return field;
+}
 
 /// The mesh with its normals, when it has them, and the fields.
 Status write_vtu(const std::filesystem::path& path, const TriMesh& mesh,
-                 const std::vector<VertexField>& fields);
-/// A solid mesh with its regions, fields at its vertices and fields in its elements; read_solid reads it
-/// back.
+                 const std::vector<VertexField>& fields, MeshSpace space = {});
+/// A solid mesh, in metres and LPS, with its regions, fields at its vertices and fields in its elements;
+/// read_solid reads it back.
 Status write_vtu(const std::filesystem::path& path, const SolidMesh& mesh,
                  const std::vector<VertexField>& vertex_fields,
                  const std::vector<VertexField>& element_fields);
@@ -44,6 +60,7 @@ struct PvdEntry {
   std::string file;  // relative to the .pvd
   std::string part;  // which body
 };
-Status write_pvd(const std::filesystem::path& path, const std::vector<PvdEntry>& entries);
+Status write_pvd(const std::filesystem::path& path, const std::vector<PvdEntry>& entries,
+                 MeshSpace space = {});
 
 }  // namespace turgor

@@ -6,6 +6,7 @@
 
 #include "turgor/io/file.hpp"
 #include "turgor/io/solid_formats.hpp"
+#include "turgor/io/surface_formats.hpp"
 
 namespace turgor {
 
@@ -71,7 +72,9 @@ Result<ReadSolid> read_solid(const fs::path& path, double scale) {
 }
 
 bool is_solid_file(const fs::path& path) {
-  return io::solid_format(io::first_bytes(path)) != io::SolidFormat::kNone;
+  const std::string head = io::first_bytes(path);
+  return io::solid_format(head) != io::SolidFormat::kNone &&
+         io::vtk_surface_format(head) == io::SurfaceFormat::kNone;
 }
 
 Status write_msh(const fs::path& path, const SolidMesh& mesh) {

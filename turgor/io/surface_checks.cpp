@@ -72,7 +72,7 @@ Result<ReadSurface> finish_surface(const fs::path& path, const FoundSurface& fou
   std::vector<Int3> triangles;
   for (std::size_t p = 0; p < found.ends.size(); p++)
     if (Status done = add_polygon(path, found, p, triangles); !done) return done.error();
-  ReadSurface read{.format = found.format};
+  ReadSurface read{.format = found.format, .notes = found.notes};
   for (const Vec3d x : found.vertices) read.mesh.vertices.push_back(Vec3(x * scale) + Vec3{});  // -0 is 0
   read.mesh.triangles = triangles;
   read.mesh = welded(read.mesh);

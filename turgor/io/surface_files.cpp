@@ -42,17 +42,56 @@ Result<FoundSurface> parse_surface(const fs::path& path, std::string_view bytes)
       return parse_stl_binary(path, bytes);
     case SurfaceFormat::kPly:
       return parse_ply(path, bytes);
+    case SurfaceFormat::kVtp:
+      return parse_vtp(path, bytes);
+    case SurfaceFormat::kVtk:
+      return parse_vtk_surface(path, bytes);
     case SurfaceFormat::kNone:
       break;
   }
-  return Error{fmt::format("{}: expected a surface (OBJ, STL, PLY), found {}", path.string(),
+  return Error{fmt::format("{}: expected a surface (OBJ, STL, PLY, VTP, VTK), found {}", path.string(),
                            quoted(bytes.substr(0, bytes.find('\n'))))};
+}
+
+/// Whether the line DATASET of a legacy file says POLYDATA; it stands behind a title, which may say anything.
+bool is_legacy_polydata(std::string_view head) {
+  MeshCursor cursor("", head);
+  cursor.line(), cursor.line();
+  const std::size_t dataset = head.find("\nDATASET", std::max<std::size_t>(cursor.offset(), 1) - 1);
+  if (dataset == std::string_view::npos) return false;
+  cursor.seek(dataset + 1);
+  cursor.word();
+  return cursor.word() == "POLYDATA";
+}
+
+/// Whether the beginning of a file says, as 3D Slicer writes it, that it is in RAS: in a comment or a title,
+/// or in XML as an array of bytes.
+bool says_ras(std::string_view bytes) {
+  const std::string_view head = bytes.substr(0, 4096);
+  const std::size_t array = head.find("Name=\"SPACE\"");
+  if (array == head.npos) return head.find("SPACE=RAS") != head.npos;
+  const std::size_t text = std::min(head.find('>', array), head.size() - 1) + 1;
+  MeshCursor cursor("", head);
+  cursor.seek(text);
+  return cursor.word() == "82" && cursor.word() == "65" && cursor.word() == "83";
 }
 
 }  // namespace
 
+SurfaceFormat vtk_surface_format(std::string_view head) {
+  if (head.starts_with("# vtk DataFile"))
+    return is_legacy_polydata(head) ? SurfaceFormat::kVtk : SurfaceFormat::kNone;
+  MeshCursor cursor("", head);
+  const std::string_view first = cursor.word();
+  if (!first.starts_with("<?xml") && !first.starts_with("<VTKFile")) return SurfaceFormat::kNone;
+  const std::size_t begin = std::min(head.find("<VTKFile"), head.size());
+  const std::string_view tag = head.substr(begin, std::min(head.find('>', begin), head.size()) - begin);
+  return tag.find("PolyData") != tag.npos ? SurfaceFormat::kVtp : SurfaceFormat::kNone;
+}
+
 SurfaceFormat surface_format(const fs::path& path, std::string_view head, std::uintmax_t size) {
   if (head.starts_with("ply\n") || head.starts_with("ply\r")) return SurfaceFormat::kPly;
+  if (const SurfaceFormat vtk = vtk_surface_format(head); vtk != SurfaceFormat::kNone) return vtk;
   if (has_size_of_stl(head, size)) return SurfaceFormat::kStlBinary;
   MeshCursor cursor(path, head);
   const std::string first = lower_case(cursor.word());
@@ -72,7 +111,12 @@ Result<ReadSurface> read_surface(const fs::path& path, double scale) {
   if (!bytes) return bytes.error();
   const Result<io::FoundSurface> found = io::parse_surface(path, *bytes);
   if (!found) return found.error();
-  return io::finish_surface(path, *found, scale);
+  Result<ReadSurface> read = io::finish_surface(path, *found, scale);
+  if (read && io::says_ras(*bytes))
+    read->notes.push_back(
+        "the file says that it is in RAS; its coordinates are taken as they are, and bodies are in LPS: "
+        "x and y would change their signs");
+  return read;
 }
 
 bool is_surface_file(const fs::path& path) {

@@ -1,6 +1,6 @@
-// Triangle surfaces in: OBJ, STL and PLY, recognised by content. Read by the engine itself: Assimp 5.2 reads
-// past the end of damaged PLY files and aborts on damaged polygons, which a program that opens people's files
-// cannot have.
+// Triangle surfaces in: OBJ, STL, PLY, VTP and legacy VTK (PolyData), recognised by content. Read by the
+// engine itself: Assimp 5.2 reads past the end of damaged PLY files and aborts on damaged polygons, which a
+// program that opens people's files cannot have.
 #pragma once
 
 #include <filesystem>

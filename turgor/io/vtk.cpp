@@ -1,10 +1,11 @@
-// Legacy VTK files, text or big-endian binary: unstructured grids of versions 1 to 5.1.
+// Legacy VTK files, text or big-endian binary: unstructured grids and surfaces (POLYDATA) of versions 1 to
+// 5.1.
 #include <algorithm>
 #include <functional>
 
 #include <fmt/format.h>
 
-#include "turgor/io/vtk_cells.hpp"
+#include "turgor/io/vtk_surface.hpp"
 
 namespace turgor::io {
 
@@ -15,8 +16,10 @@ namespace {
 struct VtkReader {
   MeshCursor cursor;
   Encoding encoding = Encoding::kText;  // of numbers; words are always text
-  FoundSolid found;
-  VtkCells cells;
+  std::string format;
+  std::vector<Vec3d> points;
+  VtkCells cells;          // of a grid
+  VtkSurface surface;      // of POLYDATA
   std::size_t tuples = 0;  // of the fields that follow
   bool of_cells = false;   // whether they are of cells
   int rank = 0;            // of the field that the regions are from
@@ -57,17 +60,17 @@ void read_wholes(VtkReader& in, std::size_t count, NumberType type, std::vector<
 }
 
 void read_points(VtkReader& in) {
-  if (!in.found.nodes.empty()) in.cursor.fail("one set of points", "a second one");
+  if (!in.points.empty()) in.cursor.fail("one set of points", "a second one");
   const std::size_t count = in.cursor.count(4, {1, 1}, "a number of points");
   const NumberType type = read_type(in.cursor);
   read_numbers(in, 3 * count, type, [&](std::size_t i) {
-    if (i % 3 == 0) in.found.nodes.emplace_back();
-    in.found.nodes.back()[int(i % 3)] = read_real(in.cursor, type);
+    if (i % 3 == 0) in.points.emplace_back();
+    in.points.back()[int(i % 3)] = read_real(in.cursor, type);
   });
 }
 
 /// Up to version 4: for every cell how many nodes, and which.
-void read_counted_cells(VtkReader& in, std::size_t count, std::size_t size) {
+void read_counted_cells(VtkReader& in, std::size_t count, std::size_t size, VtkCells& cells) {
   std::vector<std::int64_t> values;
   read_wholes(in, size, {NumberType::kSigned, 4}, values);
   for (std::size_t at = 0; at < values.size() && in.cursor.ok();) {
@@ -76,28 +79,35 @@ void read_counted_cells(VtkReader& in, std::size_t count, std::size_t size) {
     if (nodes < 0 || std::uint64_t(nodes) > rest)
       return in.cursor.fail(fmt::format("a cell of at most {} nodes", rest), fmt::format("{}", nodes));
     const auto first = values.begin() + std::ptrdiff_t(at);
-    in.cells.nodes.insert(in.cells.nodes.end(), first, first + nodes);
-    in.cells.ends.push_back(std::int64_t(in.cells.nodes.size()));
+    cells.nodes.insert(cells.nodes.end(), first, first + nodes);
+    cells.ends.push_back(std::int64_t(cells.nodes.size()));
     at += std::size_t(nodes);
   }
-  if (in.cells.ends.size() != count)
-    in.cursor.fail(fmt::format("{} cells", count), fmt::format("{}", in.cells.ends.size()));
+  if (cells.ends.size() != count)
+    in.cursor.fail(fmt::format("{} cells", count), fmt::format("{}", cells.ends.size()));
 }
 
-void read_cells(VtkReader& in) {
+void read_cells(VtkReader& in, VtkCells& cells) {
   MeshCursor& cursor = in.cursor;
-  if (!in.cells.ends.empty()) cursor.fail("one set of cells", "a second one");
+  if (!cells.ends.empty()) cursor.fail("one set of cells", "a second one");
   const std::size_t count = cursor.count(4, {1, 1}, "a number of cells");
   const std::size_t size = cursor.count(4, {1, 1}, "a number of numbers");
-  if (cursor.peek_word() != "OFFSETS") return read_counted_cells(in, count, size);
+  if (cursor.peek_word() != "OFFSETS") return read_counted_cells(in, count, size, cells);
   cursor.word();
-  read_wholes(in, count, read_type(cursor), in.cells.ends);
+  read_wholes(in, count, read_type(cursor), cells.ends);
   cursor.expect("CONNECTIVITY");
-  read_wholes(in, size, read_type(cursor), in.cells.nodes);
-  if (in.cells.ends.empty() || in.cells.ends.front() != 0)
+  read_wholes(in, size, read_type(cursor), cells.nodes);
+  if (cells.ends.empty() || cells.ends.front() != 0)
     cursor.fail("offsets that begin with 0", "others");
   else
-    in.cells.ends.erase(in.cells.ends.begin());
+    cells.ends.erase(cells.ends.begin());
+}
+
+/// Cells that are no surface: their number.
+void count_cells(VtkReader& in, std::size_t& count) {
+  VtkCells cells;
+  read_cells(in, cells);
+  count += cells.ends.size();
 }
 
 void skip_metadata(MeshCursor& cursor) {
@@ -136,6 +146,28 @@ void read_scalars(VtkReader& in) {
   read_field(in, name, in.tuples, std::size_t(components), type);
 }
 
+/// Texts: lines of their own; in binary files, behind their length, whose first two bits say how many bytes
+/// it takes.
+void skip_strings(VtkReader& in, std::size_t count) {
+  MeshCursor& cursor = in.cursor;
+  cursor.line();
+  if (!cursor.can_hold(count, {0, 1}, "a count of texts")) return;
+  for (std::size_t s = 0; s < count && cursor.ok(); s++) {
+    if (in.encoding == Encoding::kText) {
+      cursor.line();
+      continue;
+    }
+    cursor.encoding = in.encoding;
+    const std::size_t start = cursor.offset();
+    const int bytes = 8 >> (cursor.unsigned_whole(1, "the length of a text") >> 6);
+    cursor.seek(start);
+    const std::uint64_t stored = cursor.unsigned_whole(bytes, "the length of a text");
+    const std::uint64_t length = stored & ((std::uint64_t(1) << (8 * bytes - 2)) - 1);
+    if (cursor.can_hold(length, {0, 1}, "a text")) cursor.skip(std::size_t(length));
+  }
+  cursor.encoding = Encoding::kText;
+}
+
 void read_fields(VtkReader& in) {
   in.cursor.word();  // the name of them all
   const std::size_t count = in.cursor.count(4, {4, 4}, "a number of fields");
@@ -144,7 +176,12 @@ void read_fields(VtkReader& in) {
     const std::string name(in.cursor.word());
     const std::size_t components = in.cursor.count(4, {0, 0}, "a number of components");
     const std::size_t tuples = in.cursor.count(4, {1, 0}, "a number of tuples");
-    read_field(in, name, tuples, components, read_type(in.cursor));
+    if (in.cursor.peek_word() != "string") {
+      read_field(in, name, tuples, components, read_type(in.cursor));
+      continue;
+    }
+    in.cursor.word();
+    components > 1 ? in.cursor.fail("texts of one component") : skip_strings(in, tuples);
   }
 }
 
@@ -165,7 +202,11 @@ void read_colors(VtkReader& in, bool is_table) {
 
 void read_part(VtkReader& in, std::string_view keyword) {
   if (keyword == "POINTS") return read_points(in);
-  if (keyword == "CELLS") return read_cells(in);
+  if (keyword == "CELLS") return read_cells(in, in.cells);
+  if (keyword == "POLYGONS") return read_cells(in, in.surface.polygons);
+  if (keyword == "TRIANGLE_STRIPS") return read_cells(in, in.surface.strips);
+  if (keyword == "VERTICES") return count_cells(in, in.surface.points);
+  if (keyword == "LINES") return count_cells(in, in.surface.lines);
   if (keyword == "CELL_TYPES") {
     const std::size_t count = in.cursor.count(4, {1, 1}, "a number of cells");
     return read_wholes(in, count, {NumberType::kSigned, 4}, in.cells.types);
@@ -186,11 +227,11 @@ void read_part(VtkReader& in, std::string_view keyword) {
   if (keyword == "TEXTURE_COORDINATES") return read_attribute(in, 0);
   if (keyword == "COLOR_SCALARS" || keyword == "LOOKUP_TABLE")
     return read_colors(in, keyword == "LOOKUP_TABLE");
-  in.cursor.fail("a keyword such as POINTS, CELLS or CELL_DATA");
+  in.cursor.fail("a keyword such as POINTS, CELLS, POLYGONS or CELL_DATA");
 }
 
 /// "# vtk DataFile Version 4.2", a title, "BINARY", "DATASET UNSTRUCTURED_GRID".
-void read_header(VtkReader& in) {
+void read_header(VtkReader& in, std::string_view dataset) {
   const std::string_view first = in.cursor.line();
   in.cursor.line();
   const std::string_view encoding = in.cursor.word();
@@ -198,22 +239,26 @@ void read_header(VtkReader& in) {
     in.encoding = Encoding::kBigEndian;
   else if (encoding != "ASCII")
     in.cursor.fail("ASCII or BINARY");
-  in.found.format = fmt::format("VTK {}{}", first.substr(std::min(first.rfind(' ') + 1, first.size())),
-                                in.encoding == Encoding::kText ? "" : " (binary)");
+  in.format = fmt::format("VTK {}{}", first.substr(std::min(first.rfind(' ') + 1, first.size())),
+                          in.encoding == Encoding::kText ? "" : " (binary)");
   if (in.cursor.peek_word() == "FIELD") in.cursor.word(), read_fields(in);
   in.cursor.expect("DATASET");
-  in.cursor.expect("UNSTRUCTURED_GRID");
+  in.cursor.expect(dataset);
+}
+
+void read_all(VtkReader& in, std::string_view dataset) {
+  read_header(in, dataset);
+  while (in.cursor.ok() && !in.cursor.at_end()) {
+    skip_metadata(in.cursor);
+    if (!in.cursor.at_end()) read_part(in, in.cursor.word());
+  }
 }
 
 }  // namespace
 
 Result<FoundSolid> parse_vtk(const fs::path& path, std::string_view bytes) {
   VtkReader in{.cursor = MeshCursor(path, bytes)};
-  read_header(in);
-  while (in.cursor.ok() && !in.cursor.at_end()) {
-    skip_metadata(in.cursor);
-    if (!in.cursor.at_end()) read_part(in, in.cursor.word());
-  }
+  read_all(in, "UNSTRUCTURED_GRID");
   if (in.cells.types.size() != in.cells.ends.size())
     in.cursor.fail(fmt::format("as many types as cells, {}", in.cells.ends.size()),
                    fmt::format("{}", in.cells.types.size()));
@@ -221,10 +266,24 @@ Result<FoundSolid> parse_vtk(const fs::path& path, std::string_view bytes) {
     in.cursor.fail(fmt::format("as many regions as cells, {}", in.cells.ends.size()),
                    fmt::format("{}", in.cells.regions.size()));
   if (!in.cursor.ok()) return in.cursor.error();
-  in.cells.node_count = std::int64_t(in.found.nodes.size());
-  if (Status done = add_vtk_cells(in.found, in.cells); !done)
+  in.cells.node_count = std::int64_t(in.points.size());
+  FoundSolid found{.format = in.format, .nodes = std::move(in.points)};
+  if (Status done = add_vtk_cells(found, in.cells); !done)
     return Error{fmt::format("{}: {}", path.string(), done.error().message)};
-  return in.found;
+  return found;
+}
+
+Result<FoundSurface> parse_vtk_surface(const fs::path& path, std::string_view bytes) {
+  VtkReader in{.cursor = MeshCursor(path, bytes)};
+  read_all(in, "POLYDATA");
+  if (!in.cursor.ok()) return in.cursor.error();
+  for (VtkCells* cells : {&in.surface.polygons, &in.surface.strips})
+    cells->node_count = std::int64_t(in.points.size());
+  FoundSurface found{.format = in.format, .vertices = std::move(in.points)};
+  if (Status done = add_vtk_surface(found, in.surface); !done)
+    return Error{fmt::format("{}: {}", path.string(), done.error().message)};
+  note_left_out(found, in.surface.points, in.surface.lines);
+  return found;
 }
 
 }  // namespace turgor::io

@@ -82,9 +82,9 @@ Status load_touched(const Exec& exec, const Scene& scene, const BeginWork& begin
   }
   for (const ToolScene& tool_scene : scene.tools) {
     TouchedBody& body = touched_body(world, tool_scene.body);
-    const RestSurface surface =
-        visit_touched(world, tool_scene.body, [](auto& touched) { return rest_surface(touched); });
-    Result<TouchingTool> tool = load_tool(tool_scene, body.name, surface);
+    if (tool_scene.body.kind == BodyKind::kLattice)
+      make_rest_surface(world.lattice_bodies[std::size_t(tool_scene.body.index)]);
+    Result<TouchingTool> tool = load_tool(tool_scene, body.name, rest_surface(world, tool_scene.body));
     if (!tool) return tool.error();
     body.tool_indices.push_back(int(world.tools.size()));
     world.tools.push_back(moved(tool));

@@ -83,6 +83,10 @@ inline const TouchedBody& touched_body(const World& world, BodyId id) {
 inline bool keeps_surface(BodyId id, const TouchedBody& body) {
   return id.kind != BodyKind::kLattice || !body.tool_indices.empty();
 }
+/// What tools find at rest. That of a lattice is there once a tool has come.
+inline RestSurface rest_surface(const World& world, BodyId id) {
+  return visit_touched(world, id, [](const auto& body) { return rest_surface(body); });
+}
 inline double time_of(const World& world) { return world.frame * world.dt; }
 
 struct FrameReport {

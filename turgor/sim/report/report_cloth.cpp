@@ -118,10 +118,10 @@ std::vector<std::string> cloth_warnings(const World& world) {
   std::vector<std::string> warnings;
   for (const ClothBody& body : world.cloth_bodies)
     for (const ClothHold& hold : body.holds)
-      if (hold.scene.ball && hold.vertices.empty() && time_of(world) > hold.scene.start)
+      if (!hold.missed.empty())
         warnings.push_back(
-            fmt::format("{}: hold.{}: no vertex of the cloth was in its ball at {} s: it holds nothing",
-                        body.name, hold.scene.name, hold.scene.start));
+            fmt::format("{}: hold.{}: no vertex of the cloth was in its ball at {} s: it holds nothing; {}",
+                        body.name, hold.scene.name, hold.scene.start, hold.missed));
   return warnings;
 }
 

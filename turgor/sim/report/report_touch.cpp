@@ -8,6 +8,7 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/report/json_numbers.hpp"
+#include "turgor/sim/report/off_the_body.hpp"
 #include "turgor/sim/report/report_compare.hpp"
 
 namespace turgor {
@@ -216,7 +217,11 @@ std::vector<std::string> touch_warnings(const World& world) {
       warnings.push_back(
           fmt::format("{}: the patch did not follow the tools {} times, the one before stayed: {}", body.name,
                       body.kept_patches, body.kept_because));
-  for (const TouchingTool& tool : world.tools) add_limits(tool, warnings);
+  for (const TouchingTool& tool : world.tools) {
+    for (const std::string& note : tool.notes) warnings.push_back(tool.name + ": " + note);
+    if (const std::string off = off_the_body(world, tool); !off.empty()) warnings.push_back(off);
+    add_limits(tool, warnings);
+  }
   for (const TouchingTool& tool : world.tools)
     if (std::any_of(tool.samples.begin(), tool.samples.end(), [](const auto& s) { return s.beyond_patch; }))
       warnings.push_back(

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "turgor/geometry/up_axis.hpp"
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/sheet.hpp"
 #include "turgor/sim/scene/body_id.hpp"
@@ -20,9 +21,9 @@ namespace turgor {
 /// A triangle surface from a file.
 struct GarmentFile {
   std::filesystem::path file;
-  double scale = 1;      // metres a unit of the file
-  bool is_y_up = false;  // the file's y axis points up, as programs for drawing have it
-  Vec3d shift;           // after scaling and turning [m]
+  double scale = 1;        // metres a unit of the file
+  UpAxis up = UpAxis::kZ;  // the file's axis that points up
+  Vec3d shift;             // after scaling and turning [m]
 };
 
 struct BallScene {

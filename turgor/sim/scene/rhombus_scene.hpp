@@ -8,6 +8,7 @@
 #include <string>
 #include <variant>
 
+#include "turgor/geometry/up_axis.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/sim/scene/ct_source.hpp"
 
@@ -16,7 +17,8 @@ namespace turgor {
 /// A closed surface from a file.
 struct SurfaceFile {
   std::filesystem::path file;
-  double scale = 1;  // metres a unit of the file
+  double scale = 1;        // metres a unit of the file
+  UpAxis up = UpAxis::kZ;  // the file's axis that points to the head
 };
 /// The phantom liver, finer by `detail`.
 struct PhantomLiverSurface {

@@ -266,6 +266,8 @@ void read_output(SceneTable output, Scene& scene) {
   output.read("conserve_mass", out.conserve_mass);
   output.read("meshes", out.meshes);
   output.read("obj", out.obj);
+  output.read_choice<bool>("mesh_unit", out.mesh_space.is_mm, {{"m", false}, {"mm", true}});
+  output.read_choice<bool>("mesh_frame", out.mesh_space.is_ras, {{"LPS", false}, {"RAS", true}});
   output.read("recording", out.recording);
   output.read("video", out.video);
   output.finish();

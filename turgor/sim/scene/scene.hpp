@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "turgor/core/result.hpp"
+#include "turgor/io/mesh_files.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/sim/scene/cloth_scene.hpp"
@@ -60,6 +61,7 @@ struct OutputScene {
   std::optional<std::pair<double, double>> color_range;  // ends of the colours [m], [1] or [Pa]
   bool meshes = true;                                    // .vtu and .pvd
   bool obj = true;
+  MeshSpace mesh_space;  // of both
   bool recording = true;
   bool video = true;
 };

@@ -1,6 +1,7 @@
 #include "turgor/sim/scene/scene_cloth.hpp"
 
 #include "turgor/sim/scene/scene_body.hpp"
+#include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
 
@@ -12,7 +13,7 @@ GarmentFile read_garment(SceneTable& table) {
   GarmentFile garment;
   table.read_path("mesh", garment.file);
   table.read("scale", garment.scale, inside(0, 1e6, "m"));
-  table.read_choice<bool>("up", garment.is_y_up, {{"z", false}, {"y", true}});
+  read_up(table, "up", garment.up);
   table.read("shift", garment.shift, kPlace);
   return garment;
 }

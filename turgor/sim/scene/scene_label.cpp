@@ -20,26 +20,25 @@ std::string suggestion(const std::string& name, const SceneLabels& labels) {
 
 }  // namespace
 
-SceneLabels scene_labels(SceneTable& table) {
-  SceneLabels labels;
-  const toml::node* node = table.find("labels");
-  if (node && !node->is_table()) {
-    std::filesystem::path file;
-    table.read_path("labels", file);
-    labels.file = file.string();
-    labels.names = read_label_names(file);
-    labels.is_usual = labels.names.empty();
-  }
-  if (labels.names.empty()) labels.names = usual_names();
+SceneLabels labels_of(const std::filesystem::path& file) {
+  SceneLabels labels{.names = read_label_names(file), .file = file.string()};
+  labels.is_usual = labels.names.empty();
+  if (labels.is_usual) labels.names = usual_names();
   return labels;
 }
 
-int find_label(SceneTable& table, const std::string& key, const std::string& name, SceneLabels& labels) {
+SceneLabels scene_labels(SceneTable& table) {
+  const toml::node* node = table.find("labels");
+  if (!node || node->is_table()) return {.names = usual_names()};
+  std::filesystem::path file;
+  table.read_path("labels", file);
+  return labels_of(file);
+}
+
+Result<int> find_label(const std::string& name, SceneLabels& labels) {
   const int label = label_number(labels.names, name);
-  if (label < 0) {
-    table.fail(key, fmt::format("expected {}, found \"{}\"{}", kExpected, name, suggestion(name, labels)));
-    return 0;
-  }
+  if (label < 0)
+    return Error{fmt::format("expected {}, found \"{}\"{}", kExpected, name, suggestion(name, labels))};
   const bool is_name = name.find_first_not_of("0123456789") != name.npos;
   if (labels.is_usual && is_name)
     labels.note = fmt::format(
@@ -47,6 +46,12 @@ int find_label(SceneTable& table, const std::string& key, const std::string& nam
         "them",
         labels.file, name, label);
   return label;
+}
+
+int find_label(SceneTable& table, const std::string& key, const std::string& name, SceneLabels& labels) {
+  const Result<int> label = find_label(name, labels);
+  if (!label) table.fail(key, label.error().message);
+  return label ? *label : 0;
 }
 
 void read_label(SceneTable& table, const std::string& key, SceneLabels& labels, int& label) {

@@ -6,6 +6,7 @@
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
+#include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
 
@@ -32,6 +33,7 @@ RhombusSource read_source(SceneTable& body, const Scene& scene) {
   SurfaceFile surface;
   body.read_path("surface", surface.file);
   body.read("scale", surface.scale, inside(0, 1e6, "m"));
+  read_up(body, "up", surface.up);
   return surface;
 }
 

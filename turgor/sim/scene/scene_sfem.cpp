@@ -3,6 +3,7 @@
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
+#include "turgor/sim/scene/scene_up.hpp"
 
 namespace turgor {
 
@@ -49,13 +50,21 @@ SolidSource read_source(SceneTable& body, SceneLabels& labels) {
     ClosedSurface surface;
     body.read_path("surface", surface.file);
     body.read("scale", surface.scale, kScale);
+    read_up(body, "up", surface.up);
     body.read("resolution", surface.resolution, kResolution);
     return surface;
   }
   SolidFile solid;
   body.read_path("mesh", solid.file);
   body.read("scale", solid.scale, kScale);
+  read_up(body, "up", solid.up);
   return solid;
+}
+
+UpAxis up_of(const SolidSource& source) {
+  if (const auto* solid = std::get_if<SolidFile>(&source)) return solid->up;
+  if (const auto* surface = std::get_if<ClosedSurface>(&source)) return surface->up;
+  return UpAxis::kZ;
 }
 
 void read_material(SceneTable& table, sfem::Material& material) {
@@ -163,6 +172,8 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name) {
   read_cache(body, scene);
   body.read_path("seen", scene.seen);
   body.read("seen_scale", scene.seen_scale, kScale);
+  scene.seen_up = up_of(scene.source);  // of one organ, most likely from one program
+  read_up(body, "seen_up", scene.seen_up);
   body.finish();
   return scene;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "turgor/geometry/phantom.hpp"
+#include "turgor/geometry/up_axis.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/scene/body_id.hpp"
 
@@ -18,12 +19,14 @@ namespace turgor {
 /// A file of tetrahedra or hexahedra.
 struct SolidFile {
   std::filesystem::path file;
-  double scale = 1;  // metres a unit of the file
+  double scale = 1;        // metres a unit of the file
+  UpAxis up = UpAxis::kZ;  // the file's axis that points to the head
 };
 /// A closed surface that is filled with tetrahedra.
 struct ClosedSurface {
   std::filesystem::path file;
   double scale = 1;           // metres a unit of the file
+  UpAxis up = UpAxis::kZ;     // the file's axis that points to the head
   double resolution = 0.012;  // of the tetrahedra's lattice [m]
 };
 /// One label of a segmentation that is filled with tetrahedra.
@@ -94,6 +97,7 @@ struct SfemScene {
   bool cached = true;
   std::filesystem::path seen;  // a finer surface that moves with the body; may be empty
   double seen_scale = 1;       // metres a unit of that file
+  UpAxis seen_up = UpAxis::kZ;
 };
 
 /// The shape of a tool: a ball, a rod with round ends along its z axis, or a closed mesh.

@@ -5,6 +5,7 @@
 
 #include "turgor/geometry/box.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
+#include "turgor/geometry/where_is.hpp"
 #include "turgor/io/surface_files.hpp"
 #include "turgor/sim/bodies/sfem/load_sfem.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
@@ -80,6 +81,28 @@ Result<ToolPath> make_path(const ToolScene& scene, const TouchingTool& tool, con
   return ToolPath{std::move(*rows), file.smooth};
 }
 
+/// A place that is meant to be on the surface is moved there; from farther away than the tool is wide, that
+/// is said.
+void note_moved(const std::string& key, Vec3d place, const RestSurface& surface, const std::string& organ,
+                double width, std::vector<std::string>& notes) {
+  const Vec3d point = place_on_surface(surface, place, false, width).point;
+  const double distance = norm(point - place);
+  if (distance > width)
+    notes.push_back(fmt::format("{} = {} is off {} and was moved to its nearest point; {}", key,
+                                place_text(place), organ,
+                                where_is(box_around(surface.vertices), point, distance)));
+}
+
+void note_moved_places(const ToolScene& scene, const std::string& organ, const RestSurface& surface,
+                       double width, std::vector<std::string>& notes) {
+  if (const auto* press = std::get_if<Press>(&scene.motion); press && !press->by_fraction) {
+    note_moved("press.at", press->at, surface, organ, width, notes);
+    if (press->slide > 0) note_moved("press.to", press->to, surface, organ, width, notes);
+  }
+  if (const auto* grasp = std::get_if<Grasp>(&scene.motion); grasp && !grasp->by_fraction)
+    note_moved("grasp.at", grasp->at, surface, organ, width, notes);
+}
+
 }  // namespace
 
 Result<TouchingTool> load_tool_shape(const ToolScene& scene) {
@@ -110,6 +133,7 @@ Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, 
   Result<ToolPath> path = make_path(scene, tool, surface);
   if (!path) return Error{fmt::format("{}: {}", scene.place, path.error().message)};
   tool.path = std::move(*path);
+  note_moved_places(scene, organ, surface, tool_width, tool.notes);
   return tool;
 }
 

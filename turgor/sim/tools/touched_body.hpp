@@ -50,6 +50,7 @@ struct TouchingTool {
   ToolPath path;
   std::vector<ForceSample> samples;
   ForceLimits limits;
+  std::vector<std::string> notes;  // what a person should know of its path
 };
 
 /// A tool as pictures show it.

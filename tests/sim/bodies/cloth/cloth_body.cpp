@@ -60,8 +60,11 @@ TEST(ClothScene, what_is_wrong_is_said_with_its_place) {
   EXPECT_NE(error_of({"body.flag.sheet.up=[1,0,0]"}).find("the two sides span no area"), std::string::npos);
   EXPECT_NE(error_of({"body.flag.wind.turns=[[1,0,0,0],[0.5,1,0,0]]"}).find("ascending"), std::string::npos);
   EXPECT_NE(error_of({"body.flag.obstacle.ball.skin=torso"}).find("skin is not a key"), std::string::npos);
-  EXPECT_NE(error_of({"body.flag.hold.pole.box=[[5,5,5],[6,6,6]]"}).find("hold.pole: no vertex of the cloth"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of({"body.flag.hold.pole.box=[[5,5,5],[6,6,6]]"})
+          .find("hold.pole: no vertex of the cloth lies in the box; the body lies between (0, 0, 1) m and "
+                "(0.3, 0, 1.2) m; its nearest point, (0.3, 0, 1.2) m, is"),
+      std::string::npos);
   EXPECT_NE(
       error_of({"body.flag.hold.pole.vertices=[999]"}).find("expected vertices from 0 to 175, found 999"),
       std::string::npos);
@@ -157,8 +160,10 @@ ball = { centre = [1, 1, 1], radius = 0.015 }
   EXPECT_NEAR(mean.z, weight, 0.02 * weight) << "N: all of the sheet hangs";
   const std::vector<std::string> warnings = cloth_warnings(*world);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings[0],
-            "sheet: hold.nothing: no vertex of the cloth was in its ball at 0 s: it holds nothing");
+  EXPECT_EQ(
+      warnings[0],
+      "sheet: hold.nothing: no vertex of the cloth was in its ball at 0 s: it holds nothing; the body lies "
+      "between (0, 0, 0.01) m and (0.2, 0.2, 0.01) m; its nearest point, (0.2, 0.2, 0.01) m, is 1.5 m away");
   const Json report = cloth_report(exec, *world, sheet);
   EXPECT_NEAR(report.at("holds")[0].at("force_N")[2].get<double>(), weight, 0.02 * weight);
   EXPECT_NE(parse_scene(text + "box = [[0, 0, 0], [1, 1, 1]]\n", "s.toml").error().message.find("either"),

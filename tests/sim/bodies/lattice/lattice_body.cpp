@@ -8,6 +8,7 @@
 namespace turgor {
 namespace {
 
+using test::block_scene;
 using test::block_world;
 using test::fresh_folder;
 
@@ -91,6 +92,18 @@ TEST(LatticeBody, EqualBitsOn1And2ThreadsAndACutOnTheWay) {
   EXPECT_EQ(forces.size(), 1u);
   EXPECT_EQ(hashes.size(), 1u);
   EXPECT_GT(*forces.begin(), 0.01) << "N";
+}
+
+TEST(LatticeBody, ABoxThatHoldsNothingIsToldWhereTheBodyIs) {
+  const std::filesystem::path folder = test::fresh_folder();
+  const Scene scene = block_scene(folder, {"body.block.fixed={ box = [[1, 0, 0], [1.1, 0.1, 0.1]] }"});
+  const Result<World> world = load_world(Exec(2), scene);
+  ASSERT_FALSE(world);
+  EXPECT_NE(
+      world.error().message.find("body.block: fixed: nothing of the body lies in the box from (1, 0, 0) m "
+                                 "to (1.1, 0.1, 0.1) m; the body lies between ("),
+      std::string::npos)
+      << world.error().message;
 }
 
 TEST(LatticeBody, OneLabelAloneIsHeldAtASideOfItsBox) {

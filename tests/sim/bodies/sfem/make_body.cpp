@@ -66,5 +66,37 @@ TEST(OrganBody, MaterialsThatNoElementHasAreErrors) {
             std::string::npos);
 }
 
+TEST(OrganBody, AnInclusionOffTheBodyIsToldWhereTheBodyIs) {
+  SfemScene scene;
+  scene.place = "s.toml:3:1: body.b";
+  scene.inclusions = {{.name = "far",
+                       .centre = {0.05, 0.05, 0.35},
+                       .by_fraction = false,
+                       .radius = 0.01,
+                       .material = {1, 0.3}}};
+  const Result<sfem::Body> body = make_body(block(), scene);
+  ASSERT_FALSE(body);
+  EXPECT_NE(
+      body.error().message.find("; the body lies between (0, 0, 0) m and (0.1, 0.1, 0.05) m; its nearest "
+                                "point, (0.05, 0.05, 0.05) m, is 0.3 m away"),
+      std::string::npos)
+      << body.error().message;
+}
+
+TEST(OrganBody, ABoxThatHoldsNothingIsToldWhereTheBodyIs) {
+  SfemScene scene;
+  scene.place = "s.toml:3:1: body.b";
+  scene.fixed.box = {{{0, 0, 0.2}, {0.1, 0.1, 0.3}}};
+  const Result<sfem::Body> body = make_body(block(), scene);
+  ASSERT_FALSE(body);
+  EXPECT_EQ(
+      body.error().message,
+      "s.toml:3:1: body.b: fixed: nothing of the body lies in the box from (0, 0, 0.2) m to (0.1, 0.1, 0.3) "
+      "m; the body lies between (0, 0, 0) m and (0.1, 0.1, 0.05) m; its nearest point, (0.05, 0.05, 0.05) "
+      "m, is 0.2 m away");
+  scene.fixed = {.sides = {Side::kFeet}, .depth = 0};
+  EXPECT_TRUE(make_body(block(), scene));
+}
+
 }  // namespace
 }  // namespace turgor

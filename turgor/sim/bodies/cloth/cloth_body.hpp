@@ -25,6 +25,7 @@ struct ClothHold {
   std::vector<int> vertices;  // of the mesh
   std::vector<Vec3> places;   // where they were when they were seized [m]
   bool is_held = false;
+  std::string missed;        // where the cloth was when nothing of it was in the ball: a sentence
   std::vector<Vec3d> force;  // that it takes, by frame [N]
 };
 

@@ -17,10 +17,7 @@ Result<TriMesh> read_garment_file(const GarmentFile& garment, std::vector<std::s
   if (!read) return read.error();
   notes.insert(notes.end(), read->notes.begin(), read->notes.end());
   TriMesh mesh = std::move(read->mesh);
-  for (Vec3& x : mesh.vertices) {
-    if (garment.is_y_up) x = {x.x, -x.z, x.y};
-    x += Vec3(garment.shift);
-  }
+  for (Vec3& x : mesh.vertices) x = turned_up(x, garment.up) + Vec3(garment.shift);
   mesh.normals.clear();
   return mesh;
 }

@@ -2,6 +2,7 @@
 
 #include "turgor/contact/cloth_obstacle.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/geometry/where_is.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -29,6 +30,10 @@ void seize(const ClothBody& body, ClothHold& hold) {
     const Vec3d x(body.state.x[std::size_t(body.model.place[v])]);
     if (norm(x - hold.scene.ball->centre) <= hold.scene.ball->radius) hold.vertices.push_back(int(v));
   }
+  if (!hold.vertices.empty()) return;
+  std::vector<Vec3d> places;
+  for (std::size_t v = 0; v < std::size_t(body.model.count); v++) places.emplace_back(body.state.x[v]);
+  hold.missed = where_is(places, hold.scene.ball->centre);
 }
 
 /// Seizes, moves or lets go; `end` is the time at the end of this frame. The vertices are there.

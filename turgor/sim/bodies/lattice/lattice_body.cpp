@@ -47,7 +47,7 @@ Result<ReadFields> read_fields(const LatticeScene& scene, const Grid& ct,
 }
 
 /// Fixes the nodes of the body that are held.
-void hold_nodes(const HeldBy& held, lattice::BodyNodes& nodes) {
+Status hold_nodes(const HeldBy& held, lattice::BodyNodes& nodes) {
   std::vector<Vec3d> points;
   std::vector<std::size_t> indices;
   for (int k = 0; k < nodes.grid.size.z; k++)
@@ -60,6 +60,7 @@ void hold_nodes(const HeldBy& held, lattice::BodyNodes& nodes) {
       }
   const std::vector<std::uint8_t> fixed = held_points(points, held);
   for (std::size_t p = 0; p < points.size(); p++) nodes.fixed[indices[p]] |= fixed[p];
+  return check_held(points, held, fixed);
 }
 
 Result<lattice::Model> build_model(const Exec& exec, const LatticeScene& scene, Int3 block,
@@ -70,7 +71,8 @@ Result<lattice::Model> build_model(const Exec& exec, const LatticeScene& scene, 
   Result<lattice::BodyNodes> nodes =
       lattice::classify(exec, ct, stiffness_by_label ? &*fields.labels : nullptr, params);
   if (!nodes) return nodes.error();
-  if (scene.held) hold_nodes(*scene.held, *nodes);
+  if (scene.held)
+    if (const Status held = hold_nodes(*scene.held, *nodes); !held) return held.error();
   return lattice::assemble(exec, *nodes, fields.lines ? &*fields.lines : nullptr, params);
 }
 
@@ -181,9 +183,8 @@ Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, co
   return body;
 }
 
-RestSurface rest_surface(LatticeBody& body) {
+void make_rest_surface(LatticeBody& body) {
   if (body.rest.empty()) make_surface(body);
-  return {body.rest, body.surface.triangles};
 }
 
 void begin_touch(LatticeBody& body, const std::vector<TouchingTool>& tools) {

@@ -39,8 +39,9 @@ struct LatticeBody : TouchedBody {
 /// Without its tools. Error: names the scene's place.
 Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, const BeginWork& begin);
 
-/// The surface that tools touch, made when the first one comes.
-RestSurface rest_surface(LatticeBody& body);
+/// Makes the surface that tools touch, when the first one comes.
+void make_rest_surface(LatticeBody& body);
+inline RestSurface rest_surface(const LatticeBody& body) { return {body.rest, body.surface.triangles}; }
 void begin_touch(LatticeBody& body, const std::vector<TouchingTool>& tools);
 /// One step from one time to another [s], in parts when a tool is fast. Every tool gets a sample.
 lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vector<TouchingTool>& tools,

@@ -52,6 +52,7 @@ Result<rhombus::Body> load_body(const RhombusSource& source, const std::vector<S
   Result<ReadSurface> read = read_surface(file.file, file.scale);
   if (!read) return read.error();
   notes = read->notes;
+  turn_up(read->mesh.vertices, file.up);
   return body_of(read->mesh);
 }
 

@@ -30,12 +30,14 @@ void append(std::vector<std::string>& notes, const std::vector<std::string>& mor
 Result<OrganMesh> from_solid_file(const SolidFile& source) {
   Result<ReadSolid> read = read_solid(source.file, source.scale);
   if (!read) return read.error();
+  turn_up(read->mesh.vertices, source.up);
   return OrganMesh{.mesh = std::move(read->mesh), .notes = std::move(read->notes)};
 }
 
 Result<OrganMesh> from_surface(const Exec& exec, const ClosedSurface& source, const BeginWork& begin) {
   Result<ReadSurface> read = read_surface(source.file, source.scale);
   if (!read) return read.error();
+  turn_up(read->mesh.vertices, source.up);
   Result<OrganMesh> made = mesh_of_surface(exec, read->mesh, source.resolution, begin_work(begin, "meshing"));
   if (!made) return Error{fmt::format("{}: {}", source.file.string(), made.error().message)};
   append(made->notes, read->notes);
@@ -169,6 +171,7 @@ Status load_seen(const Exec& exec, const SfemScene& scene, SfemBody& body) {
   Result<ReadSurface> read = read_surface(scene.seen, scene.seen_scale);
   if (!read) return Error{fmt::format("{}.seen: {}", scene.place, read.error().message)};
   append(body.facts.notes, read->notes);
+  turn_up(read->mesh.vertices, scene.seen_up);
   body.seen = SeenSurface{embed(exec, read->mesh, body.model.body.mesh), read->mesh.triangles};
   const double edge = longest_edge(body.model.body.mesh);
   if (body.seen->embedding.farthest_outside > 3 * edge)

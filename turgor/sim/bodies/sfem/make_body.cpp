@@ -33,6 +33,12 @@ Box near_side(Box box, Side side, double depth) {
   return box;
 }
 
+/// The box that a scene holds a body in, in metres.
+Box holding_box(const Box& body, const HeldBy& held) {
+  const auto& [low, high] = *held.box;
+  return held.by_fraction ? Box{in_box(body, low), in_box(body, high)} : Box{low, high};
+}
+
 bool holds_an_element(const SolidMesh& mesh, const sfem::Inclusion& inclusion) {
   for (std::size_t e = 0; e < element_count(mesh); e++)
     if (norm(centroid(mesh, e) - inclusion.centre) <= inclusion.radius) return true;
@@ -80,8 +86,7 @@ std::vector<std::uint8_t> held_points(std::span<const Vec3d> points, const HeldB
   const Box box = box_around(points);
   std::vector<Box> holders;
   if (held.box) {
-    const auto& [low, high] = *held.box;
-    holders.push_back(held.by_fraction ? Box{in_box(box, low), in_box(box, high)} : Box{low, high});
+    holders.push_back(holding_box(box, held));
   } else {
     for (const Side side : held.sides) holders.push_back(near_side(box, side, held.depth));
   }
@@ -92,9 +97,20 @@ std::vector<std::uint8_t> held_points(std::span<const Vec3d> points, const HeldB
   return fixed;
 }
 
+Status check_held(std::span<const Vec3d> points, const HeldBy& held, const std::vector<std::uint8_t>& fixed) {
+  const bool holds = std::any_of(fixed.begin(), fixed.end(), [](std::uint8_t is_fixed) { return is_fixed; });
+  if (!held.box || holds || points.empty()) return Done{};
+  const Box box = holding_box(box_around(points), held);
+  return Error{fmt::format("fixed: nothing of the body lies in the box from {} to {}; {}",
+                           place_text(box.low), place_text(box.high),
+                           where_is(points, (box.low + box.high) * 0.5))};
+}
+
 Result<sfem::Body> make_body(SolidMesh mesh, const SfemScene& scene) {
   sfem::Body body;
   body.fixed = held_points(mesh.vertices, scene.fixed);
+  if (const Status held = check_held(mesh.vertices, scene.fixed, body.fixed); !held)
+    return Error{fmt::format("{}: {}", scene.place, held.error().message)};
   body.mesh = std::move(mesh);
   body.materials = {scene.material};
   if (const Status status = add_inside(scene, body); !status) return status.error();

@@ -1,0 +1,123 @@
+// Bodies from files of other programs: whichever way is up in them, and as these programs write them.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "folders.hpp"
+#include "io/meshlab.hpp"
+#include "turgor/geometry/hex_block.hpp"
+#include "turgor/geometry/phantom_liver.hpp"
+#include "turgor/geometry/up_axis.hpp"
+#include "turgor/io/mesh_files.hpp"
+#include "turgor/io/solid_files.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace test;
+
+const Exec kExec(2);
+
+Result<World> load(const fs::path& folder, const std::string& text) {
+  const Result<Scene> scene = parse_scene(text, folder / "s.toml");
+  if (!scene) return scene.error();
+  return load_world(kExec, *scene);
+}
+
+/// As a file has it whose axis `up` points up: turned_up undoes it.
+template <class T>
+std::vector<Vec<T>> lying(std::vector<Vec<T>> places, UpAxis up) {
+  for (Vec<T>& x : places) {
+    if (up == UpAxis::kX) x = {x.z, x.y, -x.x};
+    if (up == UpAxis::kY) x = {x.x, x.z, -x.y};
+  }
+  return places;
+}
+
+struct Up {
+  UpAxis axis;
+  std::string name;
+};
+const Up kUps[] = {{UpAxis::kX, "x"}, {UpAxis::kY, "y"}, {UpAxis::kZ, "z"}};
+
+const char* kSfem = "[body.b]\nmodel = \"sfem\"\ncache = false\npatch = false\nresolution = 0.03\n";
+
+TEST(BodyFiles, WhicheverAxisPointsUpInASurfaceTheBodyIsTheSame) {
+  const fs::path folder = fresh_folder();
+  const TriMesh liver = phantom_liver(0.3);
+  std::vector<std::vector<Vec3d>> organs, chains;
+  std::vector<std::vector<Vec3>> clothes;
+  for (const Up& up : kUps) {
+    TriMesh mesh = liver;
+    mesh.vertices = lying(liver.vertices, up.axis);
+    mesh.normals.clear();
+    ASSERT_TRUE(write_obj(folder / "liver.obj", mesh));
+    const std::string file = "\"liver.obj\"\nup = \"" + up.name + "\"\n";
+    const Result<World> world =
+        load(folder, kSfem + ("surface = " + file) +
+                         "seen = \"liver.obj\"\n[body.c]\nmodel = \"rhombus\"\nsurface = " + file +
+                         "[body.d]\nmodel = \"cloth\"\nmesh = " + file);
+    ASSERT_TRUE(world) << world.error().message;
+    organs.push_back(world->sfem_bodies[0].model.body.mesh.vertices);
+    chains.push_back(world->rhombus_bodies[0].model.surface.vertices);
+    const cloth::Model& cloth = world->cloth_bodies[0].model;
+    clothes.emplace_back();
+    for (std::size_t v = 0; v < std::size_t(cloth.count); v++) clothes.back().push_back(cloth.x_rest[v]);
+    EXPECT_LT(world->sfem_bodies[0].seen->embedding.farthest_outside, 0.02) << "seen is turned with the body";
+  }
+  for (const std::size_t other : {0, 1}) {
+    EXPECT_EQ(organs[other], organs[2]);
+    EXPECT_EQ(chains[other], chains[2]);
+    EXPECT_EQ(clothes[other], clothes[2]);
+  }
+}
+
+TEST(BodyFiles, WhicheverAxisPointsUpInASolidMeshTheBodyIsTheSame) {
+  const fs::path folder = fresh_folder();
+  const SolidMesh block = hex_block({0.05, 0.03, 0.02}, {5, 3, 2});
+  for (const Up& up : kUps) {
+    SolidMesh mesh = block;
+    mesh.vertices = lying(block.vertices, up.axis);
+    ASSERT_TRUE(write_msh(folder / "block.msh", mesh));
+    const Result<World> world = load(
+        folder, "[body.b]\nmodel = \"sfem\"\ncache = false\npatch = false\nmesh = \"block.msh\"\nup = \"" +
+                    up.name + "\"\n");
+    ASSERT_TRUE(world) << world.error().message;
+    EXPECT_EQ(world->sfem_bodies[0].model.body.mesh.vertices, block.vertices) << up.name;
+  }
+}
+
+TEST(BodyFiles, AnUpThatIsNoAxisOrHasNoFileIsRefused) {
+  const auto message = [](const std::string& text) {
+    const Result<Scene> scene = parse_scene(text, "s.toml");
+    return scene ? "no error" : scene.error().message;
+  };
+  EXPECT_NE(message(kSfem + std::string("surface = \"a.obj\"\nup = \"head\"\n")).find("body.b.up: expected"),
+            std::string::npos);
+  EXPECT_NE(message("[body.b]\nmodel = \"rhombus\"\nsurface = { phantom = \"liver\" }\nup = \"y\"\n")
+                .find("up is not a key"),
+            std::string::npos);
+}
+
+TEST(BodyFiles, WhatMeshlabWritesRunsInAScene) {
+  const fs::path folder = fresh_folder();
+  const TriMesh liver = phantom_liver(0.3);
+  write(folder / "organ.obj", meshlab_obj(liver));
+  write(folder / "organ.ply", meshlab_ply(liver));
+  for (const std::string name : {"organ.obj", "organ.ply"}) {
+    SCOPED_TRACE(name);
+    Result<World> world = load(
+        folder, kSfem + ("surface = \"" + name + "\"\n[body.c]\nmodel = \"rhombus\"\nsurface = \"" + name +
+                         "\"\n[tool.t]\nbody = \"c\"\nshape = { sphere = 0.006 }\n"
+                         "press = { at_fraction = [0.3, 0.5, 1], start = 0, duration = 0.05 }\n"));
+    ASSERT_TRUE(world) << world.error().message;
+    EXPECT_EQ(world->rhombus_bodies[0].model.surface.vertices.size(), liver.vertices.size());
+    for (int frame = 0; frame < 4; frame++) ASSERT_TRUE(step(kExec, *world));
+    EXPECT_GT(world->rhombus_bodies[0].largest_force, 0);
+  }
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,13 @@
+// The key `up` of whatever a scene reads from a file: cloth, organs, surfaces.
+#pragma once
+
+#include "turgor/geometry/up_axis.hpp"
+#include "turgor/sim/scene/scene_table.hpp"
+
+namespace turgor {
+
+inline void read_up(SceneTable& table, std::string_view key, UpAxis& up) {
+  table.read_choice<UpAxis>(key, up, {{"x", UpAxis::kX}, {"y", UpAxis::kY}, {"z", UpAxis::kZ}});
+}
+
+}  // namespace turgor
