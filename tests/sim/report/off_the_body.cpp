@@ -39,7 +39,7 @@ TEST(OffTheBody, ThatIsSoOfAllModels) {
   const std::string away = "path = [[0, 2, 0, 0]]";
   const std::filesystem::path ct = fresh_folder() / "block.nii";
   ASSERT_TRUE(write_ct(ct, block_ct()));
-  for (const std::string body :
+  for (const std::string& body :
        {std::string("[body.pad]\nmodel = \"rhombus\"\nsurface = { phantom = \"liver\", detail = 0.3 }\n"),
         "[body.pad]\nmodel = \"lattice\"\nct = \"" + ct.string() + "\"\nblock = 2\nfixed = \"bone\"\n"}) {
     const std::vector<std::string> warnings = warnings_of(body, away);

@@ -83,24 +83,24 @@ Result<ToolPath> make_path(const ToolScene& scene, const TouchingTool& tool, con
 
 /// A place that is meant to be on the surface is moved there; from farther away than the tool is wide, that
 /// is said.
-void note_moved(const std::string& key, Vec3d place, const RestSurface& surface, const std::string& organ,
+void note_moved(const std::string& key, Vec3d place, const RestSurface& surface, const std::string& body,
                 double width, std::vector<std::string>& notes) {
   const Vec3d point = place_on_surface(surface, place, false, width).point;
   const double distance = norm(point - place);
   if (distance > width)
     notes.push_back(fmt::format("{} = {} is off {} and was moved to its nearest point; {}", key,
-                                place_text(place), organ,
+                                place_text(place), body,
                                 where_is(box_around(surface.vertices), point, distance)));
 }
 
-void note_moved_places(const ToolScene& scene, const std::string& organ, const RestSurface& surface,
+void note_moved_places(const ToolScene& scene, const std::string& body, const RestSurface& surface,
                        double width, std::vector<std::string>& notes) {
   if (const auto* press = std::get_if<Press>(&scene.motion); press && !press->by_fraction) {
-    note_moved("press.at", press->at, surface, organ, width, notes);
-    if (press->slide > 0) note_moved("press.to", press->to, surface, organ, width, notes);
+    note_moved("press.at", press->at, surface, body, width, notes);
+    if (press->slide > 0) note_moved("press.to", press->to, surface, body, width, notes);
   }
   if (const auto* grasp = std::get_if<Grasp>(&scene.motion); grasp && !grasp->by_fraction)
-    note_moved("grasp.at", grasp->at, surface, organ, width, notes);
+    note_moved("grasp.at", grasp->at, surface, body, width, notes);
 }
 
 }  // namespace
@@ -123,17 +123,17 @@ Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, 
   TouchingTool tool = std::move(*loaded);
   const Box box = box_around(surface.vertices);
   const Vec3d extent = box.high - box.low;
-  const double organ_width = std::max({extent.x, extent.y, extent.z}),
+  const double body_width = std::max({extent.x, extent.y, extent.z}),
                tool_width = width(scene.shape, tool.tool.shape);
-  if (tool_width >= organ_width)
+  if (tool_width >= body_width)
     return Error{
         fmt::format("{}: the tool is {:.4g} m wide, the body {} {:.4g} m; expected a tool that is smaller "
                     "than what it touches (are lengths in metres?)",
-                    scene.place, tool_width, body, organ_width)};
+                    scene.place, tool_width, body, body_width)};
   Result<ToolPath> path = make_path(scene, tool, surface);
   if (!path) return Error{fmt::format("{}: {}", scene.place, path.error().message)};
   tool.path = std::move(*path);
-  note_moved_places(scene, organ, surface, tool_width, tool.notes);
+  note_moved_places(scene, body, surface, tool_width, tool.notes);
   return tool;
 }
 
