@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
+#include "turgor/io/child.hpp"
 #include "turgor/io/input_file.hpp"
 
 namespace turgor {
@@ -75,6 +76,40 @@ void pack(hid_t properties, hsize_t rows, hsize_t columns, std::size_t value_siz
   H5Pset_fletcher32(properties);
 }
 
+/// Whether the values of a dataset can be read without more memory than they, and a chunk of them, take.
+bool is_sound(hid_t set) {
+  constexpr std::size_t kLargestChunk = std::size_t{64} << 20;  // bytes; ours have one megabyte
+  const Handle layout(H5Dget_create_plist(set), H5Pclose), type(H5Dget_type(set), H5Tclose);
+  if (!layout.valid() || !type.valid()) return false;
+  if (H5Pget_layout(layout) != H5D_CHUNKED) return true;
+  hsize_t chunk[H5S_MAX_RANK] = {}, found = 0;
+  std::size_t bytes = H5Tget_size(type);
+  for (int axis = H5Pget_chunk(layout, H5S_MAX_RANK, chunk) - 1; axis >= 0 && bytes <= kLargestChunk; axis--)
+    bytes *= std::min<hsize_t>(chunk[axis], kLargestChunk + 1);
+  return bytes <= kLargestChunk && H5Dget_num_chunks(set, H5S_ALL, &found) >= 0;
+}
+
+herr_t look_at(hid_t file, const char* name, const H5O_info_t* object, void*) {
+  if (object->type != H5O_TYPE_DATASET) return 0;
+  const Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
+  return set.valid() && is_sound(set) ? 0 : -1;
+}
+
+/// HDF5 goes round for ever, wants all memory or crashes where some damaged files lead it. So a process of
+/// its own goes through all that a file holds before this one does.
+bool can_be_walked_through(const std::filesystem::path& path) {
+  const io::ChildLimits limits{.seconds = 20, .processor_seconds = 60, .memory = std::size_t{1} << 30};
+  const io::Child child = io::start_child(
+      [&path] {
+        const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+        if (!file.valid()) return 1;
+        return H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at, nullptr, H5O_INFO_BASIC) < 0 ? 1 : 0;
+      },
+      limits);
+  const io::ChildEnd end = io::wait_for({&child, 1}, limits)[0];
+  return bool(end) || end.kind == io::ChildEnd::Kind::kNotStarted;  // then nobody can look beforehand
+}
+
 }  // namespace
 
 Hdf5File::Hdf5File(Hdf5File&& other) noexcept
@@ -105,7 +140,8 @@ Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path) {
   if (Status input = io::check_input(path); (is_file || !exists) && !input) return input.error();
   if (!is_file || H5Fis_hdf5(path.c_str()) <= 0)
     return Error{fmt::format("{}: expected an HDF5 file, found something else", path.string())};
-  const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const bool sound = can_be_walked_through(path);
+  const hid_t id = sound ? H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
   if (id < 0) return Error{fmt::format("{}: the HDF5 file is damaged or cut short", path.string())};
   return Hdf5File(path, id);
 }

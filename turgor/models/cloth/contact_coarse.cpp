@@ -100,7 +100,8 @@ struct FindCoarse {
   }
 
   void edge(std::size_t e, std::vector<Contact>& found) const {
-    const auto [ea, eb] = model.coarse.edges[e];
+    const auto ends = model.coarse.edges[e];
+    const int ea = ends[0], eb = ends[1];
     const Vec3 a = state.x[std::size_t(ea)], p = state.x[std::size_t(eb)] - a;
     const Real r = reach + state.contacts.longest_half;  // of a middle from this edge
     const Vec3 low = min(a, a + p) - Vec3{r, r, r}, high = max(a, a + p) + Vec3{r, r, r};

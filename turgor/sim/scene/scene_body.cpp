@@ -28,11 +28,18 @@ std::vector<std::string> names_of(const Scene& scene, BodyKind kind) {
   return names;
 }
 
+/// "a", "b" or "c"
+std::string one_of(const std::vector<std::string>& words) {
+  if (words.size() < 2) return words.empty() ? "" : words[0];
+  return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
+}
+
 }  // namespace
 
 BodyId read_body(SceneTable& table, std::string_view key, const Scene& scene,
                  std::initializer_list<BodyKind> kinds) {
-  std::string name, models;
+  std::string name;
+  std::vector<std::string> models;
   table.read(key, name);
   std::vector<std::string> known;
   for (const BodyKind kind : kinds) {
@@ -40,10 +47,10 @@ BodyId read_body(SceneTable& table, std::string_view key, const Scene& scene,
     const auto found = std::find(names.begin(), names.end(), name);
     if (found != names.end()) return {kind, int(found - names.begin())};
     known.insert(known.end(), names.begin(), names.end());
-    models += fmt::format("{}\"{}\"", models.empty() ? "" : ", ", model_name(kind));
+    models.push_back(fmt::format("\"{}\"", model_name(kind)));
   }
   if (const toml::node* node = table.find(key); node && node->is_string())
-    table.fail(key, fmt::format("the scene has no body {} with model = {}{}", name, models,
+    table.fail(key, fmt::format("the scene has no body {} with model = {}{}", name, one_of(models),
                                 suggestion(name, known)));
   return {};
 }

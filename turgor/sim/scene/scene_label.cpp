@@ -7,7 +7,7 @@ namespace turgor {
 
 namespace {
 
-constexpr const char* kExpected = "a label's number (1 to 65535) or a body's name";
+constexpr const char* kExpected = "a label's number (1 to 65535) or an organ's name";
 
 /// "; did you mean liver?" for a misspelt name.
 std::string suggestion(const std::string& name, const SceneLabels& labels) {
