@@ -79,14 +79,15 @@ void pack(hid_t properties, hsize_t rows, hsize_t columns, std::size_t value_siz
 /// Whether the values of a dataset can be read without more memory than they, and a chunk of them, take.
 bool is_sound(hid_t set) {
   constexpr std::size_t kLargestChunk = std::size_t{64} << 20;  // bytes; ours have one megabyte
-  const Handle layout(H5Dget_create_plist(set), H5Pclose), type(H5Dget_type(set), H5Tclose);
-  if (!layout.valid() || !type.valid()) return false;
+  const Handle layout(H5Dget_create_plist(set), H5Pclose), type(H5Dget_type(set), H5Tclose),
+      space(H5Dget_space(set), H5Sclose);
+  if (!layout.valid() || !type.valid() || !space.valid()) return false;
   if (H5Pget_layout(layout) != H5D_CHUNKED) return true;
   hsize_t chunk[H5S_MAX_RANK] = {}, found = 0;
   std::size_t bytes = H5Tget_size(type);
   for (int axis = H5Pget_chunk(layout, H5S_MAX_RANK, chunk) - 1; axis >= 0 && bytes <= kLargestChunk; axis--)
     bytes *= std::min<hsize_t>(chunk[axis], kLargestChunk + 1);
-  return bytes <= kLargestChunk && H5Dget_num_chunks(set, H5S_ALL, &found) >= 0;
+  return bytes <= kLargestChunk && H5Dget_num_chunks(set, space, &found) >= 0;
 }
 
 herr_t look_at(hid_t file, const char* name, const H5O_info_t* object, void*) {
@@ -98,7 +99,7 @@ herr_t look_at(hid_t file, const char* name, const H5O_info_t* object, void*) {
 /// HDF5 goes round for ever, wants all memory or crashes where some damaged files lead it. So a process of
 /// its own goes through all that a file holds before this one does.
 bool can_be_walked_through(const std::filesystem::path& path) {
-  const io::ChildLimits limits{.seconds = 20, .processor_seconds = 60, .memory = std::size_t{1} << 30};
+  const io::ChildLimits limits{.seconds = 20, .processor_seconds = 60, .memory = std::size_t{256} << 20};
   const io::Child child = io::start_child(
       [&path] {
         const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);

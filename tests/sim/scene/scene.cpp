@@ -145,7 +145,7 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
        "depth = 0.3 }, found \"bones\""},
       {small_scene("fixed = { sides = \"behind\" }"), "body.torso.fixed.sides: expected \"right\", \"left\""},
       {small_scene("only = \"livre\""),
-       "body.torso.only: expected a label's number (1 to 65535) or a body's name, found \"livre\"; did you "
+       "body.torso.only: expected a label's number (1 to 65535) or an organ's name, found \"livre\"; did you "
        "mean "
        "liver?"},
       {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\nonly = 5",
@@ -159,7 +159,7 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("tissue = { fat_max = -500 }"),
        "expected air_max < fat_max < bone_min, found -449 < -500 < 200 HU"},
       {small_scene("labels = \"s.nii\"\ntissue = { labels = { livre = 3e3 } }"),
-       "body.torso.tissue.labels.livre: expected a label's number (1 to 65535) or a body's name, found "
+       "body.torso.tissue.labels.livre: expected a label's number (1 to 65535) or an organ's name, found "
        "\"livre\"; did you mean liver?"},
       {"[body.torso]\nmodel = \"lattice\"\nct = \"x\"\ntissue = { labels = { liver = 3e3 } }",
        "stiffness by label needs a segmentation"},

@@ -115,7 +115,7 @@ TEST(SceneSfem, MistakesAreNamedWithTheirPlace) {
       {small("mesh = \"a.msh\"\nsurface = \"b.obj\""), "a body has one shape: either mesh or surface"},
       {small("labels = \"s.nii\""), "label is missing: which label is the body"},
       {small("labels = \"s.nii\"\nlabel = \"livre\""),
-       "s.toml:4:9: body.b.label: expected a label's number (1 to 65535) or a body's name, found "
+       "s.toml:4:9: body.b.label: expected a label's number (1 to 65535) or an organ's name, found "
        "\"livre\"; did "
        "you mean liver?"},
       {small("mesh = \"a.msh\"\nscale = 0"), "body.b.scale: expected a number between 0 and"},
