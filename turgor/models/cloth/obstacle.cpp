@@ -29,7 +29,9 @@ std::shared_ptr<const MovingSurface> moving_surface(const TriMesh& mesh, const s
 
 Obstacle surface_obstacle(std::shared_ptr<const MovingSurface> surface) {
   return {.nearest = [surface](Vec3 x, Real reach, SurfacePoint& found) {
-    const auto& [tree, normals, velocities, depth] = *surface;
+    const TriangleTree& tree = surface->tree;  // no structured bindings: Clang 14 cannot capture them
+    const auto &normals = surface->normals, &velocities = surface->velocities;
+    const double depth = surface->depth;
     const double far = std::max(double(reach), depth);
     const auto corner = [&tree](int v) { return tree.vertices[std::size_t(v)]; };
     TrianglePoint at;
