@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "app/picture_parts.hpp"
 #include "turgor/core/exec.hpp"
 #include "turgor/io/mesh_files.hpp"
 #include "turgor/models/lattice/surface.hpp"
+#include "turgor/pictures/picture_parts.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/scene/scene.hpp"
 #include "turgor/sim/world.hpp"

@@ -1,4 +1,4 @@
-#include "app/picture_parts.hpp"
+#include "turgor/pictures/picture_parts.hpp"
 
 #include <algorithm>
 #include <cmath>

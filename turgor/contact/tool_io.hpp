@@ -1,0 +1,24 @@
+// What a tick asks of a tool and what it answers: the whole of what a hand, a path or a recording says, and the
+// whole of what is felt.
+#pragma once
+
+#include "turgor/contact/tool.hpp"
+
+namespace turgor::contact {
+
+/// Where a tool is and what its user does with it.
+struct ToolCommand {
+  Pose pose;
+  double grip = 0;    // of forceps: how far they are closed, 0 open, 1 closed
+  bool hold = false;  // what is touched when this begins is carried with the tool until it ends
+};
+
+/// What is felt.
+struct ToolReading {
+  Vec3d force, torque;        // on the tool, the torque about its origin [N] [N·m]
+  double depth = 0;           // of its deepest point below the surface at rest [m]
+  int contacts = 0;           // places that bear force
+  bool beyond_patch = false;  // it reaches beyond what the model knows there: the force may lack some of it
+};
+
+}  // namespace turgor::contact

@@ -1,0 +1,29 @@
+#include "turgor/haptics/device.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace turgor::haptics {
+
+namespace {
+
+bool is_finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+Vec3d no_longer_than(double limit, Vec3d v) {
+  const double length = norm(v);
+  return length > limit ? v * (limit / length) : v;
+}
+
+}  // namespace
+
+bool is_finite(const DeviceOutput& output) {
+  return is_finite(output.force) && is_finite(output.torque) && std::isfinite(output.grip_force);
+}
+
+DeviceOutput within_limits(const DeviceSpec& spec, const DeviceOutput& output) {
+  return {.force = no_longer_than(spec.force, output.force),
+          .torque = no_longer_than(spec.torque, output.torque),
+          .grip_force = std::clamp(output.grip_force, -spec.grip_force, spec.grip_force)};
+}
+
+}  // namespace turgor::haptics
