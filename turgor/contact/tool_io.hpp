@@ -1,5 +1,5 @@
-// What a tick asks of a tool and what it answers: the whole of what a hand, a path or a recording says, and the
-// whole of what is felt.
+// What a tick asks of a tool and what it answers: the whole of what a hand, a path or a recording says, and
+// the whole of what is felt.
 #pragma once
 
 #include "turgor/contact/tool.hpp"
