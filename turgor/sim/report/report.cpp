@@ -146,6 +146,8 @@ Json scene_report(const Scene& scene) {
 
 }  // namespace
 
+std::uint64_t state_hash(const World& world) { return cloth_hash(world, hash_of(world)); }
+
 std::string program_version() { return TURGOR_VERSION; }
 
 Json simulation_report(const Exec& exec, const Scene& scene, const World& world, const Measures& measures,
@@ -173,7 +175,7 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"solver", solver_report(measures)},
           {"timing", timing_report(measures, facts)},
           {"simulated_s", rounded(time_of(world))},
-          {"state_hash", hash_text(cloth_hash(world, hash_of(world)))},
+          {"state_hash", hash_text(state_hash(world))},
           {"scene_text", scene.text}};
 }
 

@@ -18,6 +18,9 @@ namespace turgor {
 
 using Json = nlohmann::ordered_json;
 
+/// Of everything that moves; equal states of equal scenes have equal ones.
+std::uint64_t state_hash(const World& world);
+
 /// "0.1.0"
 std::string program_version();
 
