@@ -174,7 +174,7 @@ void show_touched(const Exec& exec, World& world) {
   }
   for (RhombusBody& body : world.rhombus_bodies) {
     const Timer timer;
-    body.shown = shown_surface(exec, body, world.tools, time_of(world));
+    body.shown = shown_surface(exec, body, time_of(world));
     body.surface_seconds.push_back(timer.seconds());
   }
   for (LatticeBody& body : world.lattice_bodies) body.shown = shown_tools(body, time_of(world));

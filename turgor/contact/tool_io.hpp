@@ -2,6 +2,8 @@
 // the whole of what is felt.
 #pragma once
 
+#include <algorithm>
+
 #include "turgor/contact/tool.hpp"
 
 namespace turgor::contact {
@@ -16,9 +18,17 @@ struct ToolCommand {
 /// What is felt.
 struct ToolReading {
   Vec3d force, torque;        // on the tool, the torque about its origin [N] [N·m]
+  double squeeze = 0;         // of its jaws on what is between them [N]
   double depth = 0;           // of its deepest point below the surface at rest [m]
   int contacts = 0;           // places that bear force
   bool beyond_patch = false;  // it reaches beyond what the model knows there: the force may lack some of it
 };
+
+/// Where the jaws of a tool are `dt` later that closes while its user holds and opens else; the whole way
+/// takes `closing_time` [s].
+inline double next_grip(double grip, bool hold, double closing_time, double dt) {
+  const double step = dt / closing_time;
+  return std::clamp(hold ? grip + step : grip - step, 0.0, 1.0);
+}
 
 }  // namespace turgor::contact

@@ -93,7 +93,7 @@ Status load_touched(const Exec& exec, const Scene& scene, const BeginWork& begin
     if (body.tool_indices.size() > std::size_t(rhombus::kMaxTouches))
       return Error{fmt::format("{}: expected at most {} tools that touch it, found {}", body.name,
                                rhombus::kMaxTouches, body.tool_indices.size())};
-    begin_touch(body);
+    begin_touch(body, world.tools);
   }
   for (std::size_t o = 0; o < world.sfem_bodies.size(); o++) {
     const SfemScene& s = scene.sfem_bodies[o];
@@ -203,7 +203,7 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
   }
   for (RhombusBody& body : world.rhombus_bodies) {
     touch_body(body, world.tools, time_of(world), time_of(world) + world.dt);
-    remember_deepest(exec, body, world.tools, time_of(world) + world.dt);
+    remember_deepest(exec, body, time_of(world) + world.dt);
   }
   for (ClothBody& body : world.cloth_bodies) {
     report.finite = step_cloth(exec, body, world, measure_residual) && report.finite;

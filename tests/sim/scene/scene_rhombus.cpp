@@ -91,7 +91,7 @@ press = { at_fraction = [0.3, 0.5, 1], depth = 0.008 }
   for (const ForceSample& s : world.tools[0].samples) deepest = std::max(deepest, s.depth);
   EXPECT_NEAR(deepest, 0.008, 2e-4);
   EXPECT_EQ(world.tools[0].samples.back().contacts, 0);
-  const ShownSurface now = shown_surface(exec, world.rhombus_bodies[0], world.tools, time_of(world));
+  const ShownSurface now = shown_surface(exec, world.rhombus_bodies[0], time_of(world));
   for (const Vec3 u : now.displacement) ASSERT_EQ(u, Vec3{});
   EXPECT_LT(liver.jump, 1e-4);
 }

@@ -11,9 +11,9 @@ namespace turgor {
 
 namespace {
 
-constexpr std::size_t kMostVertices = std::size_t(1) << 24, kMostTicks = std::size_t(1) << 22;
+constexpr std::size_t kMostVertices = std::size_t(1) << 24, kMostRows = kMostTicks + 1;
 constexpr std::size_t kPose = 16;    // numbers of a shown tool: position, axes, force, opening
-constexpr std::size_t kSample = 16;  // numbers of a tick, in the order of sample_row
+constexpr std::size_t kSample = 27;  // numbers of a tick, in the order of sample_row
 
 std::vector<float> flat(const std::vector<Vec3>& points) {
   std::vector<float> values;
@@ -59,6 +59,8 @@ void append(std::vector<double>& values, const ForceSample& s) {
   append(values, s.torque);
   values.insert(values.end(), {double(s.contacts), s.depth, s.path, s.tick_seconds, double(s.new_patch),
                                double(s.beyond_patch)});
+  for (const Vec3d axis : s.axes.column) append(values, axis);
+  values.insert(values.end(), {s.grip, double(s.hold)});
 }
 
 ForceSample sample_of(const std::vector<double>& values, std::size_t row) {
@@ -71,6 +73,8 @@ ForceSample sample_of(const std::vector<double>& values, std::size_t row) {
   s.contacts = int(std::clamp(values[i + 10], 0.0, 1e6));
   s.depth = values[i + 11], s.path = values[i + 12], s.tick_seconds = float(values[i + 13]);
   s.new_patch = values[i + 14] != 0, s.beyond_patch = values[i + 15] != 0;
+  for (std::size_t a = 0; a < 3; a++) s.axes.column[a] = vector_at(values, i + 16 + 3 * a);
+  s.grip = values[i + 25], s.hold = values[i + 26] != 0;
   return s;
 }
 
@@ -164,6 +168,7 @@ Status read_surfaces(const Hdf5File& file, const std::string& snapshot, World& w
 Status write_touch(Hdf5File& file, const World& world) {
   for (const TouchingTool& tool : world.tools) {
     std::vector<double> rows;
+    append(rows, tool.samples.start());
     for (const ForceSample& sample : tool.samples) append(rows, sample);
     const Status status =
         Writing(file, fmt::format("/tools/{}/", tool.name)).array("ticks", rows, kSample).status();
@@ -175,10 +180,11 @@ Status write_touch(Hdf5File& file, const World& world) {
 Status read_touch(const Hdf5File& file, World& world) {
   for (TouchingTool& tool : world.tools) {
     Reading reading(file, fmt::format("/tools/{}/", tool.name));
-    const std::size_t count = reading.count("ticks", kSample * kMostTicks);
+    const std::size_t count = reading.count("ticks", kSample * kMostRows);
     const auto rows = reading.array<double>("ticks", count);
     if (!reading.status()) return reading.status();
-    for (std::size_t r = 0; r < count / kSample; r++) tool.samples.push_back(sample_of(rows, r));
+    if (count >= kSample) tool.samples.start(command_of(sample_of(rows, 0)));
+    for (std::size_t r = 1; r < count / kSample; r++) tool.samples.append(sample_of(rows, r));
   }
   return for_kept_surfaces(world, [&](TouchedBody& body) { return read_deepest(file, body); });
 }

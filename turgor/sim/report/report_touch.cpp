@@ -67,7 +67,7 @@ Json patch_report(const SfemScene& scene, const SfemBody& body) {
   std::vector<double> seconds, handovers;
   double jump = 0;
   int late = 0;  // not ready at the tick that takes it, were a tick to last its millisecond
-  int local = body.patch.local_nodes, points = int(body.patch.points.size());
+  int local = body.now.patch->local_nodes, points = int(body.now.patch->points.size());
   Json series = Json::array();
   for (const PatchRebuild& r : body.rebuilds) {
     seconds.push_back(r.seconds);
@@ -223,6 +223,12 @@ std::vector<std::string> touch_warnings(const World& world) {
     add_limits(tool, warnings);
   }
   for (const TouchingTool& tool : world.tools)
+    if (tool.samples.missed() > 0)
+      warnings.push_back(
+          fmt::format("{}: its first {} ms were kept, the {} ms behind them were not: a run that long has no "
+                      "room for all",
+                      tool.name, tool.samples.size(), tool.samples.missed()));
+  for (const TouchingTool& tool : world.tools)
     if (std::any_of(tool.samples.begin(), tool.samples.end(), [](const auto& s) { return s.beyond_patch; }))
       warnings.push_back(
           fmt::format("{}: the tool reached beyond the patch, where the body does not feel it; "
@@ -234,8 +240,8 @@ std::vector<std::string> touch_warnings(const World& world) {
 std::uint64_t touch_hash(const World& world) {
   std::uint64_t hash = kHashSeed;
   for (const SfemBody& body : world.sfem_bodies) {
-    hash = hash_values(std::span<const Vec3d>(body.touch.x), hash);
-    hash = hash_values(std::span<const Vec3d>(body.touch.force), hash);
+    hash = hash_values(std::span<const Vec3d>(body.now.x), hash);
+    hash = hash_values(std::span<const Vec3d>(body.now.force), hash);
   }
   for (const TouchingTool& tool : world.tools)
     for (const ForceSample& s : tool.samples)

@@ -128,7 +128,7 @@ Grasp read_grasp(SceneTable table) {
 }
 
 ToolMotion read_motion(SceneTable& tool) {
-  const std::vector<std::string> kinds = {"path", "press", "grasp"};
+  const std::vector<std::string> kinds = {"path", "press", "grasp", "hand"};
   tool.require(kinds, "how the tool moves");
   std::string given;
   for (const std::string& kind : kinds) {
@@ -138,6 +138,11 @@ ToolMotion read_motion(SceneTable& tool) {
   }
   if (given == "press") return read_press(tool.table("press"));
   if (given == "grasp") return read_grasp(tool.table("grasp"));
+  if (given == "hand") {
+    HandFile hand;
+    tool.read_path("hand", hand.file);
+    return hand;
+  }
   const toml::node* node = tool.find("path");
   if (node && node->is_array()) return read_rows(tool, *node->as_array());
   PathFile file;

@@ -30,7 +30,7 @@ const char* kPress = "press = { at_fraction = [0.5, 0, 0.5], depth = 0.006, star
 TEST(LatticeBody, APressIsFeltOnceAFrameAndPushesTheToolOut) {
   World world = block_world(Exec(2), touched_scene(fresh_folder(), kPress));
   for (int frame = 0; frame < 50; frame++) ASSERT_TRUE(step(Exec(2), world));
-  const std::vector<ForceSample>& samples = world.tools[0].samples;
+  const TouchLog& samples = world.tools[0].samples;
   ASSERT_EQ(samples.size(), 50u);
   const auto at = [&](double time) { return samples[std::size_t(std::lround(time * 50)) - 1]; };
   EXPECT_EQ(norm(at(0.1).force), 0) << "before it touches";

@@ -108,8 +108,8 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
 
 void set_poses(LatticeBody& body, const std::vector<TouchingTool>& tools, double time) {
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
-    const PathRow row = path_at(tools[std::size_t(body.tool_indices[t])].path, time);
-    body.poses[t] = {{row.position, axes_of(row.orientation)}, row.hold};
+    const contact::ToolCommand command = command_at(tools[std::size_t(body.tool_indices[t])], time);
+    body.poses[t] = {command.pose, command.hold};
   }
 }
 
@@ -149,16 +149,11 @@ double depth_at_rest(const LatticeBody& body, const contact::Tool& tool, const c
 void record_step(const LatticeBody& body, std::vector<TouchingTool>& tools, double time, double seconds) {
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
     const contact::ToolForce& felt = body.forces[t];
-    ForceSample sample{.time = time,
-                       .position = body.poses[t].pose.position,
-                       .force = felt.force,
-                       .torque = felt.torque,
-                       .contacts = felt.contacts,
-                       .tick_seconds = float(seconds)};
-    if (felt.contacts > 0) sample.depth = depth_at_rest(body, body.tools[t], body.poses[t].pose);
-    std::vector<ForceSample>& samples = tools[std::size_t(body.tool_indices[t])].samples;
-    if (!samples.empty()) sample.path = samples.back().path + norm(sample.position - samples.back().position);
-    samples.push_back(sample);
+    contact::ToolReading reading{.force = felt.force, .torque = felt.torque, .contacts = felt.contacts};
+    if (felt.contacts > 0) reading.depth = depth_at_rest(body, body.tools[t], body.poses[t].pose);
+    ForceSample sample = sample_of(time, {.pose = body.poses[t].pose, .hold = body.poses[t].hold}, reading);
+    sample.tick_seconds = float(seconds);
+    tools[std::size_t(body.tool_indices[t])].samples.append(sample);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "turgor/contact/rhombus_touch.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/sim/bodies/sfem/load_sfem.hpp"
 #include "turgor/sim/bodies/sfem/sfem_body.hpp"
@@ -13,9 +14,9 @@ namespace turgor {
 
 struct RhombusBody : TouchedBody {
   rhombus::Model model;
-  rhombus::State state;
-  std::vector<rhombus::TouchInput> inputs;  // one for each of tool_indices, as the next
-  std::vector<rhombus::TouchForce> forces;
+  contact::RhombusTouch touch;     // who ticks owns this
+  contact::RhombusTouchedNow now;  // what it left for the frame; one for each of tool_indices
+  rhombus::State state;            // of the frame: the surface as it was shown last
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
   double pressed_volume = 0;       // the most that was pressed in at a picture [m³]
@@ -31,18 +32,16 @@ Result<RhombusBody> load_rhombus(const Exec& exec, const RhombusScene& scene,
 
 /// The surface that tools touch.
 RestSurface rest_surface(const RhombusBody& body);
-void begin_touch(RhombusBody& body);
-/// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick.
+void begin_touch(RhombusBody& body, const std::vector<TouchingTool>& tools);
+/// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick. Ends with
+/// take_touched, as who ticks and who makes frames are one here.
 void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from, double to);
+/// The frame takes what ticks left: body.now was just filled.
+void take_touched(RhombusBody& body);
 
 /// The surface as it lies now; steps the state.
-ShownSurface shown_surface(const Exec& exec, RhombusBody& body, const std::vector<TouchingTool>& tools,
-                           double time);
+ShownSurface shown_surface(const Exec& exec, RhombusBody& body, double time);
 /// Keeps the surface when the force on the tools is the largest so far.
-void remember_deepest(const Exec& exec, RhombusBody& body, const std::vector<TouchingTool>& tools,
-                      double time);
-
-/// What a body feels of a tool: its lowest end as a ball, or what is between its jaws.
-rhombus::TouchInput tip_input(const TouchingTool& tool, const contact::Pose& pose, double grip);
+void remember_deepest(const Exec& exec, RhombusBody& body, double time);
 
 }  // namespace turgor

@@ -22,13 +22,13 @@ std::vector<double> flat(std::span<const Vec3d> vectors) {
 std::vector<int> vertices_of_points(const SfemBody& body) {
   std::map<std::array<double, 3>, int> vertex_at;
   const std::vector<Vec3d>& x = body.model.body.mesh.vertices;
-  for (const int e : body.patch.elements)
+  for (const int e : body.now.patch->elements)
     for (const int v : element(body.model.body.mesh, std::size_t(e))) {
       const Vec3d p = x[std::size_t(v)];
       vertex_at[{p.x, p.y, p.z}] = v;
     }
   std::vector<int> vertices;
-  for (const sfem::PatchPoint& point : body.patch.points) {
+  for (const sfem::PatchPoint& point : body.now.patch->points) {
     const auto found = vertex_at.find({point.x.x, point.x.y, point.x.z});
     vertices.push_back(found == vertex_at.end() ? -1 : found->second);
   }
@@ -52,18 +52,18 @@ ShownSurface joined_surface(const SfemBody& body, const std::vector<Vec3d>& coar
                             const std::vector<float>& pressure) {
   const SolidMesh& mesh = body.model.body.mesh;
   SurfaceBuilder builder;
-  std::vector<int> shown_vertex(mesh.vertices.size(), -1), shown_point(body.patch.points.size(), -1);
+  std::vector<int> shown_vertex(mesh.vertices.size(), -1), shown_point(body.now.patch->points.size(), -1);
   std::vector<bool> covered(mesh.vertices.size(), false), in_patch(element_count(mesh), false);
-  for (const int e : body.patch.elements) in_patch[std::size_t(e)] = true;
+  for (const int e : body.now.patch->elements) in_patch[std::size_t(e)] = true;
   const std::vector<int> vertices = vertices_of_points(body);
-  for (std::size_t p = 0; p < body.patch.points.size(); p++) {
-    const Vec3d rest = body.patch.points[p].x;
-    shown_point[p] = builder.add(rest, body.touch.x[p] - rest, pressure[p]);
+  for (std::size_t p = 0; p < body.now.patch->points.size(); p++) {
+    const Vec3d rest = body.now.patch->points[p].x;
+    shown_point[p] = builder.add(rest, body.now.x[p] - rest, pressure[p]);
     if (vertices[p] < 0) continue;
     shown_vertex[std::size_t(vertices[p])] = shown_point[p];
     covered[std::size_t(vertices[p])] = true;
   }
-  for (const Int3 t : body.patch.triangles)
+  for (const Int3 t : body.now.patch->triangles)
     builder.surface.triangles.push_back(
         {shown_point[std::size_t(t.x)], shown_point[std::size_t(t.y)], shown_point[std::size_t(t.z)]});
   const SolidSurface& outer = body.model.surface;
@@ -119,11 +119,11 @@ auto interpolated(const PatchPlace& place, const Of& of) {
 
 /// The part of a point's displacement that the coarse functions do not have [m].
 Vec3d fine_part(const SfemBody& body, const std::vector<Vec3d>& coarse, int p) {
-  const sfem::PatchPoint& point = body.patch.points[std::size_t(p)];
-  Vec3d u = body.touch.x[std::size_t(p)] - point.x;
+  const sfem::PatchPoint& point = body.now.patch->points[std::size_t(p)];
+  Vec3d u = body.now.x[std::size_t(p)] - point.x;
   for (int s = 0; s < point.supports; s++) {
     const auto i = std::size_t(s);
-    u -= coarse[std::size_t(body.patch.coarse[std::size_t(point.coarse[i])])] * point.weight[i];
+    u -= coarse[std::size_t(body.now.patch->coarse[std::size_t(point.coarse[i])])] * point.weight[i];
   }
   return u;
 }
@@ -141,15 +141,15 @@ ShownSurface carried_surface(const Exec& exec, const SfemBody& body, const std::
   surface.displacement.resize(count);
   surface.pressure.assign(count, 0);
   // The two surfaces differ by less than the coarse one's triangles are large; farther is another side.
-  const double reach = longest_edge(body.patch);
+  const double reach = longest_edge(*body.now.patch);
   std::vector<std::uint8_t> near_patch(body.model.body.mesh.vertices.size(), 0);
-  for (const int v : body.patch.coarse) near_patch[std::size_t(v)] = 1;
+  for (const int v : body.now.patch->coarse) near_patch[std::size_t(v)] = 1;
   parallel_for(exec, count, [&](std::size_t v) {
     Vec3d u = Vec3d(moved[v]) - Vec3d(embedding.rest[v]);
     const int* corners = &embedding.nodes[v * std::size_t(embedding.corners)];
     if (std::any_of(corners, corners + embedding.corners,
                     [&](int node) { return near_patch[std::size_t(node)] != 0; })) {
-      const PatchPlace place = nearest_in_patch(body.patch, Vec3d(embedding.rest[v]));
+      const PatchPlace place = nearest_in_patch(*body.now.patch, Vec3d(embedding.rest[v]));
       if (place.distance < reach) {
         u += interpolated(place, [&](int p) { return fine_part(body, coarse, p); });
         surface.pressure[v] =
@@ -159,6 +159,13 @@ ShownSurface carried_surface(const Exec& exec, const SfemBody& body, const std::
     surface.displacement[v] = Vec3(u);
   });
   return surface;
+}
+
+/// Of the contacts, at every point of the patch [Pa].
+void find_pressure(const SfemBody& body, std::vector<double>& pressure) {
+  contact::PatchSurface surface;
+  contact::measure_surface(*body.now.patch, surface);
+  contact::contact_pressure(surface, body.now.force, pressure);
 }
 
 /// Of a kept node below the surface.
@@ -206,15 +213,15 @@ std::vector<Vec3d> displacements(const Exec& exec, const SfemBody& body,
 }
 
 std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body) {
-  if (body.tools.empty()) return {};
+  if (body.now.poses.empty()) return {};
   // From viscosity.hpp: u = (Ξ f + p v)/(1 + p) after a tick, v = Ξ φ.
-  const double p = body.touch.params.viscosity.stiffening;
-  const std::vector<double> f = sfem::coarse_forces(body.patch, flat(body.touch.force));
+  const double p = body.now.stiffening;
+  const std::vector<double> f = sfem::coarse_forces(*body.now.patch, flat(body.now.force));
   std::map<int, Vec3d> forces;
-  for (std::size_t c = 0; c < body.patch.coarse.size(); c++)
-    forces[body.patch.coarse[c]] += Vec3d{f[3 * c], f[3 * c + 1], f[3 * c + 2]} / (1 + p);
+  for (std::size_t c = 0; c < body.now.patch->coarse.size(); c++)
+    forces[body.now.patch->coarse[c]] += Vec3d{f[3 * c], f[3 * c + 1], f[3 * c + 2]} / (1 + p);
   if (p > 0)
-    for (const contact::VertexForce& remembered : contact::coarse_history(body.touch.history, body.patch))
+    for (const contact::VertexForce& remembered : contact::coarse_history(body.now.history, *body.now.patch))
       forces[remembered.vertex] += remembered.force * (p / (1 + p));
   std::vector<contact::VertexForce> list;
   for (const auto& [vertex, force] : forces) list.push_back({vertex, force});
@@ -223,15 +230,15 @@ std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body) {
 
 ShownSurface shown_surface(const Exec& exec, const SfemBody& body, double time) {
   std::vector<Vec3d> coarse(body.model.body.mesh.vertices.size());
-  if (!body.tools.empty() || body.press) coarse = coarse_displacements(exec, body);
-  std::vector<double> pressure(body.patch.points.size());
-  if (!body.tools.empty()) contact::contact_pressure(body.touch, pressure);
+  if (!body.now.poses.empty() || body.press) coarse = coarse_displacements(exec, body);
+  std::vector<double> pressure(body.now.patch->points.size());
+  if (!body.now.poses.empty()) find_pressure(body, pressure);
   const std::vector<float> shown_pressure(pressure.begin(), pressure.end());
   ShownSurface surface = body.seen ? carried_surface(exec, body, coarse, shown_pressure)
                                    : joined_surface(body, coarse, shown_pressure);
   surface.time = time;
-  for (std::size_t t = 0; t < body.tools.size(); t++)
-    surface.tools.push_back({body.poses[t].pose, body.forces[t].force});
+  for (std::size_t t = 0; t < body.now.poses.size(); t++)
+    surface.tools.push_back({body.now.poses[t].pose, body.now.forces[t].force});
   return surface;
 }
 
