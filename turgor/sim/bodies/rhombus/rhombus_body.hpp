@@ -5,11 +5,17 @@
 #include <vector>
 
 #include "turgor/models/rhombus/rhombus.hpp"
-#include "turgor/sim/bodies/sfem/load_sfem.hpp"
-#include "turgor/sim/bodies/sfem/sfem_body.hpp"
+#include "turgor/sim/bodies/cloth/cloth_load.hpp"
+#include "turgor/sim/frame.hpp"
+#include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/rhombus_scene.hpp"
+#include "turgor/sim/shown.hpp"
+#include "turgor/sim/tools/press_path.hpp"
+#include "turgor/sim/tools/touched_body.hpp"
 
 namespace turgor {
+
+struct World;
 
 struct RhombusBody : TouchedBody {
   rhombus::Model model;
@@ -18,29 +24,35 @@ struct RhombusBody : TouchedBody {
   std::vector<rhombus::TouchForce> forces;
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
-  double pressed_volume = 0;       // the most that was pressed in at a picture [m³]
+  double pressed_volume = 0;       // the most that was pressed in after a frame [m³]
   std::vector<double> openings;    // of the tools' jaws in the last tick [m]
   double jump = 0;                 // largest of a force per 10 µm that a tool and its jaws move [N]
   double jump_at = 0;              // [s]
   std::vector<std::string> notes;  // what was left out while reading
 };
 
-/// Without its tools; `bodies` are those that its surface may be taken from. Error: names the scene's place.
-Result<RhombusBody> load_rhombus(const Exec& exec, const RhombusScene& scene,
-                                 const std::vector<SfemBody>& bodies, const BeginWork& begin);
+/// Without its tools; its surface may be that of a body that the world has. Error: names the scene's place.
+Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene, const World& world);
+inline const std::vector<std::string>& notes(const RhombusBody& body) { return body.notes; }
 
 /// The surface that tools touch.
 RestSurface rest_surface(const RhombusBody& body);
-void begin_touch(RhombusBody& body);
+inline void make_rest_surface(RhombusBody&) {}  // it is there
+/// Error: more tools than the model takes.
+Status begin_body(const Exec& exec, RhombusBody& body, const RhombusScene& scene, const World& world);
+
+/// The ticks of a frame, and where that leaves the surface.
+void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input,
+               FrameReport& report);
+inline void press_body(const Exec&, RhombusBody&, const ClothPush&, double) {}  // it feels tools alone
+std::uint64_t state_hash(const RhombusBody& body, std::uint64_t seed);
 /// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick.
 void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from, double to);
 
-/// The surface as it lies now; steps the state.
-ShownSurface shown_surface(const Exec& exec, RhombusBody& body, const std::vector<TouchingTool>& tools,
-                           double time);
-/// Keeps the surface when the force on the tools is the largest so far.
-void remember_deepest(const Exec& exec, RhombusBody& body, const std::vector<TouchingTool>& tools,
-                      double time);
+/// Tool `t` of its tool_indices.
+ToolNow tool_now(const RhombusBody& body, std::size_t t, const World& world);
+inline Look look_of(const RhombusBody&) { return Look::kFlesh; }
+void show(const Exec& exec, const RhombusBody& body, ShownBody& out);
 
 /// What a body feels of a tool: its lowest end as a ball, or what is between its jaws.
 rhombus::TouchInput tip_input(const TouchingTool& tool, const contact::Pose& pose, double grip);

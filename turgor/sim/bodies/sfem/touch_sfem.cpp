@@ -127,12 +127,4 @@ void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& too
   }
 }
 
-void remember_deepest(const Exec& exec, SfemBody& body, double time) {
-  double force = 0;
-  for (const contact::ToolForce& felt : body.forces) force += norm(felt.force);
-  if (force <= body.largest_force) return;
-  body.largest_force = force;
-  body.deepest = shown_surface(exec, body, time);
-}
-
 }  // namespace turgor
