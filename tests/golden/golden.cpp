@@ -7,7 +7,8 @@
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/sim/report/report.hpp"
+#include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/world.hpp"
 
 namespace turgor {
 namespace {

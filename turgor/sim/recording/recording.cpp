@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/sim/recording/recording_arrays.hpp"
 #include "turgor/sim/recording/recording_cloth.hpp"
 #include "turgor/sim/recording/recording_touch.hpp"
 
@@ -67,7 +66,7 @@ Status write_body(Hdf5File& file, const LatticeBody& body) {
       .status();
 }
 
-Status write_state(Hdf5File& file, const std::string& group, const LatticeBody& body) {
+Status write_state(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
   std::vector<float> displacement;
   std::vector<std::uint8_t> cut, removed, family, incision;
   for (const int s : body_slots(body.model)) {
@@ -84,17 +83,18 @@ Status write_state(Hdf5File& file, const std::string& group, const LatticeBody& 
     incision.push_back(edge.incision);
     fraction.push_back(edge.fraction);
   }
-  return Writing(file, fmt::format("{}/bodies/{}/", group, body.name))
-      .array("displacement", displacement, 3)
-      .array("cut", cut)
-      .array("removed", removed)
-      .array("skin_cut", body.state.skin_cut)
-      .array("row_cut", body.state.row_cut)
-      .array("cut_edge_slot", slot)
-      .array("cut_edge_family", family)
-      .array("cut_edge_incision", incision)
-      .array("cut_edge_fraction", fraction)
-      .status();
+  const Status status = Writing(out.file, fmt::format("{}/bodies/{}/", out.group, body.name))
+                            .array("displacement", displacement, 3)
+                            .array("cut", cut)
+                            .array("removed", removed)
+                            .array("skin_cut", body.state.skin_cut)
+                            .array("row_cut", body.state.row_cut)
+                            .array("cut_edge_slot", slot)
+                            .array("cut_edge_family", family)
+                            .array("cut_edge_incision", incision)
+                            .array("cut_edge_fraction", fraction)
+                            .status();
+  return status ? write_tools(out, body, id) : status;
 }
 
 Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
@@ -113,6 +113,47 @@ bool is_edge(const World& world, const lattice::Model& model, const lattice::Cut
   const Int3 node = slot_node(model.lattice, edge.slot);
   return contains(model.lattice, node) && node_slot(model.lattice, node) == edge.slot &&
          contains(model.lattice, node + kFamilies[edge.family]);
+}
+
+Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
+  const std::vector<int> slots = body_slots(body.model);
+  lattice::State state = lattice::make_state(body.model);
+  Reading reading(in.file, fmt::format("{}/bodies/{}/", in.group, body.name));
+  const auto u = reading.array<float>("displacement", 3 * slots.size());
+  const auto cut = reading.array<std::uint8_t>("cut", slots.size());
+  const auto removed = reading.array<std::uint8_t>("removed", slots.size());
+  state.skin_cut = reading.array<std::uint8_t>("skin_cut", state.skin_cut.size());
+  state.row_cut = reading.array<std::uint8_t>("row_cut", state.row_cut.size());
+  const std::size_t edges = reading.count("cut_edge_slot", kFamilyCount * slots.size());
+  const auto slot = reading.array<std::int32_t>("cut_edge_slot", edges);
+  const auto family = reading.array<std::uint8_t>("cut_edge_family", edges);
+  const auto incision = reading.array<std::uint8_t>("cut_edge_incision", edges);
+  const auto fraction = reading.array<float>("cut_edge_fraction", edges);
+  if (!reading.status()) return reading.status();
+  for (std::size_t n = 0; n < slots.size(); n++) {
+    const auto s = std::size_t(slots[n]);
+    const Vec3 moved{u[3 * n], u[3 * n + 1], u[3 * n + 2]};
+    if (!std::isfinite(dot(moved, moved)))
+      return Error{fmt::format("{}: {}: a displacement is not a number", in.path, in.group)};
+    state.u.set(s, moved);
+    state.u_before.set(s, moved);
+    state.cut[s] = cut[n];
+    state.removed[s] = removed[n];
+  }
+  for (std::size_t e = 0; e < edges; e++) {
+    state.cut_edges.push_back({slot[e], family[e], incision[e], fraction[e]});
+    if (!is_edge(in.world, body.model, state.cut_edges.back()))
+      return Error{fmt::format("{}: {}: a cut edge is not one of the body's", in.path, in.group)};
+    state.cut[std::size_t(slot[e])] |=
+        std::uint8_t(1u << family[e]);  // also where the lower end is outside the body
+  }
+  body.state = std::move(state);
+  body.state.time = time_of(in.world);
+  ShownBody none;
+  if (!body.tool_indices.empty())
+    if (const Status tools = read_tools(in, body, none); !tools) return tools;
+  show(in.exec, body, shown_body(in.shown, id));
+  return Done{};
 }
 
 std::string snapshot_group(int snapshot) { return fmt::format("/snapshots/{:05}", snapshot); }
@@ -137,7 +178,7 @@ Result<RecordingWriter> RecordingWriter::create(const fs::path& path, const Scen
   return RecordingWriter(std::move(*file));
 }
 
-Status RecordingWriter::add_snapshot(const World& world) {
+Status RecordingWriter::add_snapshot(const World& world, const ShownWorld& shown) {
   const std::string group = snapshot_group(snapshots_++);
   if (const Status status = Writing(file_, group + "/")
                                 .array<double>("time", {time_of(world)})
@@ -145,20 +186,18 @@ Status RecordingWriter::add_snapshot(const World& world) {
                                 .status();
       !status)
     return status;
-  for (const LatticeBody& body : world.lattice_bodies)
-    if (const Status status = write_state(file_, group, body); !status) return status;
+  const SnapshotOut out{file_, group, shown};
+  const Status bodies =
+      try_each_body(world, [&](BodyId id, const auto& body) { return write_state(out, body, id); });
+  if (!bodies) return bodies;
   for (const Cut& cut : world.cuts)
     if (const Status status = write_cut(file_, group, cut); !status) return status;
-  if (const Status status = write_surfaces(file_, group, world); !status) return status;
-  for (const ClothBody& body : world.cloth_bodies)
-    if (const Status status = write_cloth(file_, fmt::format("{}/bodies/{}/", group, body.name), body);
-        !status)
-      return status;
   return file_.flush();
 }
 
-Status RecordingWriter::finish(const World& world, const std::string& report) {
-  if (const Status status = write_touch(file_, world); !status) return status;
+Status RecordingWriter::finish(const World& world, const ShownWorld& shown,
+                               const std::vector<Pressed>& pressed, const std::string& report) {
+  if (const Status status = write_touch(file_, world, shown, pressed); !status) return status;
   const Status status =
       Writing(file_, "/").array<std::int32_t>("snapshot_count", {snapshots_}).text("report", report).status();
   return status ? file_.close() : status;
@@ -237,42 +276,6 @@ Status Recording::check_world(const World& world) const {
   return Done{};
 }
 
-Status Recording::restore_body(const std::string& group, const World& world, LatticeBody& body) const {
-  const std::vector<int> slots = body_slots(body.model);
-  lattice::State state = lattice::make_state(body.model);
-  Reading reading(file_, fmt::format("{}/bodies/{}/", group, body.name));
-  const auto u = reading.array<float>("displacement", 3 * slots.size());
-  const auto cut = reading.array<std::uint8_t>("cut", slots.size());
-  const auto removed = reading.array<std::uint8_t>("removed", slots.size());
-  state.skin_cut = reading.array<std::uint8_t>("skin_cut", state.skin_cut.size());
-  state.row_cut = reading.array<std::uint8_t>("row_cut", state.row_cut.size());
-  const std::size_t edges = reading.count("cut_edge_slot", kFamilyCount * slots.size());
-  const auto slot = reading.array<std::int32_t>("cut_edge_slot", edges);
-  const auto family = reading.array<std::uint8_t>("cut_edge_family", edges);
-  const auto incision = reading.array<std::uint8_t>("cut_edge_incision", edges);
-  const auto fraction = reading.array<float>("cut_edge_fraction", edges);
-  if (!reading.status()) return reading.status();
-  for (std::size_t n = 0; n < slots.size(); n++) {
-    const auto s = std::size_t(slots[n]);
-    const Vec3 moved{u[3 * n], u[3 * n + 1], u[3 * n + 2]};
-    if (!std::isfinite(dot(moved, moved)))
-      return Error{fmt::format("{}: {}: a displacement is not a number", path_.string(), group)};
-    state.u.set(s, moved);
-    state.u_before.set(s, moved);
-    state.cut[s] = cut[n];
-    state.removed[s] = removed[n];
-  }
-  for (std::size_t e = 0; e < edges; e++) {
-    state.cut_edges.push_back({slot[e], family[e], incision[e], fraction[e]});
-    if (!is_edge(world, body.model, state.cut_edges.back()))
-      return Error{fmt::format("{}: {}: a cut edge is not one of the body's", path_.string(), group)};
-    state.cut[std::size_t(slot[e])] |=
-        std::uint8_t(1u << family[e]);  // also where the lower end is outside the body
-  }
-  body.state = std::move(state);
-  return Done{};
-}
-
 Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   Reading reading(file_, fmt::format("{}/cuts/{}/", group, cut.blade.name));
   const std::size_t values = reading.count("path", kMostPathPoints);
@@ -293,25 +296,20 @@ Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   return Done{};
 }
 
-Status Recording::restore(int snapshot, World& world) const {
+Status Recording::restore(const Exec& exec, int snapshot, World& world, ShownWorld& shown) const {
   const std::string group = snapshot_group(snapshot);
   const Result<std::vector<std::int32_t>> frame = file_.read<std::int32_t>(group + "/frame", 1);
   if (!frame) return frame.error();
   world.frame = (*frame)[0];
-  for (LatticeBody& body : world.lattice_bodies) {
-    if (const Status status = restore_body(group, world, body); !status) return status;
-    body.state.time = time_of(world);
-  }
+  show_names(world, shown);
   for (Cut& cut : world.cuts)
     if (const Status status = restore_cut(group, cut); !status) return status;
-  if (const Status status = read_surfaces(file_, group, world); !status) return status;
-  for (ClothBody& body : world.cloth_bodies)
-    if (const Status status = read_cloth(file_, fmt::format("{}/bodies/{}/", group, body.name), body);
-        !status)
-      return status;
-  return Done{};
+  const SnapshotIn in{file_, path_.string(), group, exec, world, shown};
+  return try_each_body(world, [&](BodyId id, auto& body) { return read_state(in, body, id); });
 }
 
-Status Recording::restore_touch(World& world) const { return read_touch(file_, world); }
+Status Recording::restore_touch(World& world, std::vector<Pressed>& pressed) const {
+  return read_touch(file_, world, pressed);
+}
 
 }  // namespace turgor

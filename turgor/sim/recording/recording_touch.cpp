@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "turgor/sim/recording/recording_arrays.hpp"
-
 namespace turgor {
 
 namespace {
@@ -44,12 +42,11 @@ std::vector<double> tool_rows(const std::vector<ShownTool>& tools) {
   return values;
 }
 
-ShownTool tool_of(const std::vector<double>& values, std::size_t row) {
+void show_row(const std::vector<double>& values, std::size_t row, const TouchingTool& tool, ShownTool& out) {
   const std::size_t i = kPose * row;
-  return {{vector_at(values, i),
-           {{vector_at(values, i + 3), vector_at(values, i + 6), vector_at(values, i + 9)}}},
-          vector_at(values, i + 12),
-          values[i + 15]};
+  const contact::Pose pose{vector_at(values, i),
+                           {{vector_at(values, i + 3), vector_at(values, i + 6), vector_at(values, i + 9)}}};
+  show_tool(tool, pose, vector_at(values, i + 12), values[i + 15], out);
 }
 
 void append(std::vector<double>& values, const ForceSample& s) {
@@ -82,25 +79,32 @@ bool is_finite(const std::vector<float>& values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
-Status write_shown(Hdf5File& file, const std::string& group, const ShownSurface& surface) {
+Status write_shown(Hdf5File& file, const std::string& group, double time, const ShownBody& surface,
+                   const std::vector<ShownTool>& tools) {
   std::vector<std::int32_t> triangles;
   for (const Int3 t : surface.triangles) triangles.insert(triangles.end(), {t.x, t.y, t.z});
   return Writing(file, group)
-      .array<double>("time", {surface.time})
+      .array<double>("time", {time})
       .array("rest", flat(surface.rest), 3)
       .array("displacement", flat(surface.displacement), 3)
       .array("pressure", surface.pressure)
       .array("triangles", triangles, 3)
-      .array("tools", tool_rows(surface.tools), kPose)
+      .array("tools", tool_rows(tools), kPose)
       .status();
 }
 
-Result<ShownSurface> read_shown(const Hdf5File& file, const std::string& group, std::size_t tool_count) {
+/// What a group holds besides the surface.
+struct ReadRows {
+  double time = 0;            // [s]
+  std::vector<double> tools;  // of every tool kPose numbers
+};
+Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std::size_t tool_count,
+                            ShownBody& surface) {
   Reading reading(file, group);
-  ShownSurface surface;
   const auto time = reading.array<double>("time", 1);
-  const std::size_t count = reading.count("pressure", kMostVertices);
-  surface.pressure = reading.array<float>("pressure", count);
+  const std::size_t count = reading.count("rest", 3 * kMostVertices) / 3,
+                    known = reading.count("pressure", kMostVertices);
+  surface.pressure = reading.array<float>("pressure", known);
   const auto rest = reading.array<float>("rest", 3 * count),
              displacement = reading.array<float>("displacement", 3 * count);
   const std::size_t corners = reading.count("triangles", 3 * 3 * kMostVertices);
@@ -109,38 +113,38 @@ Result<ShownSurface> read_shown(const Hdf5File& file, const std::string& group, 
   if (!reading.status()) return reading.status().error();
   const bool sound = std::all_of(triangles.begin(), triangles.end(),
                                  [count](int v) { return v >= 0 && std::size_t(v) < count; }) &&
-                     corners % 3 == 0 && is_finite(rest) && is_finite(displacement);
+                     corners % 3 == 0 && (known == 0 || known == count) && is_finite(rest) &&
+                     is_finite(displacement);
   if (!sound) return Error{fmt::format("{}: the surface is damaged", group)};
-  surface.time = time[0];
   surface.rest = vectors(rest), surface.displacement = vectors(displacement);
+  surface.triangles.clear();
   for (std::size_t i = 0; i < corners; i += 3)
     surface.triangles.push_back({triangles[i], triangles[i + 1], triangles[i + 2]});
-  for (std::size_t t = 0; t < tool_count; t++) surface.tools.push_back(tool_of(tools, t));
-  return surface;
+  surface.wall_begin = surface.triangles.size();
+  place_vertices(surface);
+  return ReadRows{time[0], tools};
 }
 
-/// For every body whose surface is kept.
-template <class AnyWorld, class Do>
-Status for_kept_surfaces(AnyWorld& world, const Do& act) {
-  return try_each_touched(world, [&](BodyId id, auto& body) -> Status {
-    return keeps_surface(id, body) ? act(body) : Status(Done{});
-  });
-}
-
-Status write_deepest(Hdf5File& file, const TouchedBody& body) {
+Status write_deepest(Hdf5File& file, const ShownWorld& shown, const Pressed& pressed) {
+  const bool touched = pressed.force > 0;
+  const ShownBody& body = touched ? pressed.body : shown_body(shown, pressed.id);
   const std::string group = fmt::format("/deepest/{}/", body.name);
-  const Status status = write_shown(file, group, body.largest_force > 0 ? body.deepest : body.shown);
-  return status ? Writing(file, group).array<double>("force", {body.largest_force}).status() : status;
+  const Status status = write_shown(file, group, touched ? pressed.time : shown.time, body,
+                                    touched ? pressed.tools : tools_on(shown, pressed.id));
+  return status ? Writing(file, group).array<double>("force", {pressed.force}).status() : status;
 }
 
-Status read_deepest(const Hdf5File& file, TouchedBody& body) {
+Status read_deepest(const Hdf5File& file, const World& world, const TouchedBody& body, Pressed& pressed) {
   const std::string group = fmt::format("/deepest/{}/", body.name);
-  Result<ShownSurface> deepest = read_shown(file, group, body.tool_indices.size());
-  if (!deepest) return deepest.error();
+  const Result<ReadRows> rows = read_shown(file, group, body.tool_indices.size(), pressed.body);
+  if (!rows) return rows.error();
   Reading reading(file, group);
   const auto force = reading.array<double>("force", 1);
   if (!reading.status()) return reading.status();
-  body.deepest = std::move(*deepest), body.largest_force = force[0];
+  pressed.time = rows->time, pressed.force = force[0];
+  pressed.tools.resize(body.tool_indices.size());
+  for (std::size_t t = 0; t < pressed.tools.size(); t++)
+    show_row(rows->tools, t, world.tools[std::size_t(body.tool_indices[t])], pressed.tools[t]);
   return Done{};
 }
 
@@ -148,24 +152,52 @@ std::string surface_group(const std::string& snapshot, const TouchedBody& body) 
   return fmt::format("{}/surfaces/{}/", snapshot, body.name);
 }
 
+/// Its surface as it is shown, with its tools.
+Status write_surface(const SnapshotOut& out, const TouchedBody& body, BodyId id) {
+  return write_shown(out.file, surface_group(out.group, body), out.shown.time, shown_body(out.shown, id),
+                     tools_on(out.shown, id));
+}
+
+/// Are its tools kept? A body that none touches has them nowhere; a lattice is drawn from its state then.
+template <class Body>
+bool keeps_surface(const Body& body) {
+  return !std::is_same_v<Body, LatticeBody> || !body.tool_indices.empty();
+}
+
 }  // namespace
 
-Status write_surfaces(Hdf5File& file, const std::string& snapshot, const World& world) {
-  return for_kept_surfaces(world, [&](const TouchedBody& body) {
-    return write_shown(file, surface_group(snapshot, body), body.shown);
-  });
+Status write_tools(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
+  if (!keeps_surface(body)) return Done{};
+  return write_shown(out.file, surface_group(out.group, body), out.shown.time, ShownBody(),
+                     tools_on(out.shown, id));
 }
 
-Status read_surfaces(const Hdf5File& file, const std::string& snapshot, World& world) {
-  return for_kept_surfaces(world, [&](TouchedBody& body) -> Status {
-    Result<ShownSurface> surface = read_shown(file, surface_group(snapshot, body), body.tool_indices.size());
-    if (!surface) return surface.error();
-    body.shown = std::move(*surface);
-    return Done{};
-  });
+Status read_tools(const SnapshotIn& in, const TouchedBody& body, ShownBody& surface) {
+  const Result<ReadRows> rows =
+      read_shown(in.file, surface_group(in.group, body), body.tool_indices.size(), surface);
+  if (!rows) return rows.error();
+  for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
+    const auto n = std::size_t(body.tool_indices[t]);
+    show_row(rows->tools, t, in.world.tools[n], in.shown.tools[n]);
+  }
+  return Done{};
 }
 
-Status write_touch(Hdf5File& file, const World& world) {
+Status write_state(const SnapshotOut& out, const SfemBody& body, BodyId id) {
+  return write_surface(out, body, id);
+}
+Status write_state(const SnapshotOut& out, const RhombusBody& body, BodyId id) {
+  return write_surface(out, body, id);
+}
+Status read_state(const SnapshotIn& in, SfemBody& body, BodyId id) {
+  return read_tools(in, body, shown_body(in.shown, id));
+}
+Status read_state(const SnapshotIn& in, RhombusBody& body, BodyId id) {
+  return read_tools(in, body, shown_body(in.shown, id));
+}
+
+Status write_touch(Hdf5File& file, const World& world, const ShownWorld& shown,
+                   const std::vector<Pressed>& pressed) {
   for (const TouchingTool& tool : world.tools) {
     std::vector<double> rows;
     append(rows, tool.samples.start());
@@ -174,10 +206,14 @@ Status write_touch(Hdf5File& file, const World& world) {
         Writing(file, fmt::format("/tools/{}/", tool.name)).array("ticks", rows, kSample).status();
     if (!status) return status;
   }
-  return for_kept_surfaces(world, [&](const TouchedBody& body) { return write_deepest(file, body); });
+  Status status = Done{};
+  for_each_touched(world, [&](BodyId id, const auto& body) {
+    if (status && keeps_surface(body)) status = write_deepest(file, shown, pressed_body(pressed, id));
+  });
+  return status;
 }
 
-Status read_touch(const Hdf5File& file, World& world) {
+Status read_touch(const Hdf5File& file, World& world, std::vector<Pressed>& pressed) {
   for (TouchingTool& tool : world.tools) {
     Reading reading(file, fmt::format("/tools/{}/", tool.name));
     const std::size_t count = reading.count("ticks", kSample * kMostRows);
@@ -186,7 +222,16 @@ Status read_touch(const Hdf5File& file, World& world) {
     if (count >= kSample) tool.samples.start(command_of(sample_of(rows, 0)));
     for (std::size_t r = 1; r < count / kSample; r++) tool.samples.append(sample_of(rows, r));
   }
-  return for_kept_surfaces(world, [&](TouchedBody& body) { return read_deepest(file, body); });
+  pressed = make_pressed(world);
+  Status status = Done{};
+  std::size_t next = 0;
+  for_each_touched(world, [&](BodyId id, const auto& body) {
+    Pressed& one = pressed[next++];
+    if (!status || !keeps_surface(body)) return;
+    show_name(id, body, one.body);
+    status = read_deepest(file, world, body, one);
+  });
+  return status;
 }
 
 }  // namespace turgor

@@ -38,20 +38,16 @@ Json machine_report(const Exec& exec) {
           {"system", std::string(system.sysname) + " " + system.release}};
 }
 
-std::string ct_source(const Scene& scene, std::size_t body) {
-  const CtSource& source = scene.lattice_bodies[body].ct;
-  return source.phantom ? "phantom" : source.file.string();
-}
+std::string ct_source(const CtSource& source) { return source.phantom ? "phantom" : source.file.string(); }
 
-Json lattice_report(const Scene& scene, const LatticeBody& body, std::size_t index) {
+Json report_body(const ReportInput&, const LatticeScene& scene, const LatticeBody& body, BodyId) {
   const lattice::Model& model = body.model;
   const std::size_t bytes = lattice::memory_bytes(model, body.state);
   const Vec3d step(model.lattice.step);
   return {{"name", body.name},
           {"model", model_name(BodyKind::kLattice)},
-          {"model", "lattice"},
           {"ct",
-           {{"source", ct_source(scene, index)},
+           {{"source", ct_source(scene.ct)},
             {"size", of_size(body.ct.grid.size)},
             {"spacing_mm", of_mm(body.ct.grid.spacing)},
             {"content_hash", hash_text(body.ct_hash)}}},
@@ -110,26 +106,13 @@ Json timing_report(const Measures& measures, const RunFacts& facts) {
   for (const double seconds : frames) series.push_back(rounded(seconds * kMs));
   return {{"load_s", rounded(facts.load_seconds)},
           {"simulation_s", rounded(facts.simulation_seconds)},
+          {"physics_s", rounded(sum)},
           {"frames", frames.size()},
           {"frame_mean_ms", rounded(frames.empty() ? 0 : sum / double(frames.size()) * kMs)},
           {"frame_p50_ms", rounded(percentile(frames, 0.5) * kMs)},
           {"frame_p99_ms", rounded(percentile(frames, 0.99) * kMs)},
           {"frame_max_ms", rounded(percentile(frames, 1) * kMs)},
           {"frame_ms", series}};
-}
-
-std::uint64_t hash_of(const World& world) {
-  if (world.lattice_bodies.size() == 1 && world.sfem_bodies.empty() && world.rhombus_bodies.empty() &&
-      world.tools.empty())
-    return lattice::state_hash(world.lattice_bodies[0].model, world.lattice_bodies[0].state);
-  std::uint64_t hash = kHashSeed;
-  for (const LatticeBody& body : world.lattice_bodies) {
-    const std::uint64_t one = lattice::state_hash(body.model, body.state);
-    hash = hash_bytes(&one, sizeof one, hash);
-  }
-  if (!world.rhombus_bodies.empty()) hash = hash_bytes(&hash, sizeof hash, rhombus_hash(world));
-  const std::uint64_t touched = touch_hash(world);
-  return world.tools.empty() && world.sfem_bodies.empty() ? hash : hash_bytes(&touched, sizeof touched, hash);
 }
 
 Json scene_report(const Scene& scene) {
@@ -146,20 +129,16 @@ Json scene_report(const Scene& scene) {
 
 }  // namespace
 
-std::uint64_t state_hash(const World& world) { return cloth_hash(world, hash_of(world)); }
-
 std::string program_version() { return TURGOR_VERSION; }
 
 Json simulation_report(const Exec& exec, const Scene& scene, const World& world, const Measures& measures,
                        const RunFacts& facts) {
   Json bodies = Json::array(), wounds = Json::array(), tools = Json::array();
-  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++)
-    bodies.push_back(lattice_report(scene, world.lattice_bodies[b], b));
-  for (std::size_t b = 0; b < world.sfem_bodies.size(); b++)
-    bodies.push_back(sfem_report(scene.sfem_bodies[b], world.sfem_bodies[b]));
-  for (std::size_t b = 0; b < world.rhombus_bodies.size(); b++)
-    bodies.push_back(rhombus_report(scene.rhombus_bodies[b], world.rhombus_bodies[b]));
-  for (const ClothBody& body : world.cloth_bodies) bodies.push_back(cloth_report(exec, world, body));
+  const ReportInput input{exec, world, measures};
+  for_each_kind(scene, world, [&](BodyKind kind, const auto& scenes, const auto& of_kind) {
+    for (std::size_t b = 0; b < of_kind.size(); b++)
+      bodies.push_back(report_body(input, scenes[b], of_kind[b], BodyId{kind, int(b)}));
+  });
   for (const CutMeasures& cut : measures.cuts) wounds.push_back(wound_report(cut));
   for (std::size_t t = 0; t < world.tools.size(); t++)
     tools.push_back(tool_report(scene.tools[t], world.tools[t], world));
@@ -170,8 +149,8 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"bodies", bodies},
           {"wounds", wounds},
           {"tools", tools},
-          {"profiles", profile_report(world)},
-          {"costs", cost_report(world)},
+          {"profiles", profile_report(measures)},
+          {"costs", cost_report(world, measures)},
           {"solver", solver_report(measures)},
           {"timing", timing_report(measures, facts)},
           {"simulated_s", rounded(time_of(world))},
@@ -205,6 +184,8 @@ void add_outputs(Json& report, const RunFacts& facts) {
   report["pictures"] = pictures;
   report["files"] = facts.files;
   report["warnings"] = facts.warnings;
+  report["timing"]["drawing_s"] = rounded(facts.drawing_seconds);
+  report["timing"]["files_s"] = rounded(facts.file_seconds);
   report["timing"]["output_s"] = rounded(facts.output_seconds);
   report["timing"]["total_s"] = rounded(facts.total_seconds);
 }

@@ -21,9 +21,7 @@ const char* method_name(cloth::Method method) {
 }
 
 const char* kind_name(const ClothObstacle& obstacle) {
-  if (!obstacle.support) return "shape";
-  constexpr const char* kNames[] = {"lattice", "sfem", "rhombus"};
-  return kNames[std::size_t(obstacle.support->body.kind)];
+  return obstacle.support ? model_name(obstacle.support->body.kind) : "shape";
 }
 
 /// Of the latest half second [N].
@@ -69,11 +67,12 @@ Json hold_report(const World& world, const ClothBody& body, const ClothHold& hol
 
 }  // namespace
 
-Json cloth_report(const Exec& exec, const World& world, const ClothBody& body) {
+Json report_body(const ReportInput& input, const ClothScene&, const ClothBody& body, BodyId) {
+  const World& world = input.world;
   const cloth::Model& model = body.model;
   const cloth::Params& params = model.params;
   const std::size_t bytes = cloth::memory_bytes(model, body.state);
-  const cloth::SelfDistance self = cloth::self_distance(exec, model, body.state);
+  const cloth::SelfDistance self = cloth::self_distance(input.exec, model, body.state);
   std::vector<double> seconds;
   Json series = Json::array(), snapshots = Json::array(), obstacles = Json::array(), holds = Json::array();
   for (const ClothSample& s : body.samples) {
@@ -123,14 +122,6 @@ std::vector<std::string> cloth_warnings(const World& world) {
             fmt::format("{}: hold.{}: no vertex of the cloth was in its ball at {} s: it holds nothing; {}",
                         body.name, hold.scene.name, hold.scene.start, hold.missed));
   return warnings;
-}
-
-std::uint64_t cloth_hash(const World& world, std::uint64_t seed) {
-  for (const ClothBody& body : world.cloth_bodies) {
-    const std::uint64_t one = cloth::state_hash(body.model, body.state);
-    seed = hash_bytes(&one, sizeof one, seed);
-  }
-  return seed;
 }
 
 namespace page {

@@ -10,7 +10,7 @@ namespace turgor {
 namespace {
 
 /// Means over rings of a millimetre around the vertex that moved most.
-Json profile(const ShownSurface& surface) {
+Json profile(const ShownBody& surface) {
   constexpr std::size_t kRings = 80;
   constexpr double kRing = 1e-3;  // [m]
   std::size_t most = 0;
@@ -32,7 +32,8 @@ double build_seconds(const RhombusBody& body) { return body.build_seconds; }
 double build_seconds(const LatticeBody& body) { return body.read_seconds + body.build_seconds; }
 
 template <class Body>
-Json cost_row(const World& world, BodyId id, const Body& body) {
+Json cost_row(const World& world, const Pressed& pressed, const Body& body) {
+  const BodyId id = pressed.id;
   std::vector<double> seconds;
   double depth = 0;
   for (const int t : body.tool_indices)
@@ -41,16 +42,16 @@ Json cost_row(const World& world, BodyId id, const Body& body) {
       depth = std::max(depth, s.depth);
     }
   double dent = 0;
-  for (const Vec3 u : body.deepest.displacement) dent = std::max(dent, double(norm(u)));
+  for (const Vec3 u : pressed.body.displacement) dent = std::max(dent, double(norm(u)));
   return {{"name", body.name},
           {"model", model_name(id.kind)},
           {"build_s", rounded(build_seconds(body))},
           {"force_every_ms", rounded(force_interval(world, id) * kMs)},
           {"force_p50_ms", rounded(percentile(seconds, 0.5) * kMs)},
           {"force_p99_ms", rounded(percentile(seconds, 0.99) * kMs)},
-          {"surface_p50_ms", rounded(percentile(body.surface_seconds, 0.5) * kMs)},
-          {"force_max_N", rounded(body.largest_force)},
-          {"force_max_at_s", rounded(body.deepest.time)},
+          {"surface_p50_ms", rounded(percentile(pressed.surface_seconds, 0.5) * kMs)},
+          {"force_max_N", rounded(pressed.force)},
+          {"force_max_at_s", rounded(pressed.time)},
           {"depth_max_mm", rounded(depth * kMm)},
           {"displacement_max_mm", rounded(dent * kMm)}};
 }
@@ -61,21 +62,21 @@ double force_interval(const World& world, BodyId id) {
   return id.kind == BodyKind::kLattice ? world.dt : kTick;
 }
 
-Json profile_report(const World& world) {
+Json profile_report(const Measures& measures) {
   Json profiles = Json::array();
-  for_each_touched(world, [&](BodyId, const TouchedBody& body) {
-    if (!(body.largest_force > 0) || body.deepest.rest.empty()) return;
-    profiles.push_back({{"name", body.name},
+  for (const Pressed& pressed : measures.pressed) {
+    if (!(pressed.force > 0) || pressed.body.rest.empty()) continue;
+    profiles.push_back({{"name", pressed.body.name},
                         {"columns", {"distance_mm", "displacement_mm"}},
-                        {"rows", profile(body.deepest)}});
-  });
+                        {"rows", profile(pressed.body)}});
+  }
   return profiles;
 }
 
-Json cost_report(const World& world) {
+Json cost_report(const World& world, const Measures& measures) {
   Json rows = Json::array();
   for_each_touched(world, [&](BodyId id, const auto& body) {
-    if (!body.tool_indices.empty()) rows.push_back(cost_row(world, id, body));
+    if (!body.tool_indices.empty()) rows.push_back(cost_row(world, pressed_body(measures.pressed, id), body));
   });
   return rows;
 }

@@ -2,7 +2,6 @@
 
 #include <numbers>
 
-#include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/models/rhombus/tissues.hpp"
 #include "turgor/sim/report/json_numbers.hpp"
@@ -19,7 +18,8 @@ struct SourceText {
 
 }  // namespace
 
-Json rhombus_report(const RhombusScene& scene, const RhombusBody& body) {
+Json report_body(const ReportInput& input, const RhombusScene& scene, const RhombusBody& body, BodyId id) {
+  const Pressed& pressed = pressed_body(input.measures.pressed, id);
   const rhombus::ChainParams& chain = scene.params.chain;
   const rhombus::Tissue* tissue = rhombus::find_tissue(scene.tissue);
   return {{"name", body.name},
@@ -37,21 +37,12 @@ Json rhombus_report(const RhombusScene& scene, const RhombusBody& body) {
           {"side_mm", rounded(chain.side * kMm)},
           {"bulge", rounded(scene.params.bulge)},
           {"build_s", rounded(body.build_seconds)},
-          {"surface_p50_ms", rounded(percentile(body.surface_seconds, 0.5) * kMs)},
+          {"surface_p50_ms", rounded(percentile(pressed.surface_seconds, 0.5) * kMs)},
           {"pressed_volume_ml", rounded(body.pressed_volume * 1e6)},
-          {"force_max_N", rounded(body.largest_force)},
-          {"force_max_at_s", rounded(body.deepest.time)},
+          {"force_max_N", rounded(pressed.force)},
+          {"force_max_at_s", rounded(pressed.time)},
           {"jump_per_10_um_N", rounded(body.jump)},
           {"jump_at_s", rounded(body.jump_at)}};
-}
-
-std::uint64_t rhombus_hash(const World& world) {
-  std::uint64_t hash = kHashSeed;
-  for (const RhombusBody& body : world.rhombus_bodies) {
-    const std::uint64_t one = rhombus::state_hash(body.state);
-    hash = hash_bytes(&one, sizeof one, hash);
-  }
-  return hash;
 }
 
 }  // namespace turgor

@@ -135,12 +135,12 @@ void add_limits(const TouchingTool& tool, std::vector<std::string>& warnings) {
 
 }  // namespace
 
-Json sfem_report(const SfemScene& scene, const SfemBody& body) {
+Json report_body(const ReportInput& input, const SfemScene& scene, const SfemBody& body, BodyId id) {
+  const Pressed& pressed = pressed_body(input.measures.pressed, id);
   const SfemFacts& facts = body.facts;
   const bool averaged = scene.formulation == sfem::Formulation::kAveraged;
   Json json{{"name", body.name},
             {"model", model_name(BodyKind::kSfem)},
-            {"model", "sfem"},
             {"source", std::visit(SourceText{}, scene.source)},
             {"young_Pa", rounded(scene.material.young)},
             {"poisson", rounded(scene.material.poisson)},
@@ -156,9 +156,9 @@ Json sfem_report(const SfemScene& scene, const SfemBody& body) {
               {"seconds", rounded(facts.green_seconds)}}},
             {"shape_s", rounded(facts.shape_seconds)},
             {"patch", patch_report(scene, body)},
-            {"surface_p50_ms", rounded(percentile(body.surface_seconds, 0.5) * kMs)},
-            {"force_max_N", rounded(body.largest_force)},
-            {"force_max_at_s", rounded(body.deepest.time)}};
+            {"surface_p50_ms", rounded(percentile(pressed.surface_seconds, 0.5) * kMs)},
+            {"force_max_N", rounded(pressed.force)},
+            {"force_max_at_s", rounded(pressed.time)}};
   if (const auto& turning = body.turning)
     json["rotations"] = {{"frames", turning->frames},
                          {"not_converged", turning->unconverged},
@@ -235,18 +235,6 @@ std::vector<std::string> touch_warnings(const World& world) {
                       "patch.radius should be larger than what it presses in",
                       tool.name));
   return warnings;
-}
-
-std::uint64_t touch_hash(const World& world) {
-  std::uint64_t hash = kHashSeed;
-  for (const SfemBody& body : world.sfem_bodies) {
-    hash = hash_values(std::span<const Vec3d>(body.now.x), hash);
-    hash = hash_values(std::span<const Vec3d>(body.now.force), hash);
-  }
-  for (const TouchingTool& tool : world.tools)
-    for (const ForceSample& s : tool.samples)
-      hash = hash_bytes(&s.force, sizeof s.force, hash_bytes(&s.torque, sizeof s.torque, hash));
-  return hash;
 }
 
 }  // namespace turgor

@@ -1,3 +1,5 @@
+#include "turgor/sim/tools/load_tool.hpp"
+
 #include <algorithm>
 #include <numbers>
 
@@ -7,7 +9,6 @@
 #include "turgor/geometry/phantom_liver.hpp"
 #include "turgor/geometry/where_is.hpp"
 #include "turgor/io/surface_files.hpp"
-#include "turgor/sim/bodies/sfem/load_sfem.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
 
 namespace turgor {

@@ -1,5 +1,5 @@
 // Tools of the scene on their way, what they feel, and what bodies of every model that tools touch have in
-// common: which tools those are, and the surface as pictures show it.
+// common: which tools those are.
 #pragma once
 
 #include <optional>
@@ -49,31 +49,11 @@ contact::ToolCommand next_command(TouchingTool& tool, double time);
 /// In which it takes hold, with jaws or without [s].
 double holding_time(const TouchingTool& tool);
 
-/// A tool as pictures show it.
-struct ShownTool {
-  contact::Pose pose;
-  Vec3d force;         // on the tool [N]
-  double opening = 0;  // of its jaws [m]
-};
-
-/// The surface at one moment: the coarse one with the patch in it, or the finer one that the scene names.
-struct ShownSurface {
-  double time = 0;                 // [s]
-  std::vector<Vec3> rest;          // [m]
-  std::vector<Vec3> displacement;  // [m]
-  std::vector<float> pressure;     // of the contact [Pa]
-  std::vector<Int3> triangles;     // counter-clockwise seen from outside
-  std::vector<ShownTool> tools;    // those that touch this body
-};
-
 /// What bodies of all models that tools touch have in common.
 struct TouchedBody {
   std::string name;
-  std::vector<int> tool_indices;        // into World::tools
-  std::vector<double> surface_seconds;  // wall times of shown_surface
-  ShownSurface shown;                   // at the latest snapshot
-  ShownSurface deepest;                 // when the force was largest
-  double largest_force = 0;             // then, all tools together [N]
+  std::vector<int> tool_indices;  // into World::tools
+  double usual_force = 1;         // that presses a centimetre of it in by about a centimetre [N]
 };
 
 }  // namespace turgor

@@ -11,6 +11,7 @@
 #include "turgor/io/surface_files.hpp"
 #include "turgor/models/rhombus/surface_stiffness.hpp"
 #include "turgor/sim/bodies/lattice/load_ct.hpp"
+#include "turgor/sim/world.hpp"
 
 namespace turgor {
 
@@ -39,8 +40,8 @@ rhombus::Body used_part(const std::vector<Vec3d>& vertices, const std::vector<In
   return body;
 }
 
-Result<rhombus::Body> load_body(const RhombusSource& source, const std::vector<SfemBody>& bodies,
-                                std::vector<std::string>& notes) {
+Result<rhombus::Body> load_shape(const RhombusSource& source, const std::vector<SfemBody>& bodies,
+                                 std::vector<std::string>& notes) {
   if (const auto* liver = std::get_if<PhantomLiverSurface>(&source))
     return body_of(phantom_liver(liver->detail));
   if (const auto* other = std::get_if<SurfaceOfBody>(&source)) {
@@ -59,7 +60,7 @@ Result<std::vector<double>> load_stiffness(const Exec& exec, const StiffnessScen
                                            const rhombus::Surface& surface, const BeginWork& begin,
                                            std::vector<std::string>& notes) {
   if (const auto* by_ct = std::get_if<CtStiffness>(&scene.source)) {
-    const Result<LoadedCt> ct = load_ct(exec, by_ct->ct, begin ? begin("reading", "") : Progress());
+    const Result<LoadedCt> ct = load_ct(exec, by_ct->ct, begin_work(begin, "reading"));
     if (!ct) return ct.error();
     notes.insert(notes.end(), ct->notes.begin(), ct->notes.end());
     return rhombus::stiffness_below(surface, scene.depth, rhombus::factor_of_ct(ct->volume, by_ct->factors));
@@ -67,7 +68,7 @@ Result<std::vector<double>> load_stiffness(const Exec& exec, const StiffnessScen
   const auto& by_label = std::get<LabelStiffness>(scene.source);
   LabelVolume labels;
   if (by_label.phantom) {
-    make_phantom(exec, *by_label.phantom, &labels, begin ? begin("painting", "") : Progress());
+    make_phantom(exec, *by_label.phantom, &labels, begin_work(begin, "painting"));
   } else {
     Result<LabelFile> read = read_labels(by_label.labels);
     if (!read) return read.error();
@@ -105,18 +106,20 @@ void log_tick(RhombusBody& body, std::size_t t, ForceSample sample, TouchingTool
 
 }  // namespace
 
-Result<RhombusBody> load_rhombus(const Exec& exec, const RhombusScene& scene,
-                                 const std::vector<SfemBody>& bodies, const BeginWork& begin) {
+Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene, const World& world) {
   RhombusBody body;
   body.name = scene.name;
-  Result<rhombus::Body> shape = load_body(scene.source, bodies, body.notes);
+  const Result<rhombus::Chain> chain = rhombus::build_chain(scene.params.chain);
+  body.usual_force = chain ? rhombus::force_of_depth(*chain, 0.01) : 1;
+  if (loading.purpose == Purpose::kDraw) return body;
+  Result<rhombus::Body> shape = load_shape(scene.source, world.sfem_bodies, body.notes);
   if (!shape) return Error{fmt::format("{}: {}", scene.place, shape.error().message)};
   const Timer building;
   Result<rhombus::Model> model = rhombus::build(*shape, scene.params);
   if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
   if (scene.stiffness) {
     Result<std::vector<double>> stiffness =
-        load_stiffness(exec, *scene.stiffness, model->surface, begin, body.notes);
+        load_stiffness(loading.exec, *scene.stiffness, model->surface, loading.begin, body.notes);
     if (!stiffness) return Error{fmt::format("{}.stiffness: {}", scene.place, stiffness.error().message)};
     shape->stiffness = std::move(*stiffness);
     model = rhombus::build(std::move(*shape), scene.params);
@@ -131,11 +134,14 @@ RestSurface rest_surface(const RhombusBody& body) {
   return {body.model.surface.vertices, body.model.surface.triangles};
 }
 
-void begin_touch(RhombusBody& body, const std::vector<TouchingTool>& tools) {
+Status begin_body(const Exec&, RhombusBody& body, const RhombusScene&, const World& world) {
+  if (body.tool_indices.size() > std::size_t(rhombus::kMaxTouches))
+    return Error{fmt::format("{}: expected at most {} tools that touch it, found {}", body.name,
+                             rhombus::kMaxTouches, body.tool_indices.size())};
   std::vector<contact::RhombusTip> tips;
   std::vector<contact::Pose> poses;
   for (const int t : body.tool_indices) {
-    const TouchingTool& tool = tools[std::size_t(t)];
+    const TouchingTool& tool = world.tools[std::size_t(t)];
     tips.push_back(contact::rhombus_tip(tool.tool.shape, tool.forceps));
     poses.push_back(command_at(tool, 0).pose);
   }
@@ -143,6 +149,7 @@ void begin_touch(RhombusBody& body, const std::vector<TouchingTool>& tools) {
   body.touch = contact::make_rhombus_touch(std::move(tips), poses);
   contact::publish(body.touch, body.now);
   body.openings.resize(body.tool_indices.size());
+  return Done{};
 }
 
 void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from, double to) {
@@ -171,26 +178,5 @@ void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from
 }
 
 void take_touched(RhombusBody& body) { body.state.touches = body.now.touches; }
-
-ShownSurface shown_surface(const Exec& exec, RhombusBody& body, double time) {
-  const rhombus::StepReport report = rhombus::step(exec, body.model, body.state);
-  body.pressed_volume = std::max(body.pressed_volume, report.pressed_volume);
-  ShownSurface surface{.time = time};
-  surface.triangles = body.model.surface.triangles;
-  for (const Vec3d x : body.model.surface.vertices) surface.rest.push_back(Vec3(x));
-  for (const Vec3d u : body.state.displacement) surface.displacement.push_back(Vec3(u));
-  surface.pressure.resize(surface.rest.size());  // the model knows forces, not how they are spread
-  for (std::size_t t = 0; t < body.now.poses.size(); t++)
-    surface.tools.push_back({body.now.poses[t], body.now.forces[t].force, body.now.inputs[t].opening});
-  return surface;
-}
-
-void remember_deepest(const Exec& exec, RhombusBody& body, double time) {
-  double force = 0;
-  for (const rhombus::TouchForce& felt : body.now.forces) force += norm(felt.force);
-  if (force <= body.largest_force) return;
-  body.largest_force = force;
-  body.deepest = shown_surface(exec, body, time);
-}
 
 }  // namespace turgor

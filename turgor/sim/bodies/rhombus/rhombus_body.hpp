@@ -6,11 +6,17 @@
 
 #include "turgor/contact/rhombus_touch.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
-#include "turgor/sim/bodies/sfem/load_sfem.hpp"
-#include "turgor/sim/bodies/sfem/sfem_body.hpp"
+#include "turgor/sim/bodies/cloth/cloth_load.hpp"
+#include "turgor/sim/frame.hpp"
+#include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/rhombus_scene.hpp"
+#include "turgor/sim/shown.hpp"
+#include "turgor/sim/tools/press_path.hpp"
+#include "turgor/sim/tools/touched_body.hpp"
 
 namespace turgor {
+
+struct World;
 
 struct RhombusBody : TouchedBody {
   rhombus::Model model;
@@ -19,29 +25,37 @@ struct RhombusBody : TouchedBody {
   rhombus::State state;            // of the frame: the surface as it was shown last
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
-  double pressed_volume = 0;       // the most that was pressed in at a picture [m³]
+  double pressed_volume = 0;       // the most that was pressed in after a frame [m³]
   std::vector<double> openings;    // of the tools' jaws in the last tick [m]
   double jump = 0;                 // largest of a force per 10 µm that a tool and its jaws move [N]
   double jump_at = 0;              // [s]
   std::vector<std::string> notes;  // what was left out while reading
 };
 
-/// Without its tools; `bodies` are those that its surface may be taken from. Error: names the scene's place.
-Result<RhombusBody> load_rhombus(const Exec& exec, const RhombusScene& scene,
-                                 const std::vector<SfemBody>& bodies, const BeginWork& begin);
+/// Without its tools; its surface may be that of a body that the world has. Error: names the scene's place.
+Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene, const World& world);
+inline const std::vector<std::string>& notes(const RhombusBody& body) { return body.notes; }
 
 /// The surface that tools touch.
 RestSurface rest_surface(const RhombusBody& body);
-void begin_touch(RhombusBody& body, const std::vector<TouchingTool>& tools);
+inline void make_rest_surface(RhombusBody&) {}  // it is there
+/// Error: more tools than the model takes.
+Status begin_body(const Exec& exec, RhombusBody& body, const RhombusScene& scene, const World& world);
+
+/// The ticks of a frame, and where that leaves the surface.
+void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input,
+               FrameReport& report);
+inline void press_body(const Exec&, RhombusBody&, const ClothPush&, double) {}  // it feels tools alone
+std::uint64_t state_hash(const RhombusBody& body, std::uint64_t seed);
 /// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick. Ends with
 /// take_touched, as who ticks and who makes frames are one here.
 void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from, double to);
 /// The frame takes what ticks left: body.now was just filled.
 void take_touched(RhombusBody& body);
 
-/// The surface as it lies now; steps the state.
-ShownSurface shown_surface(const Exec& exec, RhombusBody& body, double time);
-/// Keeps the surface when the force on the tools is the largest so far.
-void remember_deepest(const Exec& exec, RhombusBody& body, double time);
+/// Tool `t` of its tool_indices.
+ToolNow tool_now(const RhombusBody& body, std::size_t t, const World& world);
+inline Look look_of(const RhombusBody&) { return Look::kFlesh; }
+void show(const Exec& exec, const RhombusBody& body, ShownBody& out);
 
 }  // namespace turgor

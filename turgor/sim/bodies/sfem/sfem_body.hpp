@@ -15,10 +15,15 @@
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
 #include "turgor/sim/bodies/sfem/patch_worker.hpp"
+#include "turgor/sim/frame.hpp"
 #include "turgor/sim/scene/sfem_scene.hpp"
+#include "turgor/sim/shown.hpp"
+#include "turgor/sim/tools/press_path.hpp"
 #include "turgor/sim/tools/touched_body.hpp"
 
 namespace turgor {
+
+struct World;
 
 /// A patch that was built while the tool moved.
 struct PatchRebuild {
@@ -95,9 +100,6 @@ struct SfemBody : TouchedBody {
   std::string kept_because;  // the first time
 };
 
-/// The surface as it lies now.
-ShownSurface shown_surface(const Exec& exec, const SfemBody& body, double time);
-
 /// Builds the patch where the tools are at the start, and everything a tick needs. Error: the patch takes
 /// more than SfemBody::patch_memory, or its numbers do not hold.
 Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
@@ -125,9 +127,6 @@ void sum_free_motion(SfemBody& body);
 /// Forces on vertices under which the elastic body lies as the body does now: those of the contacts, and
 /// what viscous tissue remembers; ascending.
 std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body);
-
-/// Keeps the surface when the force on the tools is the largest so far.
-void remember_deepest(const Exec& exec, SfemBody& body, double time);
 
 /// Displacement of every vertex of the mesh by the coarse functions; zero where none are kept [m]: of the
 /// body as it lies now, and of these forces alone.

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "turgor/models/sfem/green.hpp"
-#include "turgor/sim/bodies/sfem/sfem_body.hpp"
+#include "turgor/sim/bodies/sfem/load_sfem.hpp"
 
 namespace turgor {
 
@@ -35,36 +35,32 @@ std::vector<int> vertices_of_points(const SfemBody& body) {
   return vertices;
 }
 
-/// Vertices of a surface in the making, by where they come from.
-class SurfaceBuilder {
- public:
-  int add(Vec3d rest, Vec3d displacement, float pressure) {
-    surface.rest.push_back(Vec3(rest));
-    surface.displacement.push_back(Vec3(displacement));
-    surface.pressure.push_back(pressure);
-    return int(surface.rest.size()) - 1;
-  }
-  ShownSurface surface;
-};
+/// The number of a vertex that comes to the others.
+int add_vertex(Vec3d rest, Vec3d displacement, float pressure, ShownBody& surface) {
+  surface.rest.push_back(Vec3(rest));
+  surface.displacement.push_back(Vec3(displacement));
+  surface.pressure.push_back(pressure);
+  return int(surface.rest.size()) - 1;
+}
 
 /// The coarse surface with the patch in place of the triangles it covers.
-ShownSurface joined_surface(const SfemBody& body, const std::vector<Vec3d>& coarse,
-                            const std::vector<float>& pressure) {
+void join_surface(const SfemBody& body, const std::vector<Vec3d>& coarse, const std::vector<float>& pressure,
+                  ShownBody& surface) {
   const SolidMesh& mesh = body.model.body.mesh;
-  SurfaceBuilder builder;
+  surface.rest.clear(), surface.displacement.clear(), surface.pressure.clear(), surface.triangles.clear();
   std::vector<int> shown_vertex(mesh.vertices.size(), -1), shown_point(body.now.patch->points.size(), -1);
   std::vector<bool> covered(mesh.vertices.size(), false), in_patch(element_count(mesh), false);
   for (const int e : body.now.patch->elements) in_patch[std::size_t(e)] = true;
   const std::vector<int> vertices = vertices_of_points(body);
   for (std::size_t p = 0; p < body.now.patch->points.size(); p++) {
     const Vec3d rest = body.now.patch->points[p].x;
-    shown_point[p] = builder.add(rest, body.now.x[p] - rest, pressure[p]);
+    shown_point[p] = add_vertex(rest, body.now.x[p] - rest, pressure[p], surface);
     if (vertices[p] < 0) continue;
     shown_vertex[std::size_t(vertices[p])] = shown_point[p];
     covered[std::size_t(vertices[p])] = true;
   }
   for (const Int3 t : body.now.patch->triangles)
-    builder.surface.triangles.push_back(
+    surface.triangles.push_back(
         {shown_point[std::size_t(t.x)], shown_point[std::size_t(t.y)], shown_point[std::size_t(t.z)]});
   const SolidSurface& outer = body.model.surface;
   for (std::size_t i = 0; i < outer.triangles.size(); i++) {
@@ -75,12 +71,11 @@ ShownSurface joined_surface(const SfemBody& body, const std::vector<Vec3d>& coar
     Int3 shown;
     for (int corner = 0; corner < 3; corner++) {
       const auto v = std::size_t(t[corner]);
-      if (shown_vertex[v] < 0) shown_vertex[v] = builder.add(mesh.vertices[v], coarse[v], 0);
+      if (shown_vertex[v] < 0) shown_vertex[v] = add_vertex(mesh.vertices[v], coarse[v], 0, surface);
       shown[corner] = shown_vertex[v];
     }
-    builder.surface.triangles.push_back(shown);
+    surface.triangles.push_back(shown);
   }
-  return std::move(builder.surface);
 }
 
 /// What a place near the patch has that the coarse functions do not say: the nearest point of the patch's
@@ -129,11 +124,10 @@ Vec3d fine_part(const SfemBody& body, const std::vector<Vec3d>& coarse, int p) {
 }
 
 /// The finer surface: carried by the coarse elements, and near the patch by what that adds.
-ShownSurface carried_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec3d>& coarse,
-                             const std::vector<float>& pressure) {
+void carry_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec3d>& coarse,
+                   const std::vector<float>& pressure, ShownBody& surface) {
   const Embedding& embedding = body.seen->embedding;
   const std::size_t count = embedding.rest.size();
-  ShownSurface surface;
   surface.rest = embedding.rest;
   surface.triangles = body.seen->triangles;
   std::vector<Vec3> moved(count);
@@ -158,7 +152,6 @@ ShownSurface carried_surface(const Exec& exec, const SfemBody& body, const std::
     }
     surface.displacement[v] = Vec3(u);
   });
-  return surface;
 }
 
 /// Of the contacts, at every point of the patch [Pa].
@@ -228,18 +221,18 @@ std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body) {
   return list;
 }
 
-ShownSurface shown_surface(const Exec& exec, const SfemBody& body, double time) {
+void show(const Exec& exec, const SfemBody& body, ShownBody& out) {
   std::vector<Vec3d> coarse(body.model.body.mesh.vertices.size());
   if (!body.now.poses.empty() || body.press) coarse = coarse_displacements(exec, body);
   std::vector<double> pressure(body.now.patch->points.size());
   if (!body.now.poses.empty()) find_pressure(body, pressure);
   const std::vector<float> shown_pressure(pressure.begin(), pressure.end());
-  ShownSurface surface = body.seen ? carried_surface(exec, body, coarse, shown_pressure)
-                                   : joined_surface(body, coarse, shown_pressure);
-  surface.time = time;
-  for (std::size_t t = 0; t < body.now.poses.size(); t++)
-    surface.tools.push_back({body.now.poses[t].pose, body.now.forces[t].force});
-  return surface;
+  if (body.seen)
+    carry_surface(exec, body, coarse, shown_pressure, out);
+  else
+    join_surface(body, coarse, shown_pressure, out);
+  out.wall_begin = out.triangles.size();
+  place_vertices(out);
 }
 
 }  // namespace turgor

@@ -93,12 +93,4 @@ void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
   offer_patch(exec, body, time, exchange.patches);
 }
 
-void remember_deepest(const Exec& exec, SfemBody& body, double time) {
-  double force = 0;
-  for (const contact::ToolForce& felt : body.now.forces) force += norm(felt.force);
-  if (force <= body.largest_force) return;
-  body.largest_force = force;
-  body.deepest = shown_surface(exec, body, time);
-}
-
 }  // namespace turgor

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "app/outputs.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/resample.hpp"
+#include "turgor/pictures/outputs.hpp"
 
 namespace turgor {
 
@@ -50,7 +50,7 @@ Grid slice_of(Grid grid, Plane plane) {
 }
 
 /// Before and after, across the cut, from near.
-Status add_close_sections(const LatticeBody& body, const DrawnBody& drawn, const Cut& cut, Window window,
+Status add_close_sections(const LatticeBody& body, const lattice::State& rest, const Cut& cut, Window window,
                           Outputs& outputs) {
   const CutPlace place = place_of(body.model.grid, *cut.path);
   const Plane plane = plane_across(place.line);
@@ -59,13 +59,14 @@ Status add_close_sections(const LatticeBody& body, const DrawnBody& drawn, const
   constexpr int kSamples = 240, kHeight = 480;
   const Grid grid = slice_of(close_up_grid(middle, side, kSamples), plane);
   const auto section = [&](const lattice::State& state) {
+    const AddTime time(outputs.facts.drawing_seconds);
     const lattice::ResampledCt now = lattice::resample_ct(*outputs.exec, body.model, state, body.ct, grid);
     return draw_section(now.ct, plane, point_at(grid, Vec3d(grid.size - Int3{1, 1, 1}) * 0.5), window,
                         kHeight);
   };
   const std::string name = cut.blade.name;
   return add_picture(outputs, name + "-across.png", "section across " + name + ", before and after",
-                     side_by_side({section(drawn.rest), section(body.state)}, {"before", "after"}), true);
+                     side_by_side({section(rest), section(body.state)}, {"before", "after"}), true);
 }
 
 Status add_sections(const LatticeBody& body, const CtVolume& now, const Cut& cut, Window window,
@@ -74,6 +75,7 @@ Status add_sections(const LatticeBody& body, const CtVolume& now, const Cut& cut
   const Vec3d point = place.middle + place.into * (0.5 * place.depth);
   constexpr int kHeight = 420;
   const auto three = [&](const CtVolume& ct) {
+    const AddTime time(outputs.facts.drawing_seconds);
     std::vector<Image> images;
     for (const Plane plane : {Plane::kAxial, Plane::kCoronal, Plane::kSagittal})
       images.push_back(draw_section(ct, plane, point, window, kHeight));
@@ -93,6 +95,7 @@ Status add_volume_rendering(const LatticeBody& body, const lattice::State& rest,
   const OutputScene& output = outputs.scene->output;
   const Camera& camera = outputs.views.front().camera;
   const auto drawn = [&](const lattice::State& state) {
+    const AddTime time(outputs.facts.drawing_seconds);
     const lattice::ResampledCt alone = lattice::resample_ct(*outputs.exec, body.model, state, body.ct,
                                                             body.ct.grid, {.keep_surroundings = false});
     return draw_volume(*outputs.exec, alone.ct, output.volume_rendering, camera, output.width, output.height);
@@ -105,10 +108,11 @@ Status add_volume_rendering(const LatticeBody& body, const lattice::State& rest,
 
 /// The name of a file of one of several bodies.
 std::string file_of(const Outputs& outputs, const LatticeBody& body, const std::string& name) {
-  return outputs.bodies.size() == 1 ? name : body.name + "-" + name;
+  return outputs.at_rest.size() == 1 ? name : body.name + "-" + name;
 }
 
 Status write_fields(const LatticeBody& body, const Grid& grid, Outputs& outputs) {
+  const AddTime time(outputs.facts.file_seconds);
   const OutputScene& output = outputs.scene->output;
   if (!output.displacement.empty()) {
     const std::string file = file_of(outputs, body, output.displacement);
@@ -138,19 +142,22 @@ Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
   const std::string file = output.deformed_ct.empty() ? "" : file_of(outputs, body, output.deformed_ct);
   outputs.facts.deformed.push_back(
       {body.name, file, grid.size, now.report.seconds, now.report.mass_error, now.report.folds});
+  outputs.facts.drawing_seconds += now.report.seconds;
   if (!file.empty()) {
+    const AddTime time(outputs.facts.file_seconds);
     if (const Status status = write_ct(outputs.folder / file, now.ct); !status) return status;
     outputs.facts.files.push_back(file);
   }
   if (!output.volume_rendering.empty())
-    if (const Status status = add_volume_rendering(body, outputs.bodies[index].rest, outputs); !status)
+    if (const Status status = add_volume_rendering(body, outputs.at_rest[index], outputs); !status)
       return status;
   if (!output.sections) return Done{};
   const Result<Window> window = window_preset(output.window);
   if (!window) return window.error();
   for (const Cut& cut : world.cuts) {
     if (std::size_t(cut.body) != index || !cut.path) continue;
-    if (const Status s = add_close_sections(body, outputs.bodies[index], cut, *window, outputs); !s) return s;
+    if (const Status s = add_close_sections(body, outputs.at_rest[index], cut, *window, outputs); !s)
+      return s;
     if (const Status s = add_sections(body, now.ct, cut, *window, outputs); !s) return s;
   }
   return Done{};

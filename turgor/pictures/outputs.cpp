@@ -1,4 +1,4 @@
-#include "app/outputs.hpp"
+#include "turgor/pictures/outputs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/sim/report/forces_csv.hpp"
 #include "turgor/view/video.hpp"
 
 namespace turgor {
@@ -39,50 +40,55 @@ SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::Blade
           {}};
 }
 
-Box world_box(const World& world) {
+Box box_of(const ShownWorld& shown) {
   constexpr double kFar = std::numeric_limits<double>::max();
   Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
-  for (const LatticeBody& body : world.lattice_bodies) {
-    const BodyBox more = body_box(body.model);
-    box = {min(box.low, more.low), max(box.high, more.high)};
-  }
-  for_each_touched(world, [&box](BodyId, const TouchedBody& body) {
-    for (const Vec3 x : body.shown.rest) box = {min(box.low, Vec3d(x)), max(box.high, Vec3d(x))};
-  });
-  for (const ClothBody& body : world.cloth_bodies)
-    for (std::size_t v = 0; v < std::size_t(body.model.count); v++)
-      box = {min(box.low, Vec3d(body.state.x[v])), max(box.high, Vec3d(body.state.x[v]))};
+  for (const ShownBody& body : shown.bodies)
+    if (!body.rest.empty()) box = {min(box.low, body.box.low), max(box.high, body.box.high)};
   return box;
 }
 
-/// The side from which the first tool comes; none without tools.
-std::optional<Vec3d> side_of_tools(const World& world) {
-  const Box box = world_box(world);
-  std::optional<Vec3d> side;
-  for_each_touched(world, [&](BodyId, const TouchedBody& body) {
-    if (!side && !body.shown.tools.empty())
-      side = body.shown.tools[0].pose.position - (box.low + box.high) * 0.5;
-  });
-  return side;
+/// The side from which a tool comes to the first body that has one; none without tools.
+std::optional<Vec3d> side_of_tools(const ShownWorld& shown) {
+  const Box box = box_of(shown);
+  for (const ShownBody& body : shown.bodies)
+    for (const ShownTool& tool : shown.tools)
+      if (tool.body == body.id) return tool.pose.position - (box.low + box.high) * 0.5;
+  return {};
 }
 
-SurfaceView view_of_bodies(const World& world, Vec3d outward, double aspect) {
+bool shows_skin(const ShownWorld& shown) {
+  return std::any_of(shown.bodies.begin(), shown.bodies.end(),
+                     [](const ShownBody& body) { return body.look == Look::kSkin; });
+}
+
+SurfaceView view_of_bodies(const ShownWorld& shown, Vec3d outward, double aspect) {
   const Vec3d out = normalized(outward);
   const bool from_head = std::abs(out.z) > 0.8;  // then one sees more from the front
   const Vec3d direction = out + (from_head ? Vec3d{0.5, -1.1, 0} : Vec3d{0.45, 0, 0.2});
-  const bool skin = !world.lattice_bodies.empty();
+  const bool skin = shows_skin(shown);
   return {skin ? "skin" : "body",
           skin ? "the skin" : "the body",
-          frame_box(world_box(world), direction, {0, 0, 1}, aspect),
+          frame_box(box_of(shown), direction, {0, 0, 1}, aspect),
           true,
           {},
           {}};
 }
 
+/// Nothing and a warning, once, when OpenGL is missing.
+std::optional<Image> draw_world(const ShownWorld& shown, Outputs& outputs, const Camera& camera,
+                                bool colored) {
+  const SkinColor color = colored ? outputs.scene->output.color : SkinColor::kNone;
+  const ColorScale scale = color_scale(*outputs.scene, color);
+  PictureParts parts;
+  add_world(shown, color, color == SkinColor::kNone ? nullptr : &scale, parts);
+  return draw_parts(parts, camera, outputs);
+}
+
 /// A cut from near once more, in colours.
-Status add_colored_view(const World& world, Outputs& outputs, const SurfaceView& view) {
+Status add_colored_view(const ShownWorld& shown, Outputs& outputs, const SurfaceView& view) {
   if (view.colored || outputs.scene->output.color == SkinColor::kNone) return Done{};
-  const std::optional<Image> image = draw_bodies(world, outputs, view.camera, true);
+  const std::optional<Image> image = draw_world(shown, outputs, view.camera, true);
   if (!image) return Done{};
   return add_picture(outputs, view.name + "-colored.png", view.caption + ", in colours", *image, false);
 }
@@ -97,6 +103,7 @@ bool shows_touch_alone(const World& world) {
 std::string seconds_text(double seconds) { return fmt::format("{:.2f} s", seconds); }
 
 Status finish_video(Outputs& outputs) {
+  const AddTime time(outputs.facts.file_seconds);
   if (outputs.video_frames.size() > 1) {
     const Status written = write_video(outputs.video_frames, kVideoRate, outputs.folder / "video.mp4");
     if (written)
@@ -111,7 +118,8 @@ Status finish_video(Outputs& outputs) {
 
 }  // namespace
 
-Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& world, fs::path folder) {
+Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& world,
+                             const ShownWorld& shown, fs::path folder) {
   Outputs outputs;
   outputs.exec = &exec, outputs.scene = &scene, outputs.folder = std::move(folder);
   std::error_code error;
@@ -120,21 +128,18 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
       return Error{
           fmt::format("{}: cannot make the folder: {}", (outputs.folder / name).string(), error.message())};
   const double aspect = double(scene.output.width) / scene.output.height;
-  Vec3d outward = side_of_tools(world).value_or(Vec3d{0, -1, 0});  // else the front of a patient
+  Vec3d outward = side_of_tools(shown).value_or(Vec3d{0, -1, 0});  // else the front of a patient
   std::vector<SurfaceView> cuts;
-  for (const LatticeBody& body : world.lattice_bodies) {
-    outputs.bodies.emplace_back();
-    outputs.bodies.back().rest = lattice::make_state(body.model);
-  }
+  for (const LatticeBody& body : world.lattice_bodies)
+    outputs.at_rest.push_back(lattice::make_state(body.model));
   for (const Cut& cut : world.cuts) {
     const auto body = std::size_t(cut.body);
-    const auto path =
-        lattice::lay_blade(world.lattice_bodies[body].model, outputs.bodies[body].rest, cut.blade);
+    const auto path = lattice::lay_blade(world.lattice_bodies[body].model, outputs.at_rest[body], cut.blade);
     if (!path) return path.error();
     if (cuts.empty()) outward = -(world.lattice_bodies[body].model.grid.axes * path->into);
     cuts.push_back(view_of_cut(world, cut, *path, aspect));
   }
-  outputs.views.push_back(view_of_bodies(world, outward, aspect));
+  outputs.views.push_back(view_of_bodies(shown, outward, aspect));
   std::move(cuts.begin(), cuts.end(), std::back_inserter(outputs.views));
   return outputs;
 }
@@ -154,6 +159,7 @@ ColorScale color_scale(const Scene& scene, SkinColor color) {
 
 std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs) {
   if (!outputs.can_draw) return std::nullopt;
+  const AddTime time(outputs.facts.drawing_seconds);
   const OutputScene& output = outputs.scene->output;
   Result<Image> image = draw_meshes(parts.parts, camera, output.width, output.height);
   if (image) {
@@ -165,37 +171,27 @@ std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera,
   return std::nullopt;
 }
 
-std::optional<Image> draw_bodies(const World& world, Outputs& outputs, const Camera& camera, bool colored) {
-  const SkinColor color = colored ? outputs.scene->output.color : SkinColor::kNone;
-  const ColorScale scale = color_scale(*outputs.scene, color);
-  const ColorScale* used = color == SkinColor::kNone ? nullptr : &scale;
-  PictureParts parts;
-  add_skin(world, outputs, color, used, parts);
-  add_touched(world, *outputs.scene, color, used, parts);
-  add_clothes(world, color, used, parts);
-  return draw_parts(parts, camera, outputs);
-}
-
 Status add_picture(Outputs& outputs, const std::string& file, const std::string& caption, const Image& image,
                    bool large) {
+  const AddTime time(outputs.facts.file_seconds);
   if (const Status status = write_png(outputs.folder / file, image); !status) return status;
   outputs.facts.pictures.push_back({file, caption, large});
   return Done{};
 }
 
-Status add_snapshot(const World& world, Outputs& outputs) {
+Status add_snapshot(const ShownWorld& shown, Outputs& outputs) {
   for (SurfaceView& view : outputs.views) {
-    std::optional<Image> image = draw_bodies(world, outputs, view.camera, view.colored);
+    std::optional<Image> image = draw_world(shown, outputs, view.camera, view.colored);
     if (!image) continue;
-    const std::string file = fmt::format("frames/{}-{:04}.png", view.name, world.frame);
-    if (const Status status = write_png(outputs.folder / file, *image); !status) return status;
-    if (view.first.width == 0) view.first = draw_bodies(world, outputs, view.camera, false).value_or(*image);
+    const std::string file = fmt::format("frames/{}-{:04}.png", view.name, shown.frame);
+    {
+      const AddTime time(outputs.facts.file_seconds);
+      if (const Status status = write_png(outputs.folder / file, *image); !status) return status;
+    }
+    if (view.first.width == 0) view.first = draw_world(shown, outputs, view.camera, false).value_or(*image);
     view.last = std::move(*image);
   }
-  if (!outputs.scene->output.meshes) return Done{};
-  if (const Status status = write_skin_meshes(world, outputs); !status) return status;
-  if (const Status status = write_touched_meshes(world, outputs); !status) return status;
-  return write_cloth_meshes(world, outputs);
+  return outputs.scene->output.meshes ? write_meshes(shown, outputs) : Done{};
 }
 
 int video_interval(const Outputs& outputs) {
@@ -203,38 +199,54 @@ int video_interval(const Outputs& outputs) {
   return std::max(1, int(std::lround(outputs.scene->frame_rate / kVideoRate)));
 }
 
-Status add_video_frame(const World& world, Outputs& outputs) {
-  const bool colored = world.lattice_bodies.empty();
-  const std::optional<Image> image = draw_bodies(world, outputs, outputs.views.back().camera, colored);
+Status add_video_frame(const ShownWorld& shown, Outputs& outputs) {
+  const std::optional<Image> image =
+      draw_world(shown, outputs, outputs.views.back().camera, !shows_skin(shown));
   if (!image) return Done{};
   const fs::path file = outputs.folder / kVideoFolder / fmt::format("{:06}.png", outputs.video_frames.size());
   outputs.video_frames.push_back(file);
+  const AddTime time(outputs.facts.file_seconds);
   return write_png(file, *image);
 }
 
-Status finish_outputs(const World& world, Outputs& outputs) {
-  if (const Status status = finish_touched_outputs(world, outputs); !status) return status;
-  for (std::size_t v = outputs.views.size(); v-- > 0 && !shows_touch_alone(world);) {  // wounds first
+namespace {
+
+/// Every view, before and at the end; wounds first.
+Status add_before_after(const ShownWorld& shown, Outputs& outputs) {
+  for (std::size_t v = outputs.views.size(); v-- > 0;) {
     const SurfaceView& view = outputs.views[v];
     if (view.first.width == 0) continue;
-    const Image pair =
-        side_by_side({view.first, view.last}, {"before", "after " + seconds_text(time_of(world))});
+    const Image pair = side_by_side({view.first, view.last}, {"before", "after " + seconds_text(shown.time)});
     const Status status = add_picture(outputs, view.name + "-before-after.png",
                                       view.caption + ", before and after", pair, true);
     if (!status) return status;
-    if (const Status colored = add_colored_view(world, outputs, view); !colored) return colored;
+    if (const Status colored = add_colored_view(shown, outputs, view); !colored) return colored;
   }
-  if (const Status status = finish_ct_outputs(world, outputs); !status) return status;
-  if (outputs.scene->output.meshes) {
-    const MeshSpace space = outputs.scene->output.mesh_space;
-    if (const Status status = write_pvd(outputs.folder / "meshes.pvd", outputs.series, space); !status)
+  return Done{};
+}
+
+Status finish_tables(const World& world, Outputs& outputs) {
+  const AddTime time(outputs.facts.file_seconds);
+  if (!world.tools.empty()) {
+    if (const Status status = write_forces(outputs.folder / "forces.csv", world.tools); !status)
       return status;
-    outputs.facts.files.push_back("meshes.pvd");
+    outputs.facts.files.push_back("forces.csv");
   }
-  if (outputs.scene->output.obj)
-    for (const auto write : {write_skin_objs, write_cloth_objs})
-      if (const Status status = write(world, outputs); !status) return status;
-  return finish_video(outputs);
+  if (!outputs.scene->output.meshes) return Done{};
+  outputs.facts.files.push_back("meshes.pvd");
+  return write_pvd(outputs.folder / "meshes.pvd", outputs.series, outputs.scene->output.mesh_space);
+}
+
+}  // namespace
+
+Status finish_outputs(const World& world, const ShownWorld& shown, const std::vector<Pressed>& pressed,
+                      Outputs& outputs) {
+  Status status = add_pressed_pictures(pressed, outputs);
+  if (status && !shows_touch_alone(world)) status = add_before_after(shown, outputs);
+  if (status) status = finish_ct_outputs(world, outputs);
+  if (status) status = finish_tables(world, outputs);
+  if (status && outputs.scene->output.obj) status = write_objs(shown, pressed, outputs);
+  return status ? finish_video(outputs) : status;
 }
 
 }  // namespace turgor
