@@ -62,6 +62,8 @@ struct Tissue {
   Int3 size;
   double step = 0, radius = 0;  // [m]
   double friction = 0.4;
+  Mat3d axes{};    // of its lattice in the patient
+  Vec3d origin{};  // [m]
   lattice::Model model{};
   lattice::State state{};
   LatticeTouch touch{};
@@ -77,11 +79,12 @@ struct Tissue {
     params.solver = {.sweeps = 20, .damping = 8};
     model = lattice::block_model(
         {.size = size, .step = step, .young = kYoung, .is_fixed = [](Int3 p) { return p.z == 0; }}, params);
+    model.grid.axes = axes, model.grid.origin = origin;
     state = lattice::make_state(model);
     surface = lattice::build_surface(model, state);
     double top = 0;
     for (const Vec3 x : surface.rest) top = std::max(top, double(x.z));
-    return {0.5 * (size.x - 1) * step, 0.5 * (size.y - 1) * step, top};
+    return origin + axes * Vec3d{0.5 * (size.x - 1) * step, 0.5 * (size.y - 1) * step, top};
   }
   void begin(Vec3d at) {
     const std::vector<ToolPose> poses{{{at, {}}, false}};
@@ -140,6 +143,33 @@ TEST(LocalContact, a_slow_press_on_a_lattice_is_felt_as_its_frames_solve_it) {
                                     0.004);
   expect_slow_press_like_its_frames({.size = {15, 17, 13}, .step = 0.006, .radius = 0.02, .friction = 0.2},
                                     normalized(Vec3d{0.3, 0.1, -1}), 0.0045);
+}
+
+/// Pressed in obliquely, 3 mm: what was felt at the end of every frame, in the lattice's axes.
+std::vector<Vec3d> felt_in_lattice(const Mat3d& axes, Vec3d origin) {
+  Tissue tissue{.size = {15, 15, 9}, .step = 0.004, .radius = 0.012, .axes = axes, .origin = origin};
+  const Vec3d middle = tissue.build(), inwards = axes * normalized(Vec3d{0.4, -0.2, -1});
+  const Way way = press(middle + axes * Vec3d{0, 0, tissue.radius}, inwards, 0.003, 0.01);
+  tissue.begin(way(0));
+  Felt felt;
+  felt.go(way, 0, 0.6, [&](const Pose& pose) { return tissue.frame(pose, felt.memory); });
+  EXPECT_LT(norm(felt.touch.contact.force - tissue.forces[0].force), 1e-9) << "as the frame summed it";
+  std::vector<Vec3d> all;
+  for (const Vec3d force : felt.by_tick) all.push_back(transposed(axes) * force);
+  return all;
+}
+
+TEST(LocalContact, a_lattice_that_lies_turned_in_the_patient_is_felt_the_same) {
+  const Mat3d turned{{{0, 0.8, 0.6}, {0, -0.6, 0.8}, {1, 0, 0}}};
+  const std::vector<Vec3d> straight = felt_in_lattice({}, {}),
+                           other = felt_in_lattice(turned, {0.3, -0.2, 0.7});
+  ASSERT_EQ(straight.size(), other.size());
+  double largest = 0;
+  for (std::size_t n = 0; n < straight.size(); n++) {
+    largest = std::max(largest, norm(straight[n]));
+    EXPECT_LT(norm(straight[n] - other[n]), 0.01 * largest + 1e-5) << n << ": a CT's axes change no force";
+  }
+  EXPECT_GT(largest, 0.01) << "N";
 }
 
 TEST(LocalContact, a_ball_that_is_dragged_rubs_no_more_than_coulomb_allows) {
