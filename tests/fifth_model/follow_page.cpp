@@ -69,8 +69,10 @@ bool apply(const Change& change, const std::string& name, std::string& text) {
   const std::string lines = "\n" + change.before;
   const std::size_t at = ("\n" + text).find(lines);
   const bool once = at != std::string::npos && ("\n" + text).find(lines, at + 1) == std::string::npos;
-  if (once) text.replace(at, change.before.size(), change.after);
-  else std::fprintf(stderr, "%s: the page expects there, once:\n%s", name.c_str(), change.before.c_str());
+  if (once)
+    text.replace(at, change.before.size(), change.after);
+  else
+    std::fprintf(stderr, "%s: the page expects there, once:\n%s", name.c_str(), change.before.c_str());
   return once;
 }
 

@@ -50,7 +50,8 @@ int main() {
   check(report["bodies"].size() == 1 && report["bodies"][0]["model"] == "spring", "it is reported");
   check(report["bodies"][0]["displacement_mm"] == 30.0, "with its numbers");
 
-  check(bool(writer->finish(*world, done->shown, done->measures.pressed, "{\"timing\": 0}")), "it is recorded");
+  check(bool(writer->finish(*world, done->shown, done->measures.pressed, "{\"timing\": 0}")),
+        "it is recorded");
   const Result<Recording> recording = Recording::open(file);
   check(recording && recording->snapshot_count() == 5, "with all snapshots");
   Result<World> drawn = load_world(exec, *recording->scene({}), {}, Purpose::kDraw);
