@@ -106,6 +106,31 @@ TEST(RunScene, IsToldWhatHappensAndEndsWhereItIsAsked) {
   EXPECT_TRUE(fs::exists(folder / "out/report.html"));
 }
 
+TEST(RunScene, ForcepsOnARhombusBodyAloneAreDrawnWithTheirJawsAsTheyAreAlsoInAReplay) {
+  const fs::path folder = test::fresh_folder();
+  const Result<Scene> scene = parse_scene(
+      "[world]\nduration = 0.4\nframe_rate = 50\n[body.liver]\nmodel = \"rhombus\"\n"
+      "surface = { phantom = \"liver\", detail = 0.3 }\n[tool.forceps]\nbody = \"liver\"\n"
+      "shape = { forceps = \"phantom\" }\n"
+      "grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.004, pull = 0.006, start = 0, duration = 0.1 }\n"
+      "[output]\nvideo = false\nsnapshots = { every = 0.2, size = [160, 120] }\n",
+      folder / "forceps.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  std::set<double> openings;
+  RunCallbacks callbacks;
+  callbacks.snapshot = [&](const ShownWorld& shown) -> Status {
+    openings.insert(shown.tools[0].opening);
+    EXPECT_TRUE(shown.tools[0].has_jaws);
+    return Done{};
+  };
+  const Json ran = must_run(*scene, folder / "ran", callbacks);
+  EXPECT_GT(openings.size(), 1u) << "they close";
+  ASSERT_TRUE(replay_recording(Exec(2), folder / "ran/recording.h5", {}, {.out = folder / "again"}));
+  for (const char* name : {"liver-near.png", "liver-displacement.png", "frames/body-0010.png"})
+    EXPECT_EQ(test::bytes_of(folder / "ran" / name), test::bytes_of(folder / "again" / name)) << name;
+  EXPECT_FALSE(fs::exists(folder / "ran/liver-pressure.png")) << "this model knows no pressure";
+}
+
 TEST(RunScene, AnErrorLeavesNothingBehind) {
   const fs::path folder = test::fresh_folder();
   RunCallbacks callbacks;

@@ -26,6 +26,7 @@ cache = false
 [body.liver]
 model = "rhombus"
 surface = { phantom = "liver", detail = 0.3 }
+bulge = 0.4
 [body.block]
 model = "lattice"
 ct = "block.nii"

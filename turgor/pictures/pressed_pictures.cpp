@@ -73,9 +73,9 @@ std::optional<Image> draw_body(const ShownBody& body, const std::vector<ShownToo
 Status add_colored(const ShownBody& body, SkinColor color, const char* name, const char* caption,
                    const Camera& camera, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
-  ColorScale scale = color_scale(*outputs.scene, color);
   const std::vector<float> values = shown_values(body, color);
-  if (values.empty()) return Done{};
+  if (values.empty()) return Done{};  // this body does not know it
+  ColorScale scale = color_scale(*outputs.scene, color);
   if (output.color != color || !output.color_range)
     scale.high = *std::max_element(values.begin(), values.end());
   PictureParts parts;
