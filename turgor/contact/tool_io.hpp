@@ -1,5 +1,5 @@
-// What a tick asks of a tool and what it answers: the whole of what a hand, a path or a recording says, and the
-// whole of what is felt.
+// What a tick asks of a tool and what it answers: the whole of what a hand, a path or a recording says, and
+// the whole of what is felt.
 #pragma once
 
 #include "turgor/contact/tool.hpp"
@@ -19,6 +19,7 @@ struct ToolReading {
   double depth = 0;           // of its deepest point below the surface at rest [m]
   int contacts = 0;           // places that bear force
   bool beyond_patch = false;  // it reaches beyond what the model knows there: the force may lack some of it
+  double age = 0;  // of the state of the body that this was computed from; 0: of this very tick [s]
 };
 
 }  // namespace turgor::contact
