@@ -1,0 +1,97 @@
+#include "turgor/haptics/z_width.hpp"
+
+#include <cstdio>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace turgor::haptics {
+namespace {
+
+WallTrial trial(double stiffness, double damping = 0, bool controller = false) {
+  WallTrial t;
+  t.stiffness = stiffness;
+  t.damping = damping;
+  t.controller = controller;
+  return t;
+}
+
+/// Between stable and not, by halving [N/m].
+double stiffest(WallTrial t) {
+  double stable = 10, not_stable = 1e6;
+  while (not_stable > 1.02 * stable) {
+    t.stiffness = std::sqrt(stable * not_stable);
+    (press_wall(t).stable ? stable : not_stable) = t.stiffness;
+  }
+  return stable;
+}
+
+/// An arm without dry friction and encoder, so that the theory is that of a linear system.
+WallTrial linear(double frame_rate) {
+  WallTrial t = trial(0);
+  t.arm.coulomb = t.arm.encoder = 0;
+  t.arm.viscous = 2;
+  t.hand_damping = 0.2;
+  t.depth = 0.02;
+  t.arm.force = 100;
+  t.answer = WallAnswer::kHeld;
+  t.frame_rate = frame_rate;
+  t.seconds = 6;
+  return t;
+}
+
+TEST(z_width, a_wall_below_colgates_bound_is_stable_and_one_far_above_is_not) {
+  const WallTrial t = trial(0);
+  const double bound = colgate_stiffness(t.arm.viscous, 0, 1 / t.arm.rate);
+  EXPECT_TRUE(press_wall(trial(0.9 * bound)).stable);
+  EXPECT_FALSE(press_wall(trial(40 * bound)).stable);
+}
+
+TEST(z_width, colgates_bound_is_kept_at_every_rate_and_a_wall_twice_as_slow_is_half_as_stiff) {
+  // A linear arm is stable, not only passive, up to about 2 (b + b_hand) / T (less what its mass delays).
+  double before = 0;
+  for (const double rate : {1000.0, 500.0, 250.0}) {
+    const WallTrial t = linear(rate);
+    const double found = stiffest(t), b = t.arm.viscous + t.hand_damping;
+    std::printf("%4.0f Hz: %.0f N/m, 2 b/T = %.0f N/m\n", rate, found, colgate_stiffness(b, 0, 1 / rate));
+    EXPECT_GT(found, 0.9 * colgate_stiffness(t.arm.viscous, 0, 1 / rate));
+    EXPECT_NEAR(found / colgate_stiffness(b, 0, 1 / rate), 1, 0.25);
+    EXPECT_NEAR(before > 0 ? before / found : 2, 2, 0.3);
+    before = found;
+  }
+}
+
+TEST(z_width, the_controller_holds_walls_that_shake_without_it) {
+  for (const double stiffness : {12000.0, 20000.0}) {
+    const WallVerdict without = press_wall(trial(stiffness)), with = press_wall(trial(stiffness, 0, true));
+    std::printf("%5.0f N/m: %.1f mm/s without, %.1f mm/s with\n", stiffness, 1e3 * without.speed,
+                1e3 * with.speed);
+    EXPECT_FALSE(without.stable);
+    EXPECT_LT(with.speed, 0.5 * without.speed);
+  }
+}
+
+TEST(z_width, a_force_held_for_a_frame_shakes_where_the_contact_of_the_last_frame_does_not) {
+  WallTrial t = trial(800);
+  t.frame_rate = 30;
+  t.answer = WallAnswer::kHeld;
+  EXPECT_FALSE(press_wall(t).stable);
+  t.answer = WallAnswer::kLocal;
+  EXPECT_TRUE(press_wall(t).stable);
+}
+
+TEST(z_width, a_trial_gives_the_same_bits_twice) {
+  const WallVerdict a = press_wall(trial(9000, 5)), b = press_wall(trial(9000, 5));
+  EXPECT_EQ(a.late, b.late);
+  EXPECT_EQ(a.lowest_energy, b.lowest_energy);
+}
+
+TEST(z_width, bounds_are_those_of_the_papers) {
+  EXPECT_DOUBLE_EQ(colgate_stiffness(0.5, 0, 1e-3), 1000);  // Colgate: K = 1000 N/m, T = 1 ms needs b > 0.5
+  EXPECT_DOUBLE_EQ(colgate_stiffness(1, -0.25, 1e-3), 1500);
+  EXPECT_DOUBLE_EQ(quantized_stiffness(0.05, 10e-6), 10000);
+  EXPECT_EQ(quantized_stiffness(0.05, 0), std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace turgor::haptics
