@@ -117,6 +117,20 @@ TEST(virtual_device, a_hand_follows_its_target) {
   EXPECT_EQ(input.buttons, 1u);
 }
 
+TEST(virtual_device, a_path_goes_straight_from_sample_to_sample_and_stays_at_its_ends) {
+  const auto path =
+      path_through({{1, {.pose = {.position = {0.01, 0, 0}, .axes = {}}, .buttons = 1}},
+                    {3, {.pose = {.position = {0.03, 0.04, 0}, .axes = rotation({0, 0.4, 0})}, .grip = 1}}});
+  EXPECT_EQ(path(0).pose.position, (Vec3d{0.01, 0, 0}));
+  const HandTarget between = path(1.5);
+  EXPECT_LT(norm(between.pose.position - Vec3d{0.015, 0.01, 0}), 1e-12);
+  EXPECT_LT(norm(rotation_vector(between.pose.axes) - Vec3d{0, 0.1, 0}), 1e-12);
+  EXPECT_NEAR(between.grip, 0.25, 1e-12);
+  EXPECT_EQ(between.buttons, 1u);  // buttons change when the next sample is reached
+  EXPECT_EQ(path(9).pose.position, (Vec3d{0.03, 0.04, 0}));
+  EXPECT_EQ(path(3).buttons, 0u);
+}
+
 TEST(virtual_device, its_encoder_rounds_to_steps_and_velocity_is_their_difference) {
   VirtualArm arm = bare();
   arm.encoder = 1e-4;

@@ -47,17 +47,22 @@ TEST(z_width, a_wall_below_colgates_bound_is_stable_and_one_far_above_is_not) {
   EXPECT_FALSE(press_wall(trial(40 * bound)).stable);
 }
 
-TEST(z_width, colgates_bound_is_kept_at_every_rate_and_a_wall_twice_as_slow_is_half_as_stiff) {
-  // A linear arm is stable, not only passive, up to about 2 (b + b_hand) / T (less what its mass delays).
-  double before = 0;
-  for (const double rate : {1000.0, 500.0, 250.0}) {
-    const WallTrial t = linear(rate);
+TEST(z_width, walls_rest_up_to_what_theory_says_at_every_rate_damping_and_delay) {
+  struct Case {
+    double rate, damping;
+    int delay;
+  };
+  for (const auto& [rate, damping, delay] :
+       {Case{1000, 0, 0}, {500, 0, 0}, {250, 0, 0}, {1000, 2, 0}, {1000, 6, 0}, {1000, 0, 1}, {1000, 2, 3}}) {
+    WallTrial t = linear(rate);
+    t.damping = damping;
+    t.arm.delay = delay;
     const double found = stiffest(t), b = t.arm.viscous + t.hand_damping;
-    std::printf("%4.0f Hz: %.0f N/m, 2 b/T = %.0f N/m\n", rate, found, colgate_stiffness(b, 0, 1 / rate));
-    EXPECT_GT(found, 0.9 * colgate_stiffness(t.arm.viscous, 0, 1 / rate));
-    EXPECT_NEAR(found / colgate_stiffness(b, 0, 1 / rate), 1, 0.25);
-    EXPECT_NEAR(before > 0 ? before / found : 2, 2, 0.3);
-    before = found;
+    const double theory = resting_stiffness(b, damping, 1 / rate, delay * 1e-3);
+    std::printf("%4.0f Hz, B = %g, %d late: %.0f N/m, theory %.0f N/m\n", rate, damping, delay, found,
+                theory);
+    EXPECT_GT(found, 0.95 * colgate_stiffness(t.arm.viscous, damping, 1 / rate) / (1 + 2 * delay));
+    EXPECT_NEAR(found / theory, 1, 0.15);
   }
 }
 
@@ -89,6 +94,7 @@ TEST(z_width, a_trial_gives_the_same_bits_twice) {
 TEST(z_width, bounds_are_those_of_the_papers) {
   EXPECT_DOUBLE_EQ(colgate_stiffness(0.5, 0, 1e-3), 1000);  // Colgate: K = 1000 N/m, T = 1 ms needs b > 0.5
   EXPECT_DOUBLE_EQ(colgate_stiffness(1, -0.25, 1e-3), 1500);
+  EXPECT_DOUBLE_EQ(resting_stiffness(1, 2, 1e-3, 1e-3), 2000);
   EXPECT_DOUBLE_EQ(quantized_stiffness(0.05, 10e-6), 10000);
   EXPECT_EQ(quantized_stiffness(0.05, 0), std::numeric_limits<double>::infinity());
 }

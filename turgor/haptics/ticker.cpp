@@ -108,7 +108,8 @@ void publish_report(Ticker& ticker, double now) {
 bool step(Ticker& ticker) {
   const double begin = steady_seconds();
   const double dt = ticker.ticks > 0 ? begin - ticker.began : 1 / ticker.rate;
-  if (ticker.ticks > 0) ticker.record.period.add(dt);
+  if (ticker.ticks > 0)
+    ticker.record.period.add(dt), ticker.record.jitter.add(std::abs(dt - 1 / ticker.rate));
   ticker.began = begin;
 
   read_hands(ticker);

@@ -13,21 +13,23 @@ void LogHistogram::add(double seconds) {
   largest_ = std::max(largest_, seconds);
 }
 
-/// The middle of the bucket in which it lies.
-double LogHistogram::percentile(double fraction) const {
-  const double rank = fraction * double(count_);
-  std::uint64_t below = 0;
-  for (int b = 0; b < kBuckets; b++) {
-    below += buckets_[std::size_t(b)];
-    if (below > 0 && double(below) >= rank)
-      return std::min(largest_, b == 0 ? 0 : kLowest * std::pow(10, (b + 0.5) / kPerDecade));
-  }
-  return largest_;
+/// What a sample of it is taken for [s].
+double LogHistogram::middle(int bucket) const {
+  return std::min(largest_, bucket == 0 ? 0 : kLowest * std::pow(10, (bucket + 0.5) / kPerDecade));
 }
 
 Spread LogHistogram::spread() const {
   if (count_ == 0) return {};
-  return {percentile(0.5), percentile(0.99), percentile(0.999), largest_};
+  constexpr double kFractions[] = {0.5, 0.99, 0.999};
+  double found[3] = {largest_, largest_, largest_};
+  std::uint64_t below = 0;
+  int next = 0;
+  for (int b = 0; b < kBuckets && next < 3; b++) {
+    below += buckets_[std::size_t(b)];
+    while (next < 3 && below > 0 && double(below) >= kFractions[next] * double(count_))
+      found[next++] = middle(b);
+  }
+  return {found[0], found[1], found[2], largest_};
 }
 
 TimingReport timing_report(const TimingRecord& record) {
@@ -36,6 +38,7 @@ TimingReport timing_report(const TimingRecord& record) {
           .seconds = seconds,
           .rate = seconds > 0 ? double(record.period.count()) / seconds : 0,
           .period = record.period.spread(),
+          .jitter = record.jitter.spread(),
           .compute = record.compute.spread(),
           .latency = record.latency.spread(),
           .age = record.age.spread(),

@@ -16,8 +16,8 @@ struct Spread {
   double p50 = 0, p99 = 0, p999 = 0, largest = 0;
 };
 
-/// Buckets that grow by 5 % from 10 ns to 100 s; what is shorter is in the first one, what is longer in the
-/// last. Percentiles are right to 2.5 %, the largest is exact.
+/// Buckets that grow by 1 % from 10 ns to 100 s; what is shorter is in the first one, what is longer in the
+/// last. Percentiles are right to 0.5 %, the largest is exact.
 class LogHistogram {
  public:
   void add(double seconds);
@@ -27,8 +27,8 @@ class LogHistogram {
 
  private:
   static constexpr double kLowest = 1e-8;
-  static constexpr int kPerDecade = 48, kBuckets = 10 * kPerDecade;
-  double percentile(double fraction) const;
+  static constexpr int kPerDecade = 240, kBuckets = 10 * kPerDecade;
+  double middle(int bucket) const;
   std::array<std::uint64_t, kBuckets> buckets_{};
   std::uint64_t count_ = 0;
   double sum_ = 0, largest_ = 0;
@@ -36,7 +36,7 @@ class LogHistogram {
 
 /// What is counted while a loop runs.
 struct TimingRecord {
-  LogHistogram period, compute, latency, age;
+  LogHistogram period, jitter, compute, latency, age;
   std::uint64_t missed = 0;
   double force_jump = 0, torque_jump = 0, asked_jump = 0;  // as in the report
 };
@@ -47,6 +47,7 @@ struct TimingReport {
   double seconds = 0;
   double rate_asked = 0, rate = 0;  // [Hz]
   Spread period;                    // from the begin of a tick to the next one's
+  Spread jitter;                    // how far that was from the period that was asked for
   Spread compute;                   // the loop's and the model's work, without waiting for the device
   Spread latency;                   // from the pose that was read to the force that answers it
   Spread age;                       // of what the model answered from

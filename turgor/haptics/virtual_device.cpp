@@ -65,6 +65,23 @@ VirtualHand light_hand(std::function<HandTarget(double)> target) {
           .target = std::move(target)};
 }
 
+std::function<HandTarget(double)> path_through(std::vector<TimedTarget> samples) {
+  TURGOR_ASSERT(!samples.empty(), "a path has a place");
+  return [samples = std::move(samples)](double time) {
+    const auto next = std::upper_bound(samples.begin(), samples.end(), time,
+                                       [](double t, const TimedTarget& sample) { return t < sample.time; });
+    if (next == samples.begin()) return samples.front().target;
+    HandTarget target = std::prev(next)->target;
+    if (next == samples.end()) return target;
+    const contact::Pose &from = target.pose, &to = next->target.pose;
+    const double part = (time - std::prev(next)->time) / (next->time - std::prev(next)->time);
+    target.pose = {from.position + (to.position - from.position) * part,
+                   rotation(rotation_vector(to.axes * transposed(from.axes)) * part) * from.axes};
+    target.grip += (next->target.grip - target.grip) * part;
+    return target;
+  };
+}
+
 VirtualDevice::VirtualDevice(const VirtualArm& arm, VirtualHand hand, VirtualTime time)
     : arm_(arm), hand_(std::move(hand)), clock_(time), step_(1 / (arm.rate * arm.substeps)) {
   TURGOR_ASSERT(arm.mass > 0 && arm.inertia > 0 && arm.rate > 0 && arm.substeps > 0,
@@ -161,6 +178,9 @@ void VirtualDevice::move(const DeviceOutput& output) {
 
 /// The same for the rotation from the target's axes; right for turns that are small or about one axis.
 void VirtualDevice::turn(const DeviceOutput& output) {
+  const bool rests = output.torque == Vec3d{} && angular_velocity_ == Vec3d{} &&
+                     from_.pose.axes == to_.pose.axes && pose_.axes == to_.pose.axes;
+  if (rests) return;
   const Vec3d sweep = rotation_vector(to_.pose.axes * transposed(from_.pose.axes));
   const Mat3d goal = rotation(sweep * 0.5) * from_.pose.axes;
   const Vec3d away = rotation_vector(pose_.axes * transposed(goal));

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <functional>
+#include <vector>
 
 #include "turgor/haptics/device.hpp"
 
@@ -45,6 +46,14 @@ struct VirtualHand {
 };
 /// A hand that holds a stylus lightly: 0.1 kg, 3 N·s/m, 300 N/m.
 VirtualHand light_hand(std::function<HandTarget(double)> target);
+
+/// Where a hand wants to be at a time.
+struct TimedTarget {
+  double time = 0;  // [s]
+  HandTarget target;
+};
+/// Straight from each to the next; before the first and after the last it stays. Their times increase.
+std::function<HandTarget(double)> path_through(std::vector<TimedTarget> samples);
 
 /// Whose time passes.
 enum class VirtualTime : std::uint8_t {

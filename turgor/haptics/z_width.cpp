@@ -94,6 +94,10 @@ double colgate_stiffness(double arm_viscous, double wall_damping, double period)
   return 2 * (arm_viscous - std::abs(wall_damping)) / period;
 }
 
+double resting_stiffness(double damping, double wall_damping, double period, double delay) {
+  return (damping + wall_damping) / (0.5 * period + delay);
+}
+
 double quantized_stiffness(double coulomb, double encoder) {
   return encoder > 0 ? 2 * coulomb / encoder : std::numeric_limits<double>::infinity();
 }

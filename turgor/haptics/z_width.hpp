@@ -18,7 +18,7 @@ enum class WallAnswer : std::uint8_t {
 
 struct WallTrial {
   VirtualArm arm;
-  double hand_mass = 0.1, hand_damping = 3, hand_stiffness = 300;  // [kg] [N·s/m] [N/m]
+  double hand_mass = 0.1, hand_damping = 1, hand_stiffness = 300;  // [kg] [N·s/m] [N/m]
   double stiffness = 1000, damping = 0;                            // of the wall [N/m] [N·s/m]
   WallAnswer answer = WallAnswer::kTick;
   double frame_rate = 1000;  // of physics [Hz]
@@ -38,9 +38,13 @@ struct WallVerdict {
 /// Rest, or motion that dies away by itself, is stable.
 WallVerdict press_wall(const WallTrial& trial);
 
-/// Largest stiffness of a wall of damping B that takes part in no motion of an arm of viscous friction b, at
-/// period T, whoever holds it: b > K T/2 + |B| (Colgate and Schenkel 1994, 1997). Negative: none [N/m].
+/// Largest stiffness of a wall of damping B that creates no energy at an arm of viscous friction b and period
+/// T, whoever holds it: b > K T/2 + |B| (Colgate and Schenkel 1994, 1997). Not positive: none [N/m].
 double colgate_stiffness(double arm_viscous, double wall_damping, double period);
+/// Largest stiffness at which a hand comes to rest, when arm and hand together damp with `damping`:
+/// K < (b + B)/(T/2 + delay) (Hulin, Preusche, Hirzinger 2006; Gil and others 2009). For soft hands, and for
+/// B well below m/T [N/m].
+double resting_stiffness(double damping, double wall_damping, double period, double delay = 0);
 /// Largest stiffness at which dry friction eats what the encoder's steps put in: 2 f/Δ (Abbott and Okamura
 /// 2005) [N/m].
 double quantized_stiffness(double coulomb, double encoder);
