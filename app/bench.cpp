@@ -180,6 +180,8 @@ void add_haptics_bench(CLI::App& bench, Global& global) {
   haptics->callback([options, &global] {
     check_file(options->json);
     check_file(options->picture);
+    if (!options->json.empty() && options->json == options->picture)
+      throw Failure{2, options->json + ": --json and --picture name the same file"};
     HapticsBench result;
     {
       ProgressBar bar("measuring");

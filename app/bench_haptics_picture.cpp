@@ -11,8 +11,8 @@ namespace turgor {
 
 namespace {
 
-// [pixels]
-constexpr double kCellWide = 10, kCellHigh = 13, kLeft = 64, kGap = 40, kTop = 78, kPanelGap = 62, kFont = 13;
+// [pixels]; panels are whole patterns of dots apart
+constexpr double kCellWide = 10, kCellHigh = 13, kLeft = 64, kGap = 40, kTop = 78, kPanelGap = 65, kFont = 13;
 
 struct Panel {
   double x, y;  // of its upper left corner [pixels]
@@ -26,8 +26,10 @@ std::string text(double x, double y, const char* anchor, const std::string& word
 /// At rest: blue. Shaking: from yellow at 2 mm/s to dark red at 100 mm/s and more. Also told apart without
 /// colours: what rests is darker than what shakes a little, and has no dot.
 std::string color(const haptics::WallVerdict& verdict) {
+  constexpr double kShades = 6;  // few, so that neighbours join
   if (verdict.stable) return "#3b7fb5";
-  const double part = std::clamp(std::log10(verdict.speed / 0.002) / std::log10(50.0), 0.0, 1.0);
+  const double decades = std::clamp(std::log10(verdict.speed / 0.002) / std::log10(50.0), 0.0, 1.0);
+  const double part = std::round(kShades * decades) / kShades;
   return fmt::format("#{:02x}{:02x}{:02x}", int(250 - 90 * part), int(200 - 180 * part), int(90 - 60 * part));
 }
 
@@ -79,17 +81,29 @@ std::string axes(const HapticsBench& bench, Panel at) {
   return svg;
 }
 
+/// Neighbours of one colour in a row as one piece; dots over those that shake.
+std::string row(const HapticsBench& bench, const ZWidthMap& map, std::size_t b, Panel at) {
+  const std::size_t columns = bench.stiffness.size();
+  const double y = at.y + height(bench) - kCellHigh * double(b + 1);
+  const auto verdict = [&](std::size_t k) -> const haptics::WallVerdict& {
+    return map.verdicts[b * columns + k];
+  };
+  std::string svg;
+  for (std::size_t begin = 0, end = 0; begin < columns; begin = end) {
+    const std::string fill = color(verdict(begin));
+    while (end < columns && color(verdict(end)) == fill) end++;
+    const std::string piece =
+        fmt::format("<rect x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"{:g}\" ",
+                    at.x + kCellWide * double(begin), y, kCellWide * double(end - begin), kCellHigh - 0.6);
+    svg += fmt::format("{}fill=\"{}\"/>\n", piece, fill);
+    if (!verdict(begin).stable) svg += piece + "fill=\"url(#dots)\"/>\n";
+  }
+  return svg;
+}
+
 std::string panel(const HapticsBench& bench, const ZWidthMap& map, Panel at) {
   std::string svg = text(at.x, at.y - 7, "start", map.name + (map.controller ? ", controller" : ""));
-  for (std::size_t i = 0; i < map.verdicts.size(); i++) {
-    const double x = at.x + kCellWide * double(i % bench.stiffness.size());
-    const double y = at.y + height(bench) - kCellHigh * double(i / bench.stiffness.size() + 1);
-    svg += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" fill=\"{}\"/>\n", x, y,
-                       kCellWide - 0.6, kCellHigh - 0.6, color(map.verdicts[i]));
-    if (!map.verdicts[i].stable)
-      svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"1.4\" fill=\"#5a1010\"/>\n",
-                         x + 0.5 * kCellWide - 0.3, y + 0.5 * kCellHigh - 0.3);
-  }
+  for (std::size_t b = 0; b < bench.damping.size(); b++) svg += row(bench, map, b, at);
   return svg + bounds(bench, map, at) + axes(bench, at);
 }
 
@@ -105,7 +119,10 @@ std::string z_width_svg(const HapticsBench& bench) {
       "{1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" role=\"img\" font-family=\"system-ui, 'DejaVu Sans', "
       "sans-serif\" font-size=\"{2:.0f}\">\n<title>Z-width: walls on which a hand comes to rest</title>\n"
       "<style>text {{ fill: #43494f; }} @media (prefers-color-scheme: dark) {{ text {{ fill: #b9c0c7; }} "
-      "}}</style>\n",
+      "}}</style>\n"
+      "<defs><pattern id=\"dots\" width=\"10\" height=\"13\" patternUnits=\"userSpaceOnUse\"><circle "
+      "cx=\"9\" "
+      "cy=\"6.5\" r=\"1.3\" fill=\"#1a0505\"/></pattern></defs>\n",
       wide, high, kFont);
   svg += text(kLeft, 20, "start",
               "Walls on which a hand comes to rest (blue) or shakes (yellow to red, with a dot)");
