@@ -120,6 +120,19 @@ TEST(loop, a_hand_that_presses_a_wall_comes_to_rest_where_wall_and_hand_balance)
   EXPECT_GT((*loop)->report().ticks, 100u);
 }
 
+TEST(loop, a_coupled_hand_feels_the_wall_and_the_coupling_in_series) {
+  VirtualDevice device({}, light_hand(press), VirtualTime::kClock);
+  ASSERT_TRUE(device.open());
+  Wall wall;
+  auto loop =
+      Loop::start({{.device = &device, .coupling = Coupling{}, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  const double series = 500.0 * 1000 / 1500, z = -0.005 * 300 / (300 + series);
+  EXPECT_TRUE(wait_for([&] { return std::abs((*loop)->status(0).output.force.z + series * z) < 0.05; }));
+  EXPECT_NEAR((*loop)->status(0).input.pose.position.z, z, 3e-4);
+  EXPECT_NEAR((*loop)->status(0).command.pose.position.z, z * series / 500, 3e-4);
+}
+
 TEST(loop, ticks_come_at_the_rate_that_was_asked_for_and_the_report_says_so) {
   StillDevice device;
   Wall wall;
@@ -190,6 +203,33 @@ TEST(loop, a_tick_allocates_nothing_and_waits_for_nobody) {
     EXPECT_EQ(watch.allocated > 0, misbehave) << watch.allocated;
     EXPECT_EQ(watch.gave_way > 50, misbehave) << watch.gave_way;  // the system itself may do so now and then
   }
+}
+
+/// Answers from something old, jumps once and pushes along with the hand.
+struct Odd {
+  std::atomic<int> ticks = 0;
+  static void tick(void* context, std::span<const ToolCommand>, double, std::span<ToolReading> readings) {
+    const int n = ++static_cast<Odd*>(context)->ticks;
+    readings[0].age = 0.02;
+    readings[0].force.x = n > 100 ? 3 : 0;
+  }
+};
+
+TEST(loop, the_report_tells_of_age_jumps_and_energy_that_was_given_away) {
+  VirtualDevice device({}, light_hand([](double) { return HandTarget{}; }), VirtualTime::kClock);
+  ASSERT_TRUE(device.open());
+  Odd model;
+  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Odd::tick, &model, kPlain);
+  ASSERT_TRUE(loop);
+  ASSERT_TRUE(wait_for([&] { return model.ticks > 200; }));
+  (*loop)->stop();
+  const TimingReport& report = (*loop)->report();
+  EXPECT_NEAR(report.age.p50, 0.02, 2e-4);
+  EXPECT_NEAR(report.asked_jump, 3, 1e-12);
+  EXPECT_GT(report.force_jump, 1);
+  EXPECT_LT(report.force_jump, 5);
+  EXPECT_LT(report.lowest_energy, -1e-4);  // it pushed the hand by 3 N
+  EXPECT_GT(report.safety.damped, 0u);
 }
 
 TEST(loop, two_hands_are_asked_in_one_tick_each_in_its_own_workspace) {

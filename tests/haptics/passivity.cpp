@@ -130,6 +130,27 @@ TEST(passivity, a_model_that_pushes_along_with_the_hand_is_held_and_without_the_
   EXPECT_LT(swing(active, true), 0.003);
 }
 
+TEST(passivity, a_model_that_turns_along_with_the_hand_is_held_and_without_the_controller_it_is_not) {
+  for (const bool control : {false, true}) {
+    VirtualArm arm;
+    arm.angular_coulomb = 0;
+    VirtualDevice device(arm, light_hand([](double) { return HandTarget{}; }));
+    (void)device.open();
+    device.place({.position = {}, .axes = rotation({0, 0.02, 0})});
+    Safety safety = make_safety(device.spec(), {.torque = 0.4, .ramp = 1e-3, .passivity_control = control});
+    SafeOutput output;
+    Asked asked;
+    double widest = 0;
+    while (device.time() < 3) {
+      device.exchange(output.value(), asked.hand);
+      asked.wanted.torque = asked.hand.angular_velocity * 8e-3;  // hand and arm damp 5.5e-3
+      output = make_safe(safety, asked, kTick);
+      if (device.time() > 2.5) widest = std::max(widest, norm(rotation_vector(device.pose().axes)));
+    }
+    EXPECT_EQ(widest < 0.03, control) << widest;
+  }
+}
+
 TEST(passivity, a_stiff_spring_that_answers_late_is_held_and_without_the_controller_it_is_not) {
   std::array<double, 8> heard{};
   int tick = 0;

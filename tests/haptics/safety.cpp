@@ -166,6 +166,16 @@ TEST(safety, an_answer_that_is_missed_once_is_no_loss) {
   EXPECT_NEAR(safety.passivity.felt.force.z, 2, 1e-9);
 }
 
+TEST(safety, a_loop_that_stalled_does_not_take_its_device_for_lost) {
+  Safety safety = begun();
+  Asked late = asking({0, 0, 2});
+  late.answered = false;
+  make_safe(safety, late, 3.0);
+  EXPECT_FALSE(safety.is_lost);
+  for (int i = 0; i < 5; i++) make_safe(safety, late, 3.0);  // a device that makes it wait, and never answers
+  EXPECT_TRUE(safety.is_lost);
+}
+
 /// Whatever numbers there are.
 struct Garbage {
   std::mt19937_64 random{7};

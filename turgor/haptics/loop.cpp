@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/core/flush_denormals.hpp"
 #include "turgor/haptics/real_time.hpp"
 #include "turgor/haptics/ticker.hpp"
@@ -99,6 +100,7 @@ void Loop::Thread::called(void* context, const DeviceInput& input, DeviceOutput&
 
 Status Loop::Thread::begin(std::vector<Hand> hands) {
   for (Hand& hand : hands) {
+    TURGOR_ASSERT(hand.device, "a hand holds a device");
     auto running = std::make_unique<RunningHand>();
     running->safety = make_safety(hand.device->spec(), hand.safety);
     running->hand = std::move(hand);

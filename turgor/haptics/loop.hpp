@@ -12,11 +12,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "turgor/contact/tool_io.hpp"
+#include "turgor/haptics/coupling.hpp"
 #include "turgor/haptics/device.hpp"
 #include "turgor/haptics/safety.hpp"
 #include "turgor/haptics/timing_report.hpp"
@@ -34,6 +36,8 @@ struct Hand {
   Device* device = nullptr;
   Workspace workspace;
   Buttons buttons;
+  std::optional<Coupling>
+      coupling;  // for bodies stiffer than the device bears; none: the model meets the hand
   SafetyParams safety;
 };
 

@@ -93,9 +93,10 @@ DeviceOutput saturation_link(Safety& safety, const DeviceOutput& wanted) {
   return is_finite(out) ? out : DeviceOutput{};
 }
 
-/// True while the device is lost.
+/// True while the device is lost. A loop that stalled itself does not blame the device: it asks five times.
 bool lost_link(Safety& safety, const Asked& asked, double dt) {
-  safety.unheard = asked.answered ? 0 : safety.unheard + dt;
+  const double waited = dt > 0 ? std::min(dt, safety.params.lost / 5) : 0;
+  safety.unheard = asked.answered ? 0 : safety.unheard + waited;
   safety.is_lost = safety.is_lost || safety.unheard > safety.params.lost;
   safety.counts.lost += safety.is_lost;
   return safety.is_lost;
@@ -136,7 +137,7 @@ SafeOutput make_safe(Safety& safety, const Asked& asked, double dt) {
   out = passivity_link(safety, tick, out, elapsed);
   out = slew_link(safety, out, elapsed);
   out = saturation_link(safety, out);
-  if (lost_link(safety, tick, dt > 0 ? dt : 0)) out = {};
+  if (lost_link(safety, tick, dt)) out = {};
   safety.passivity.felt = out;
   return SafeOutput(out);
 }

@@ -9,6 +9,7 @@ namespace turgor::haptics {
 
 namespace {
 
+using contact::ToolCommand;
 using contact::ToolReading;
 
 /// What a device that calls left; false when it has not called for long.
@@ -27,13 +28,22 @@ void read_hand(Ticker& ticker, RunningHand& hand) {
   hand.read = steady_seconds();
 }
 
-void read_hands(Ticker& ticker) {
+/// Where the model finds the tool. `last`: what it answered in the last tick.
+ToolCommand tool_command(RunningHand& hand, const ToolReading& last, double dt) {
+  ToolCommand out = command(hand.hand.workspace, hand.hand.buttons, hand.clutch, hand.input);
+  constexpr double kLongest = 0.002;  // of a tick that came late [s]
+  if (!hand.hand.coupling) return out;
+  follow(*hand.hand.coupling, out.pose, last, std::min(dt, kLongest), hand.tool);
+  out.pose = hand.tool.pose;
+  return out;
+}
+
+void read_hands(Ticker& ticker, double dt) {
   for (std::size_t h = 0; h < ticker.hands.size(); h++) {
     RunningHand& hand = *ticker.hands[h];
     hand.answered = false;
     if (!hand.safety.is_lost) read_hand(ticker, hand);
-    if (hand.answered)
-      ticker.commands[h] = command(hand.hand.workspace, hand.hand.buttons, hand.clutch, hand.input);
+    if (hand.answered) ticker.commands[h] = tool_command(hand, ticker.readings[h], dt);
   }
 }
 
@@ -51,7 +61,8 @@ void ask_model(Ticker& ticker, double dt) {
 }
 
 DeviceOutput wanted(RunningHand& hand, const ToolReading& reading) {
-  if (!hand.clutch.pressed) return to_device(hand.hand.workspace, reading);
+  if (!hand.clutch.pressed)
+    return to_device(hand.hand.workspace, hand.hand.coupling ? felt(hand.tool, reading) : reading);
   begin_softly(hand.safety);
   return {};
 }
@@ -112,7 +123,7 @@ bool step(Ticker& ticker) {
     ticker.record.period.add(dt), ticker.record.jitter.add(std::abs(dt - 1 / ticker.rate));
   ticker.began = begin;
 
-  read_hands(ticker);
+  read_hands(ticker, dt);
   const double heard = steady_seconds();
   ask_model(ticker, dt);
   bool felt = false, heard_of = false;

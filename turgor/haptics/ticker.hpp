@@ -27,6 +27,7 @@ struct RunningHand {
   Hand hand;
   Safety safety;
   Clutch clutch;
+  CoupledTool tool;  // where there is a coupling
   SafeOutput output;
   DeviceInput input;
   bool answered = false;  // in this tick
