@@ -84,6 +84,33 @@ TEST(safety, a_touch_that_is_not_calm_for_long_enough_does_not_begin) {
   EXPECT_EQ(safety.start, SoftStart::kWaiting);
 }
 
+TEST(safety, a_hand_that_jumped_is_met_softly) {
+  Safety safety = begun();
+  Asked asked = asking({0, 0, 2});
+  for (int i = 0; i < 100; i++) {  // at 2 m/s, as fast as hands are
+    asked.hand.pose.position.x += 0.002;
+    make_safe(safety, asked, kTick);
+  }
+  EXPECT_EQ(safety.counts.jumped, 0u);
+  EXPECT_EQ(safety.start, SoftStart::kFull);
+  asked.hand.pose.position.x += 0.05;
+  EXPECT_EQ(norm(after(safety, asked, 50).force), 0);  // inside a body at once: nothing until it left
+  EXPECT_EQ(safety.counts.jumped, 1u);
+  EXPECT_EQ(safety.start, SoftStart::kWaiting);
+}
+
+TEST(safety, limits_that_are_no_limits_are_none_and_no_slope_is_steeper_than_a_millisecond) {
+  for (const double wrong : {kNan, -1.0, 0.0}) {
+    Safety safety = begun({.force = wrong, .torque = wrong, .rise = wrong});
+    EXPECT_EQ(norm(after(safety, asking({0, 0, 5}), 100).force), 0) << wrong;
+  }
+  for (const double steep : {kNan, -1.0, 0.0, 1e-9}) {
+    Safety safety = begun({.rise = steep});
+    EXPECT_NEAR(make_safe(safety, asking({0, 0, 10}), 0.5e-3).value().force.z, 5, 1e-9) << steep;
+  }
+  EXPECT_EQ(make_safety({.force = kNan}, {}).params.force, 0);
+}
+
 TEST(safety, energy_that_was_given_away_is_taken_back) {
   Safety safety = begun();
   Asked asked = asking({0, 0, 1});
@@ -187,10 +214,10 @@ struct Garbage {
   }
   Vec3d vector() { return {number(), number(), number()}; }
   contact::Pose pose() {
-    const auto pick = random() % 4;
+    const auto pick = random() % 40;
     if (pick == 0) return {.position = vector(), .axes = {{vector(), vector(), vector()}}};
     if (pick == 1) return {.position = vector(), .axes = {}};
-    return {.position = {1e-3 * double(random() % 100), 0, 0},
+    return {.position = {1e-4 * double(random() % 100), 0, 0},
             .axes = rotation({0, 1e-2 * double(random() % 300), 0})};
   }
   double time() { return random() % 3 ? kTick : random() % 3 ? 0.05 : number(); }
@@ -226,15 +253,16 @@ TEST(safety, whatever_a_model_and_a_device_say_the_force_stays_within_limit_and_
   }
   EXPECT_GT(felt, 20000u);  // it was not all zero
   const SafetyCounts& c = safety.counts;
-  for (const std::uint64_t count : {c.not_finite, c.silent, c.damped, c.slewed, c.saturated})
+  for (const std::uint64_t count : {c.not_finite, c.silent, c.damped, c.slewed, c.saturated, c.jumped})
     EXPECT_GT(count, 10u);
 }
 
 TEST(safety, counts_add_up_link_by_link) {
-  const SafetyCounts a{1, 2, 3, 4, 5, 6, 7, 8, 9}, sum = a + a;
+  const SafetyCounts a{1, 2, 3, 4, 5, 6, 7, 8, 9, 10}, sum = a + a;
   EXPECT_EQ(sum.ticks, 2u);
   EXPECT_EQ(sum.waiting, 8u);
   EXPECT_EQ(sum.lost, 18u);
+  EXPECT_EQ(sum.jumped, 20u);
 }
 
 }  // namespace

@@ -13,6 +13,11 @@ DeviceOutput scaled(const DeviceOutput& output, double s) {
   return {output.force * s, output.torque * s, output.grip_force * s};
 }
 
+/// Nothing when either is no number, or below zero.
+double smaller_limit(double user, double device) {
+  return user > 0 && device > 0 ? std::min(user, device) : 0;
+}
+
 DeviceOutput finite_link(Safety& safety, const DeviceOutput& wanted) {
   if (is_finite(wanted)) return wanted;
   safety.counts.not_finite++;
@@ -34,6 +39,15 @@ bool silence_link(Safety& safety, const Asked& asked, double dt, DeviceOutput& o
          .torque = asked.hand.angular_velocity * (-p.silent_angular_damping * part)};
   begin_softly(safety);
   return true;
+}
+
+/// Tracking that slipped, a path that starts anew, a loop that slept: whatever is asked for there is new.
+void jump_link(Safety& safety, const Asked& asked) {
+  const Passivity& last = safety.passivity;
+  if (!last.began || !asked.answered) return;
+  if (norm(asked.hand.pose.position - last.before.position) <= safety.params.jump) return;
+  safety.counts.jumped++;
+  begin_softly(safety);
 }
 
 DeviceOutput soft_start_link(Safety& safety, const DeviceOutput& wanted, double dt) {
@@ -107,9 +121,10 @@ bool lost_link(Safety& safety, const Asked& asked, double dt) {
 Safety make_safety(const DeviceSpec& spec, const SafetyParams& params) {
   Safety safety{.params = params};
   SafetyParams& p = safety.params;
-  p.force = std::clamp(p.force, 0.0, spec.force);
-  p.torque = std::clamp(p.torque, 0.0, spec.torque);
-  p.grip_force = std::clamp(p.grip_force, 0.0, spec.grip_force);
+  p.force = smaller_limit(p.force, spec.force);
+  p.torque = smaller_limit(p.torque, spec.torque);
+  p.grip_force = smaller_limit(p.grip_force, spec.grip_force);
+  if (!(p.rise >= SafetyParams::kSteepest)) p.rise = SafetyParams::kSteepest;
   const double most = largest_damping(spec, 1 / spec.rate);
   p.passivity.damping = std::min(p.passivity.damping, most);
   p.silent_damping = std::min(p.silent_damping, most);
@@ -130,6 +145,7 @@ SafeOutput make_safe(Safety& safety, const Asked& asked, double dt) {
   Asked tick = asked;
   tick.hand.velocity = finite_or_zero(asked.hand.velocity);
   tick.hand.angular_velocity = finite_or_zero(asked.hand.angular_velocity);
+  jump_link(safety, tick);
   if (tick.answered) observe(safety.params.passivity, safety.passivity, tick.hand.pose, elapsed);
 
   DeviceOutput out = tick.answered ? finite_link(safety, tick.wanted) : DeviceOutput{};
@@ -143,9 +159,16 @@ SafeOutput make_safe(Safety& safety, const Asked& asked, double dt) {
 }
 
 SafetyCounts operator+(const SafetyCounts& a, const SafetyCounts& b) {
-  return {a.ticks + b.ticks,     a.not_finite + b.not_finite, a.silent + b.silent,
-          a.waiting + b.waiting, a.ramping + b.ramping,       a.damped + b.damped,
-          a.slewed + b.slewed,   a.saturated + b.saturated,   a.lost + b.lost};
+  return {.ticks = a.ticks + b.ticks,
+          .not_finite = a.not_finite + b.not_finite,
+          .silent = a.silent + b.silent,
+          .waiting = a.waiting + b.waiting,
+          .ramping = a.ramping + b.ramping,
+          .damped = a.damped + b.damped,
+          .slewed = a.slewed + b.slewed,
+          .saturated = a.saturated + b.saturated,
+          .lost = a.lost + b.lost,
+          .jumped = a.jumped + b.jumped};
 }
 
 }  // namespace turgor::haptics

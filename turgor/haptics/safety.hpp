@@ -4,7 +4,7 @@
 //
 //   not finite    → nothing is asked for in that tick
 //   silent        the model's answer is older than `silence`: damping only, later nothing
-//   soft start    no force until what is asked for is small, then a ramp
+//   soft start    no force until what is asked for is small, then a ramp; again when the hand jumped
 //   passivity     passivity.hpp
 //   slew          from tick to tick no more than the limit times dt / rise
 //   saturation    the vector, not its components, to the smaller of the user's and the device's limit
@@ -22,10 +22,12 @@ namespace turgor::haptics {
 
 struct SafetyParams {
   double force = 10, torque = 0.5, grip_force = 8;  // the user's limits [N] [N·m] [N]
-  double rise = 0.005;                              // from nothing to the limit, no faster [s]
+  double rise = 0.005;  // from nothing to the limit, no faster; at least kSteepest [s]
+  static constexpr double kSteepest = 0.001;
 
   double small_force = 0.2, small_torque = 0.01;  // a soft start waits for less than this [N] [N·m]
   int calm_ticks = 3;                             // for so many ticks
+  double jump = 0.03;                             // no hand moves so far in a tick [m]
   double ramp = 1;                                // then all of it is felt after [s]
 
   bool passivity_control = true;
@@ -42,7 +44,7 @@ struct SafetyParams {
 struct SafetyCounts {
   std::uint64_t ticks = 0;
   std::uint64_t not_finite = 0, silent = 0, waiting = 0, ramping = 0, damped = 0, slewed = 0, saturated = 0,
-                lost = 0;
+                lost = 0, jumped = 0;
 };
 
 enum class SoftStart : std::uint8_t { kWaiting, kRamping, kFull };
