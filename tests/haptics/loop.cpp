@@ -195,8 +195,9 @@ TEST(loop, a_tick_allocates_nothing_and_waits_for_nobody) {
     ASSERT_TRUE(right.open());
     Watch watch;
     watch.misbehave = misbehave;
-    auto loop = Loop::start({{.device = &left, .safety = soon()}, {.device = &right, .safety = soon()}},
-                            Watch::tick, &watch, {.rate = 2000, .priority = 0, .lock_memory = false});
+    auto loop = Loop::start(
+        {{.device = &left, .safety = soon()}, {.device = &right, .coupling = Coupling{}, .safety = soon()}},
+        Watch::tick, &watch, {.rate = 2000, .priority = 0, .lock_memory = false});
     ASSERT_TRUE(loop);
     ASSERT_TRUE(wait_for([&] { return watch.ticks > 1600; }));  // beyond two reports
     (*loop)->stop();
