@@ -103,21 +103,26 @@ HandTarget press(double time) {
   return {.pose = {.position = {0, 0, 0.005 - 0.01 * std::min(1.0, 5 * time)}, .axes = {}}};
 }
 
+/// The hand rests there, and feels that force; the tool is where the model found it.
+bool rests(Loop& loop, double hand, double tool, double force) {
+  const HandStatus& status = loop.status(0);
+  return std::abs(status.input.velocity.z) < 1e-3 && std::abs(status.input.pose.position.z - hand) < 2e-4 &&
+         std::abs(status.command.pose.position.z - tool) < 2e-4 &&
+         std::abs(status.output.force.z - force) < 0.1;
+}
+
 TEST(loop, a_hand_that_presses_a_wall_comes_to_rest_where_wall_and_hand_balance) {
   VirtualDevice device({}, light_hand(press), VirtualTime::kClock);
   ASSERT_TRUE(device.open());
   Wall wall;
   auto loop = Loop::start({{.device = &device, .safety = soon()}}, Wall::tick, &wall, kPlain);
   ASSERT_TRUE(loop);
-  std::this_thread::sleep_for(std::chrono::milliseconds(700));
-  EXPECT_TRUE((*loop)->running());
-  const HandStatus status = (*loop)->status(0);
   const double z = -0.005 * 300 / 800;  // 300 (−5 mm − z) = 500 z
-  EXPECT_NEAR(status.input.pose.position.z, z, 2e-4);
-  EXPECT_NEAR(status.output.force.z, -500 * z, 0.1);
+  EXPECT_TRUE(wait_for([&] { return rests(**loop, z, z, -500 * z); }));
+  EXPECT_TRUE((*loop)->running());
   (*loop)->stop();
   EXPECT_FALSE((*loop)->running());
-  EXPECT_GT((*loop)->report().ticks, 100u);
+  EXPECT_GT((*loop)->report().ticks, 10u);
 }
 
 TEST(loop, a_coupled_hand_feels_the_wall_and_the_coupling_in_series) {
@@ -128,32 +133,43 @@ TEST(loop, a_coupled_hand_feels_the_wall_and_the_coupling_in_series) {
       Loop::start({{.device = &device, .coupling = Coupling{}, .safety = soon()}}, Wall::tick, &wall, kPlain);
   ASSERT_TRUE(loop);
   const double series = 500.0 * 1000 / 1500, z = -0.005 * 300 / (300 + series);
-  EXPECT_TRUE(wait_for([&] { return std::abs((*loop)->status(0).output.force.z + series * z) < 0.05; }));
-  EXPECT_NEAR((*loop)->status(0).input.pose.position.z, z, 3e-4);
-  EXPECT_NEAR((*loop)->status(0).command.pose.position.z, z * series / 500, 3e-4);
+  EXPECT_TRUE(wait_for([&] { return rests(**loop, z, z * series / 500, -series * z); }));
 }
+
+/// Takes its time.
+struct Slow {
+  static constexpr double kWork = 2e-4;  // [s]
+  std::atomic<int> ticks = 0;
+  static void tick(void* context, std::span<const ToolCommand>, double, std::span<ToolReading>) {
+    const double end = steady_seconds() + kWork;
+    while (steady_seconds() < end) {
+    }
+    static_cast<Slow*>(context)->ticks++;
+  }
+};
 
 TEST(loop, ticks_come_at_the_rate_that_was_asked_for_and_the_report_says_so) {
   StillDevice device;
-  Wall wall;
-  auto loop = Loop::start({{.device = &device}}, Wall::tick, &wall, kPlain);
-  ASSERT_TRUE(loop);
+  Slow model;
   const double began = steady_seconds();
+  auto loop = Loop::start({{.device = &device}}, Slow::tick, &model, kPlain);
+  ASSERT_TRUE(loop);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   (*loop)->stop();
   const double seconds = steady_seconds() - began;
   const TimingReport& report = (*loop)->report();
   EXPECT_EQ(report.ticks, report.safety.ticks);
   EXPECT_EQ(report.rate_asked, 1000);
-  // Absolute deadlines: with those that were missed, every millisecond had its tick.
-  EXPECT_NEAR(double(report.ticks + report.missed), 1000 * seconds, 0.1 * 1000 * seconds + 20);
-  EXPECT_NEAR(report.rate, double(report.ticks - 1) / report.seconds, 1);
-  EXPECT_GT(report.period.p50, 0.5e-3);
+  // Absolute deadlines: with those that were missed, every millisecond had its tick, but for a last late one.
+  EXPECT_NEAR(double(report.ticks + report.missed), 1000 * report.seconds, 3 + 1000 * report.period.largest);
+  EXPECT_LE(report.seconds, seconds);
+  EXPECT_NEAR(report.rate, double(report.ticks - 1) / report.seconds, 1e-6);
   EXPECT_LE(report.period.p50, report.period.p99);
-  EXPECT_LE(report.period.p99, report.period.largest * 1.03);
-  EXPECT_GT(report.compute.p50, 0);
-  EXPECT_LT(report.compute.p50, 0.2e-3);
-  EXPECT_GT(report.latency.p50, 0.5 * report.compute.p50);
+  EXPECT_LE(report.period.p99, report.period.largest);
+  EXPECT_GE(report.jitter.largest, report.period.largest - 1e-3 - 1e-12);
+  EXPECT_GE(report.compute.p50, 0.99 * Slow::kWork);
+  EXPECT_GE(report.latency.p50, 0.99 * Slow::kWork);
+  EXPECT_GE(report.compute.largest, report.compute.p50);
 }
 
 /// Counts what a tick may not do, on the loop's thread.
