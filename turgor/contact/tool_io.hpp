@@ -22,6 +22,7 @@ struct ToolReading {
   double depth = 0;           // of its deepest point below the surface at rest [m]
   int contacts = 0;           // places that bear force
   bool beyond_patch = false;  // it reaches beyond what the model knows there: the force may lack some of it
+  double age = 0;  // of the state of the body that this was computed from; 0: of this very tick [s]
 };
 
 /// Where the jaws of a tool are `dt` later that closes while its user holds and opens else; the whole way
