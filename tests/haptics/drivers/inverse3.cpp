@@ -91,7 +91,9 @@ TEST_F(Inverse3Driver, a_grip_turns_and_has_buttons_in_alphabetical_order) {
   EXPECT_NEAR(norm(input.pose.axes.column[1] - Vec3d{-1, 0, 0}), 0, 1e-12);
   EXPECT_EQ(input.buttons, 5u);
   EXPECT_EQ(norm(input.angular_velocity), 0);
-  service->set_grip("verse_grip", {{"orientation", {{"w", 1}, {"x", 0}, {"y", 0}, {"z", 0}}}, {"button", true}, {"hall", 0}});
+  service->set_grip(
+      "verse_grip",
+      {{"orientation", {{"w", 1}, {"x", 0}, {"y", 0}, {"z", 0}}}, {"button", true}, {"hall", 0}});
   EXPECT_TRUE(exchange_until({}, [&] { return input.buttons == 1; }));
   EXPECT_NEAR(norm(input.pose.axes.column[1] - Vec3d{0, 1, 0}), 0, 1e-12);
 }
@@ -103,7 +105,8 @@ TEST_F(Inverse3Driver, how_fast_a_grip_turns_is_measured) {
   std::vector<double> speeds;
   for (const Timer time; time.seconds() < 0.3; sleep_ms(1)) {
     const double angle = 10 * time.seconds();
-    service->set_grip("verse_grip", {{"orientation", {{"w", std::cos(angle / 2)}, {"x", std::sin(angle / 2)}}}});
+    service->set_grip("verse_grip",
+                      {{"orientation", {{"w", std::cos(angle / 2)}, {"x", std::sin(angle / 2)}}}});
     if (device->exchange({}, input) && time.seconds() > 0.1) speeds.push_back(input.angular_velocity.x);
   }
   EXPECT_NEAR(median(speeds), 10, 2);
@@ -141,10 +144,11 @@ TEST_F(Inverse3Driver, answers_that_make_no_sense_are_not_used_and_the_next_good
   service->set_hand({0.01, 0, 0}, {});
   ASSERT_TRUE(open());
   for (const Manner manner : {Manner::kGarbage, Manner::kNoNumber, Manner::kHuge, Manner::kOtherTypes}) {
-    ASSERT_TRUE(exchange_until({1, 0, 0}, [&] { return was_felt && device->trouble().empty(); })) << int(manner);
+    ASSERT_TRUE(exchange_until({1, 0, 0}, [&] { return was_felt && device->trouble().empty(); }))
+        << int(manner);
     service->set_manner(manner);
     EXPECT_TRUE(exchange_until({1, 0, 0}, [&] { return !was_felt; })) << int(manner);
-    EXPECT_TRUE(trouble_has("makes no sense")) << device->trouble();
+    EXPECT_TRUE(trouble_has(manner == Manner::kHuge ? "cannot be" : "makes no sense")) << device->trouble();
     EXPECT_EQ(input.pose.position, (Vec3d{0.01, 0, 0}));  // as it was
     EXPECT_FALSE(device->exchange({}, input)) << int(manner);
     service->set_manner(Manner::kGood);
@@ -194,7 +198,8 @@ TEST_F(Inverse3Driver, a_connection_that_breaks_is_told_and_made_again) {
   for (const Manner manner : {Manner::kHangsUp, Manner::kBrokenText}) {
     ASSERT_TRUE(exchange_until({1, 0, 0}, [&] { return was_felt; })) << device->trouble();
     service->set_manner(manner);
-    EXPECT_TRUE(exchange_until({1, 0, 0}, [&] { return !was_felt && trouble_has(service->address()); })) << int(manner);
+    EXPECT_TRUE(exchange_until({1, 0, 0}, [&] { return !was_felt && trouble_has(service->address()); }))
+        << int(manner);
     service->set_manner(Manner::kGood);
   }
   EXPECT_TRUE(exchange_until({1, 0, 0}, [&] { return was_felt; })) << device->trouble();
@@ -221,7 +226,15 @@ TEST_F(Inverse3Driver, an_arm_that_is_not_there_is_asked_for_once_a_second) {
   EXPECT_NEAR(time.seconds(), 1.5, 0.7);
   const std::vector<nlohmann::json> heard = service->heard();
   ASSERT_EQ(heard.size(), 2u);
-  for (const nlohmann::json& message : heard) EXPECT_TRUE(message["session"].contains("force_render_full_state"));
+  for (const nlohmann::json& message : heard)
+    EXPECT_TRUE(message["session"].contains("force_render_full_state"));
+}
+
+TEST_F(Inverse3Driver, a_service_of_another_kind_is_told_from_one_without_arms) {
+  service->set_manner(Manner::kOtherTypes);
+  EXPECT_REFUSED(open({.patience = 0}), "makes no sense");
+  service->set_manner(Manner::kGarbage);
+  EXPECT_REFUSED(open({.patience = 0}), "makes no sense");
 }
 
 TEST_F(Inverse3Driver, an_arm_that_is_connected_while_it_is_waited_for_is_found) {
@@ -242,7 +255,8 @@ TEST_F(Inverse3Driver, an_arm_that_is_unplugged_is_told_and_found_again) {
   service->set_arms({});
   EXPECT_TRUE(exchange_until({1, 0, 0}, [&] { return !was_felt && trouble_has("knows no arm"); }));
   service->set_arms({"049D"});
-  EXPECT_TRUE(exchange_until({1, 0, 0}, [&] { return was_felt && service->force().x == 1; })) << device->trouble();
+  EXPECT_TRUE(exchange_until({1, 0, 0}, [&] { return was_felt && service->force().x == 1; }))
+      << device->trouble();
 }
 
 TEST_F(Inverse3Driver, of_two_arms_one_is_named) {
@@ -269,7 +283,8 @@ TEST_F(Inverse3Driver, an_exchange_allocates_nothing) {
 
 TEST(Inverse3, without_a_service_it_says_what_to_install_at_once) {
   const Timer time;
-  EXPECT_REFUSED(Inverse3({.address = "127.0.0.1:1"}).open(), "127.0.0.1:1", "Haply Inverse Service", "docs/devices.md");
+  EXPECT_REFUSED(Inverse3({.address = "127.0.0.1:1"}).open(), "127.0.0.1:1", "Haply Inverse Service",
+                 "docs/devices.md");
   EXPECT_REFUSED(Inverse3({.address = "nonsense"}).open(), "HOST:PORT", "nonsense");
   EXPECT_LT(time.seconds(), 2);
 }

@@ -14,8 +14,8 @@ namespace turgor::haptics {
 
 namespace {
 
-constexpr double kPeriod = 0.0005;    // between two commands: a state is no older than half a tick of 1 kHz [s]
-constexpr double kLate = 0.02;        // older answers are not used [s]
+constexpr double kPeriod = 0.0005;  // between two commands: a state is no older than half a tick of 1 kHz [s]
+constexpr double kLate = 0.02;      // older answers are not used [s]
 constexpr double kForgotten = 0.05;   // a force is held no longer without another exchange [s]
 constexpr double kAskAgain = 1;       // for a service or an arm that is not there [s]
 constexpr double kTurnWindow = 0.01;  // over which the grip's turning is measured [s]
@@ -35,8 +35,19 @@ std::string no_arm(const DeviceOptions& options, const std::vector<std::string>&
   if (ids.empty())
     return fmt::format("inverse3: the Inverse Service at {} knows no arm; connect it and switch it on",
                        options.address);
-  return fmt::format("inverse3: the Inverse Service at {} knows the arms {}, not {}", options.address, listed(ids),
-                     options.which);
+  return fmt::format("inverse3: the Inverse Service at {} knows the arms {}, not {}", options.address,
+                     listed(ids), on_one_line(options.which));
+}
+
+/// Of what was heard last; empty when nothing is wrong.
+std::string fault_of(const DeviceOptions& options, const Inverse3Link& link) {
+  if (!link.is_understood())
+    return fmt::format("inverse3: what the Inverse Service at {} says makes no sense", options.address);
+  if (!link.arm().is_there) return no_arm(options, link.ids());
+  if (!link.arm().is_calibrated)
+    return fmt::format("inverse3: the arm {} is not calibrated; do it as its lights and the Haply Hub say",
+                       on_one_line(link.id()));
+  return "";
 }
 
 }  // namespace
@@ -64,10 +75,10 @@ Status Inverse3::wait_for_arm() {
     if (link_->arm().is_there) return Done{};
     if (options_.which.empty() && link_->ids().size() > 1)
       return Error{fmt::format("inverse3: there are the arms {}; say which", listed(link_->ids()))};
-    say(no_arm(options_, link_->ids()));
+    const std::string fault = fault_of(options_, *link_);
+    say(fault);
     if (steady_seconds() >= end)
-      return Error{fmt::format("{}; asked {} times in {:g} s", no_arm(options_, link_->ids()), asked,
-                               options_.patience)};
+      return Error{fmt::format("{}; asked {} times in {:g} s", fault, asked, options_.patience)};
     pause(std::min(kAskAgain, end - steady_seconds()));
     if (Status heard = link_->talk({}, stops_); !heard) return Error{"inverse3: " + heard.error().message};
   }
@@ -95,23 +106,19 @@ Status Inverse3::serve_once() {
 
 /// Tells the haptic thread what was heard, and others what is wrong.
 void Inverse3::publish() {
-  const Inverse3Arm& arm = link_->arm();
   Sample sample;
   if (link_->is_connected()) {
+    const Inverse3Arm& arm = link_->arm();
     sample.input = {.pose = {arm.position, axes_of(arm.orientation)},
                     .velocity = arm.velocity,
                     .buttons = arm.buttons,
                     .time = steady_seconds()};
     measure_turning(sample.input);
-    const bool is_plain = link_->is_understood() && is_plausible(sample.input);
-    sample.is_usable = is_plain && arm.is_there && arm.is_calibrated;
-    if (is_plain) heard_at_ = sample.input.time;
-    if (sample.is_usable) say("");
-    if (!is_plain) say("inverse3: the Inverse Service says what makes no sense");
-    if (is_plain && !arm.is_there) say(no_arm(options_, link_->ids()));
-    if (is_plain && arm.is_there && !arm.is_calibrated)
-      say(fmt::format("inverse3: the arm {} is not calibrated; do it as its lights and the Haply Hub say",
-                      on_one_line(link_->id())));
+    const bool can_be = is_plausible(sample.input);
+    const std::string fault = fault_of(options_, *link_);
+    sample.is_usable = can_be && fault.empty();
+    heard_at_ = sample.input.time;
+    say(fault.empty() && !can_be ? "inverse3: the arm tells of a place or a speed that cannot be" : fault);
   }
   sample_.write(sample);
 }
@@ -120,7 +127,9 @@ void Inverse3::publish() {
 void Inverse3::measure_turning(DeviceInput& input) {
   const double passed = input.time - turned_at_;
   if (passed >= kTurnWindow) {
-    angular_velocity_ = passed < 2 * kTurnWindow ? rotation_vector(input.pose.axes * transposed(turned_from_)) / passed : Vec3d{};
+    angular_velocity_ = passed < 2 * kTurnWindow
+                            ? rotation_vector(input.pose.axes * transposed(turned_from_)) / passed
+                            : Vec3d{};
     turned_from_ = input.pose.axes;
     turned_at_ = input.time;
   }
@@ -151,7 +160,8 @@ std::string Inverse3::trouble() const {
   const std::lock_guard lock(mutex_);
   const double silent = steady_seconds() - heard_at_;
   if (!trouble_.empty() || silent <= kLate) return trouble_;
-  return fmt::format("inverse3: the Inverse Service at {} has not answered for {:.3f} s", options_.address, silent);
+  return fmt::format("inverse3: the Inverse Service at {} has not answered for {:.3f} s", options_.address,
+                     silent);
 }
 
 /// In pieces, so that close need not wait.

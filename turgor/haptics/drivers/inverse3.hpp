@@ -1,6 +1,6 @@
-// Haply Inverse3, Inverse3x and Minverse, through the Inverse Service that runs beside us and speaks JSON over
-// a WebSocket. A thread of its own talks to it, 2 000 times a second, because an answer may take its time and
-// reading JSON allocates; the haptic thread exchanges whole values with that thread and never waits.
+// Haply Inverse3, Inverse3x and Minverse, through the Inverse Service that runs beside us and speaks JSON
+// over a WebSocket. A thread of its own talks to it, 2 000 times a second, because an answer may take its
+// time and reading JSON allocates; the haptic thread exchanges whole values with that thread and never waits.
 #pragma once
 
 #include <atomic>
@@ -22,8 +22,8 @@ class Inverse3 final : public Device {
   ~Inverse3() override;
 
   /// Waits for an arm as long as options.patience says, asking once a second. An arm that is not calibrated
-  /// is open, and trouble() says so until it is. A service or an arm that goes away is asked for once a second
-  /// until close.
+  /// is open, and trouble() says so until it is. A service or an arm that goes away is asked for once a
+  /// second until close.
   Status open() override;
   const DeviceSpec& spec() const override { return spec_; }
   /// False besides: the last answer is older than 20 ms, or the arm is not calibrated. A force is held for
@@ -54,13 +54,13 @@ class Inverse3 final : public Device {
   const DeviceOptions options_;
   DeviceSpec spec_;
   std::unique_ptr<Inverse3Link> link_;
-  Mat3d turned_from_;          // the grip's axes when its turning was last measured,
-  double turned_at_ = 0;       // and when that was [s]
-  Vec3d angular_velocity_;     // of the grip [rad/s]
+  Mat3d turned_from_;       // the grip's axes when its turning was last measured,
+  double turned_at_ = 0;    // and when that was [s]
+  Vec3d angular_velocity_;  // of the grip [rad/s]
 
   latest<Wanted> wanted_;
   latest<Sample> sample_;
-  std::atomic<double> heard_at_ = 0;  // the last answer that made sense [s]
+  std::atomic<double> heard_at_ = 0;  // the last answer [s]
   std::atomic<bool> stops_ = false;
   mutable std::mutex mutex_;
   std::string trouble_;  // guarded by the mutex

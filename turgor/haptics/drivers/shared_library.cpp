@@ -23,7 +23,7 @@ bool is_absent(const std::string& file, const std::string& said) {
 Result<SharedLibrary> SharedLibrary::open(const std::vector<std::string>& candidates) {
   std::string absent, broken;
   for (const std::string& file : candidates) {
-    if (void* handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL)) {
+    if (void* handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL | RTLD_NODELETE)) {
       SharedLibrary library;
       library.handle_ = std::shared_ptr<void>(handle, dlclose);
       library.file_ = file;
@@ -37,7 +37,9 @@ Result<SharedLibrary> SharedLibrary::open(const std::vector<std::string>& candid
   return Error{broken.empty() ? absent : broken};
 }
 
-void* SharedLibrary::find(const char* symbol) const { return handle_ ? dlsym(handle_.get(), symbol) : nullptr; }
+void* SharedLibrary::find(const char* symbol) const {
+  return handle_ ? dlsym(handle_.get(), symbol) : nullptr;
+}
 
 std::vector<std::string> library_files(const std::string& folder, const std::string& stem) {
   std::vector<std::string> files;

@@ -9,7 +9,7 @@
 
 namespace turgor::haptics {
 
-/// Loaded as long as it lives.
+/// Once loaded it stays: threads of a vendor and sentences that it owns outlive a device.
 class SharedLibrary {
  public:
   SharedLibrary() = default;
