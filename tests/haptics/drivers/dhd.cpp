@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <memory>
 
 #include "folders.hpp"
@@ -76,7 +77,7 @@ TEST_F(DhdArm, power_is_the_same_on_both_sides) {
 }
 
 TEST_F(DhdArm, limits_of_the_type_are_kept) {
-  for (const auto& [type, limit] : {std::pair{33, 12.0}, {63, 20.0}, {60, 8.0}, {999, 5.0}}) {
+  for (const auto& [type, limit] : std::map<int, double>{{33, 12}, {63, 20}, {60, 8}, {999, 5}}) {
     arm = {};
     arm.type = type;
     ASSERT_TRUE(open());

@@ -37,7 +37,8 @@ Result<Places> places_of(const std::vector<std::string>& names) {
   for (const int needed : {kTime, kX, kY, kZ})
     if (places[std::size_t(needed)] < 0)
       return Error{fmt::format("expected columns {}; {} is missing", kExpected, kNames[needed])};
-  const auto count = std::count_if(places.begin() + kQw, places.begin() + kQz + 1, [](int p) { return p >= 0; });
+  const auto count =
+      std::count_if(places.begin() + kQw, places.begin() + kQz + 1, [](int p) { return p >= 0; });
   if (count != 0 && count != 4) return Error{"expected all of qw, qx, qy, qz or none of them"};
   return places;
 }
@@ -51,11 +52,29 @@ std::string fault_of(const PoseRow& row, const std::vector<PoseRow>& before, dou
                        row.position.x, row.position.y, row.position.z);
   const double length = std::sqrt(dot(row.orientation, row.orientation));
   if (std::abs(length - 1) > 0.01)
-    return fmt::format("expected a quaternion qw, qx, qy, qz of length 1, found one of length {:.3g}", length);
+    return fmt::format("expected a quaternion qw, qx, qy, qz of length 1, found one of length {:.3g}",
+                       length);
   if (row.grip < 0 || row.grip > 1) return fmt::format("expected a grip from 0 to 1, found {}", row.grip);
   if (buttons < 0 || buttons > 0xffffffff || buttons != std::floor(buttons))
     return fmt::format("expected buttons as a whole number, a bit each, found {}", buttons);
   return "";
+}
+
+/// Error: what is wrong with it, after the rows before.
+Result<PoseRow> row_of(const std::vector<double>& values, const Places& places,
+                       const std::vector<PoseRow>& before) {
+  const auto value = [&](Column column, double otherwise) {
+    return places[column] < 0 ? otherwise : values[std::size_t(places[column])];
+  };
+  PoseRow row{.time = value(kTime, 0),
+              .position = {value(kX, 0), value(kY, 0), value(kZ, 0)},
+              .orientation = {value(kQw, 1), value(kQx, 0), value(kQy, 0), value(kQz, 0)},
+              .grip = value(kGrip, 0)};
+  const double buttons = value(kButtons, 0);
+  if (const std::string fault = fault_of(row, before, buttons); !fault.empty()) return Error{fault};
+  row.orientation = normalized(row.orientation);
+  row.buttons = std::uint32_t(buttons);
+  return row;
 }
 
 DeviceInput resting(const PoseRow& row) {
@@ -72,26 +91,16 @@ Result<std::vector<PoseRow>> read_poses(const std::filesystem::path& file) {
   const Result<std::vector<NumberRow>> table = read_number_table(file, "numbers");
   if (!table) return table.error();
   std::vector<PoseRow> rows;
-  for (const NumberRow& numbers : *table) {
+  for (const NumberRow& line : *table) {
     const auto fault = [&](const std::string& what) {
-      return Error{fmt::format("{}:{}: {}", file.string(), numbers.line, what)};
+      return Error{fmt::format("{}:{}: {}", file.string(), line.line, what)};
     };
-    if (numbers.values.size() != names->size())
+    if (line.values.size() != names->size())
       return fault(fmt::format("expected {} numbers, as the first line has names, found {}", names->size(),
-                               numbers.values.size()));
-    const auto value = [&](Column column, double otherwise) {
-      const int place = (*places)[column];
-      return place < 0 ? otherwise : numbers.values[std::size_t(place)];
-    };
-    const double buttons = value(kButtons, 0);
-    PoseRow row{.time = value(kTime, 0),
-                .position = {value(kX, 0), value(kY, 0), value(kZ, 0)},
-                .orientation = {value(kQw, 1), value(kQx, 0), value(kQy, 0), value(kQz, 0)},
-                .grip = value(kGrip, 0)};
-    if (const std::string what = fault_of(row, rows, buttons); !what.empty()) return fault(what);
-    row.orientation = normalized(row.orientation);
-    row.buttons = std::uint32_t(buttons);
-    rows.push_back(row);
+                               line.values.size()));
+    const Result<PoseRow> row = row_of(line.values, *places, rows);
+    if (!row) return fault(row.error().message);
+    rows.push_back(*row);
   }
   return rows;
 }
@@ -107,7 +116,8 @@ DeviceInput pose_at(const std::vector<PoseRow>& rows, double time) {
   DeviceInput input = resting(a);
   input.pose = {a.position * (1 - s) + b.position * s, axes_of(between(a.orientation, b.orientation, s))};
   input.velocity = (b.position - a.position) / duration;
-  input.angular_velocity = rotation_vector(axes_of(b.orientation) * transposed(axes_of(a.orientation))) / duration;
+  input.angular_velocity =
+      rotation_vector(axes_of(b.orientation) * transposed(axes_of(a.orientation))) / duration;
   input.grip = a.grip * (1 - s) + b.grip * s;
   return input;
 }
