@@ -1,4 +1,6 @@
 // `turgor devices`: which haptic devices are connected, and what is missing for those that are not.
+#include "turgor/haptics/drivers/devices.hpp"
+
 #include <memory>
 
 #include <fmt/format.h>
@@ -6,7 +8,6 @@
 
 #include "app/commands.hpp"
 #include "turgor/core/one_line.hpp"
-#include "turgor/haptics/drivers/devices.hpp"
 #include "turgor/io/file.hpp"
 
 namespace turgor {
@@ -19,7 +20,8 @@ using haptics::DeviceListing;
 Json describe(const std::vector<DeviceListing>& listings) {
   Json drivers = Json::array();
   for (const DeviceListing& l : listings)
-    drivers.push_back({{"driver", l.driver}, {"devices", l.devices}, {"connected", l.connected}, {"note", l.note}});
+    drivers.push_back(
+        {{"driver", l.driver}, {"devices", l.devices}, {"connected", l.connected}, {"note", l.note}});
   return {{"drivers", drivers}};
 }
 
@@ -27,8 +29,8 @@ void print_devices(const std::vector<DeviceListing>& listings) {
   fmt::print("  {:<12} {:<10} {}\n", "driver", "connected", "devices");
   for (const DeviceListing& l : listings) {
     const std::string connected = l.connected.empty() ? "-" : fmt::format("{}", fmt::join(l.connected, ", "));
-    fmt::print("  {:<12} {:<10} {}\n  {:<12} {:<10} {}\n", l.driver, on_one_line(connected), l.devices, "", "",
-               on_one_line(l.note));
+    fmt::print("  {:<12} {:<10} {}\n  {:<12} {:<10} {}\n", l.driver, on_one_line(connected), l.devices, "",
+               "", on_one_line(l.note));
   }
 }
 

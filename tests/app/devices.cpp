@@ -10,7 +10,8 @@ using namespace test;
 TEST(DevicesCommand, tells_of_every_driver_in_two_seconds_what_it_needs) {
   const fs::path folder = fresh_folder();
   const Timer time;
-  const Ended ended = run_program("devices --address 127.0.0.1:1 --json devices.json", folder, "unset FDSDK FORCEDIM_SDK");
+  const Ended ended =
+      run_program("devices --address 127.0.0.1:1 --json devices.json", folder, "unset FDSDK FORCEDIM_SDK");
   EXPECT_LT(time.seconds(), 2);
   EXPECT_EQ(ended.code, 0) << ended.printed;
   const nlohmann::json json = read_json(folder / "devices.json");

@@ -22,7 +22,8 @@ TEST(Devices, a_driver_that_is_none_is_refused_with_those_that_are) {
 
 TEST(Devices, without_hardware_each_driver_says_what_it_needs_in_two_seconds) {
   const Timer time;
-  const std::vector<DeviceListing> listings = list_devices({.address = "127.0.0.1:1", .library = "/nowhere/lib.so"});
+  const std::vector<DeviceListing> listings =
+      list_devices({.address = "127.0.0.1:1", .library = "/nowhere/lib.so"});
   EXPECT_LT(time.seconds(), 2);
   EXPECT_NE(of(listings, "inverse3").note.find("Haply Inverse Service"), std::string::npos);
   EXPECT_NE(of(listings, "dhd").note.find("install the Force Dimension SDK"), std::string::npos);

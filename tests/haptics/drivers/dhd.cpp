@@ -72,7 +72,8 @@ TEST_F(DhdArm, power_is_the_same_on_both_sides) {
   ASSERT_TRUE(open());
   arm.velocity[0] = 0.1, arm.velocity[1] = -0.2, arm.velocity[2] = 0.3;
   ASSERT_TRUE(exchange({0.5, 1.5, -2.5}));
-  const double theirs = arm.force[0] * arm.velocity[0] + arm.force[1] * arm.velocity[1] + arm.force[2] * arm.velocity[2];
+  const double theirs =
+      arm.force[0] * arm.velocity[0] + arm.force[1] * arm.velocity[1] + arm.force[2] * arm.velocity[2];
   EXPECT_NEAR(dot(Vec3d{0.5, 1.5, -2.5}, input.velocity), theirs, 1e-12);
 }
 
@@ -204,7 +205,8 @@ TEST_F(DhdArm, the_second_arm_is_number_1) {
 }
 
 TEST(Dhd, what_is_missing_is_named) {
-  EXPECT_REFUSED(Dhd({.library = "/nowhere/libdrd.so"}).open(), "/nowhere/libdrd.so", "install the Force Dimension SDK");
+  EXPECT_REFUSED(Dhd({.library = "/nowhere/libdrd.so"}).open(), "/nowhere/libdrd.so",
+                 "install the Force Dimension SDK");
   EXPECT_REFUSED(Dhd({.library = FAKE_HD}).open(), "libfake_hd.so", "lacks the function dhdGetDeviceCount");
   const fs::path text = test::fresh_folder() / "libdrd.so";
   test::write(text, "no library");

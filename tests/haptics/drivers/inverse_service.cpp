@@ -100,7 +100,8 @@ struct InverseService::Server {
       }
       if (socket.available(error) > 0) unanswered++;
       if (manner_now() == Manner::kLate) std::this_thread::sleep_for(std::chrono::milliseconds(60));
-      while (manner_now() == Manner::kSilent && !stops) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      while (manner_now() == Manner::kSilent && !stops)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
       if (manner_now() == Manner::kHangsUp) break;
       tell(false);
     }

@@ -41,9 +41,9 @@ class InverseService {
   /// A state of a wireless_verse_grip, or of a verse_grip (which has one button).
   void set_grip(const std::string& kind, const nlohmann::json& state);
 
-  Vec3d force() const;            // last felt by the first arm [N]
+  Vec3d force() const;                        // last felt by the first arm [N]
   std::vector<nlohmann::json> heard() const;  // all messages, from the first on
-  int unanswered() const;         // commands that came before the last one was answered
+  int unanswered() const;                     // commands that came before the last one was answered
   int connections() const;
 
  private:

@@ -52,7 +52,8 @@ class HdArm : public testing::Test {
   /// For this many ticks of the vendor's thread.
   void wait(int ticks) {
     const int end = arm.ticks + ticks;
-    for (int n = 0; n < 5000 && arm.ticks < end; n++) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (int n = 0; n < 5000 && arm.ticks < end; n++)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ASSERT_GE(arm.ticks, end);
   }
   void send(Vec3d force) {
@@ -96,7 +97,8 @@ TEST_F(HdArm, what_the_hand_does_is_read_in_metres_and_our_axes) {
   EXPECT_NEAR(norm(input.velocity - Vec3d{0, 0, 0.25}), 0, 1e-15);
   EXPECT_EQ(input.angular_velocity, (Vec3d{0, -3, 0}));
   EXPECT_EQ(input.buttons, 2u);
-  EXPECT_NEAR(norm(input.pose.axes.column[2] - Vec3d{0, -1, 0}), 0, 1e-15);  // what points up points at the user
+  EXPECT_NEAR(norm(input.pose.axes.column[2] - Vec3d{0, -1, 0}), 0,
+              1e-15);  // what points up points at the user
   EXPECT_TRUE(contact::is_valid(input.pose));
 }
 
@@ -136,7 +138,8 @@ TEST_F(HdArm, a_fault_ends_the_ticks_without_force_and_says_so) {
   arm.next_error = 0x302;
   wait(5);
   EXPECT_EQ(arm.force[0], 0);
-  EXPECT_NE(device->trouble().find("check cable and power (HD error 0x302)"), std::string::npos) << device->trouble();
+  EXPECT_NE(device->trouble().find("check cable and power (HD error 0x302)"), std::string::npos)
+      << device->trouble();
   const int ticks = felt.ticks;
   wait(5);
   EXPECT_EQ(felt.ticks, ticks);
@@ -165,7 +168,6 @@ TEST_F(HdArm, a_tick_allocates_nothing) {
     felt.ticks = 0;  // the next one counts anew
   }
   wait(50);
-  DeviceOutput output;
   std::size_t counted = 0;
   {
     const std::lock_guard lock(felt.mutex);
@@ -223,7 +225,8 @@ TEST_F(HdArm, what_hinders_it_from_opening_is_told) {
 }
 
 TEST(OpenHaptics, what_is_missing_is_named) {
-  EXPECT_REFUSED(OpenHaptics({.library = "/nowhere/libHD.so"}).open(), "/nowhere/libHD.so", "install 3D Systems OpenHaptics");
+  EXPECT_REFUSED(OpenHaptics({.library = "/nowhere/libHD.so"}).open(), "/nowhere/libHD.so",
+                 "install 3D Systems OpenHaptics");
   EXPECT_REFUSED(OpenHaptics({.library = FAKE_DRD}).open(), "lacks the function hdInitDevice");
 }
 

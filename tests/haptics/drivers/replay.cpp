@@ -18,7 +18,8 @@ Result<std::vector<PoseRow>> read(const std::string& text) {
 }
 
 TEST(Replay, columns_may_come_in_any_order_and_comments_between_rows) {
-  const auto rows = read("# a hand\nbuttons; z_m; time_s; x_m; y_m\n3; 0.01; 0; 0.02; 0.03\n\n# later\n0; 0; 1.5; 0; 0\n");
+  const auto rows =
+      read("# a hand\nbuttons; z_m; time_s; x_m; y_m\n3; 0.01; 0; 0.02; 0.03\n\n# later\n0; 0; 1.5; 0; 0\n");
   ASSERT_TRUE(rows) << rows.error().message;
   ASSERT_EQ(rows->size(), 2u);
   EXPECT_EQ((*rows)[0].position, (Vec3d{0.02, 0.03, 0.01}));
@@ -28,7 +29,9 @@ TEST(Replay, columns_may_come_in_any_order_and_comments_between_rows) {
 
 TEST(Replay, between_two_rows_the_hand_moves_and_turns_evenly) {
   // A quarter turn about z and 40 mm along x, in half a second.
-  const auto rows = read("time_s,x_m,y_m,z_m,qw,qx,qy,qz,grip,buttons\n1,0,0,0,1,0,0,0,0,1\n1.5,0.04,0,0,0.70710678,0,0,0.70710678,1,2\n");
+  const auto rows = read(
+      "time_s,x_m,y_m,z_m,qw,qx,qy,qz,grip,buttons\n1,0,0,0,1,0,0,0,0,1\n1.5,0.04,0,0,0.70710678,0,0,0."
+      "70710678,1,2\n");
   ASSERT_TRUE(rows) << rows.error().message;
   const DeviceInput half = pose_at(*rows, 1.25);
   const double angle = std::numbers::pi / 4;
@@ -54,7 +57,8 @@ TEST(Replay, a_bad_file_is_refused_with_line_and_what_was_found) {
   EXPECT_REFUSED(read("time_s,x_mm,y_m,z_m\n0,0,0,0\n"), "x_m, y_m", "found \"x_mm\"");
   EXPECT_REFUSED(read("time_s,x_m,x_m,y_m,z_m\n0,0,0,0,0\n"), "x_m is there twice");
   EXPECT_REFUSED(read("time_s,x_m,y_m,z_m,qw\n0,0,0,0,1\n"), "all of qw, qx, qy, qz");
-  EXPECT_REFUSED(read("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n"), "hand.csv:2", "length 1", "length 0");
+  EXPECT_REFUSED(read("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n"), "hand.csv:2", "length 1",
+                 "length 0");
   EXPECT_REFUSED(read("time_s,x_m,y_m,z_m,grip\n0,0,0,0,2\n"), "hand.csv:2", "from 0 to 1", "found 2");
   EXPECT_REFUSED(read("time_s,x_m,y_m,z_m,buttons\n0,0,0,0,1.5\n"), "hand.csv:2", "whole number", "1.5");
   EXPECT_REFUSED(read_poses("/nowhere/hand.csv"), "/nowhere/hand.csv");

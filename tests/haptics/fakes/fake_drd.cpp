@@ -50,8 +50,8 @@ int dhdEnableExpertMode() { return answer(); }
 int dhdDisableExpertMode() { return answer(); }
 int dhdSetWatchdog(unsigned char n, char) { return arm.watchdog = n, answer(); }
 int dhdSetVelocityThreshold(unsigned, char) { return arm.velocity_thresholds++, answer(); }
-int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz, double fg,
-                                        char) {
+int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz,
+                                        double fg, char) {
   const double force[3] = {fx, fy, fz}, torque[3] = {tx, ty, tz};
   std::copy_n(force, 3, arm.force);
   std::copy_n(torque, 3, arm.torque);

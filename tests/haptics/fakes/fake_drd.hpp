@@ -16,7 +16,7 @@ struct FakeDrd {
 
   // What the driver did.
   double force[3] = {0, 0, 0}, torque[3] = {0, 0, 0}, gripper_force = 0;  // last sent
-  double largest_force = 0;                                              // ever sent [N]
+  double largest_force = 0;                                               // ever sent [N]
   bool is_open = false, are_forces_on = false, has_gravity_compensation = false;
   int opened_id = -1, auto_inits = 0, watchdog = 0, velocity_thresholds = 0, forces_sent = 0;
   double max_force = -1;

@@ -71,7 +71,7 @@ void hdGetDoublev(unsigned parameter, double* values) {
   if (parameter == 0x2051) copy(arm.velocity, values);
   if (parameter == 0x2052) copy(arm.transform, values);
   if (parameter == 0x2053) copy(arm.angular_velocity, values);
-  if (parameter == 0x2602) *values = 0.4;    // N/mm
+  if (parameter == 0x2602) *values = 0.4;  // N/mm
   if (parameter == 0x2603) *values = arm.max_force;
   if (parameter == 0x2609) *values = 0.005;  // N·s/mm
   const double box[6] = {-80, -60, -35, 80, 60, 35};

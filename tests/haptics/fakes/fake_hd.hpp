@@ -24,7 +24,8 @@ struct FakeHd {
   void reset() {
     for (std::size_t i = 0; i < 16; i++) transform[i] = i % 5 == 0 ? 1 : 0;
     for (std::size_t i = 0; i < 3; i++) velocity[i] = angular_velocity[i] = force[i] = 0;
-    buttons = 0, calibration = 0x5000, calibration_styles = 4, init_error = 0, next_error = 0, max_force = 3.3;
+    buttons = 0, calibration = 0x5000, calibration_styles = 4, init_error = 0, next_error = 0,
+    max_force = 3.3;
     largest_force = 0, force_when_disabled = -1, forces_outside_frames = 0, ticks = 0, updates = 0;
     is_open = is_running = is_force_on = false;
   }

@@ -31,13 +31,20 @@ Mat3d to_ours(const double m[3][3]) {
 
 const char* cause_text(int cause) {
   switch (cause) {
-    case kDhdByButton: return "by its button";
-    case kDhdByVelocity: return "because it moved too fast";
-    case kDhdByWatchdog: return "by its watchdog: no force was sent for 32 ms";
-    case kDhdBySoftware: return "by a program";
-    case kDhdByUsb: return "because it was disconnected";
-    case kDhdByDeadman: return "by its dead-man switch";
-    default: return "for a reason that it does not tell";
+    case kDhdByButton:
+      return "by its button";
+    case kDhdByVelocity:
+      return "because it moved too fast";
+    case kDhdByWatchdog:
+      return "by its watchdog: no force was sent for 32 ms";
+    case kDhdBySoftware:
+      return "by a program";
+    case kDhdByUsb:
+      return "because it was disconnected";
+    case kDhdByDeadman:
+      return "by its dead-man switch";
+    default:
+      return "for a reason that it does not tell";
   }
 }
 
@@ -69,7 +76,8 @@ Status Dhd::open_arm() {
   int index = -1;
   const std::string& which = options_.which;
   const auto [end, wrong] = std::from_chars(which.data(), which.data() + which.size(), index);
-  if (!which.empty() && (wrong != std::errc() || end != which.data() + which.size() || index < 0 || index > 126))
+  if (!which.empty() &&
+      (wrong != std::errc() || end != which.data() + which.size() || index < 0 || index > 126))
     return Error{fmt::format("dhd: expected the number of an arm, 0 for the first, found \"{}\"", which)};
   int id = -1;
   if (dhd_.has_drd()) id = which.empty() ? dhd_.drd_open() : dhd_.drd_open_id(char(index));
@@ -86,7 +94,8 @@ Status Dhd::find_zero() {
   if (dhd_.drd_is_supported(id_) && !dhd_.drd_is_initialized(id_)) {
     if (!options_.may_move)
       return Error{
-          "dhd: the arm has not found its zero yet; for that it moves by itself: take your hand away and allow it "
+          "dhd: the arm has not found its zero yet; for that it moves by itself: take your hand away and "
+          "allow it "
           "(may_move), or run the vendor's HapticInit"};
     if (dhd_.drd_auto_init(id_) < 0) return error("the arm did not find its zero");
   }
@@ -104,7 +113,8 @@ Status Dhd::prepare() {
   if (!dhd_.has_active_gripper(id_)) spec_.grip_force = 0;
   (void)dhd_.set_gravity_compensation(1, id_);  // not all arms have it
   (void)dhd_.set_max_force(spec_.force, id_);
-  if (dhd_.enable_expert_mode() >= 0) {  // for the watchdog alone; the velocity threshold is not ours to touch
+  if (dhd_.enable_expert_mode() >=
+      0) {  // for the watchdog alone; the velocity threshold is not ours to touch
     (void)dhd_.set_watchdog(kWatchdog, id_);
     (void)dhd_.disable_expert_mode();
   }
@@ -117,16 +127,18 @@ Status Dhd::prepare() {
 
 bool Dhd::send(const DeviceOutput& output) noexcept {
   const Vec3d f = to_theirs(output.force), t = to_theirs(output.torque);
-  return dhd_.set_force_and_torque_and_gripper_force(f.x, f.y, f.z, t.x, t.y, t.z, output.grip_force, id_) >= 0;
+  return dhd_.set_force_and_torque_and_gripper_force(f.x, f.y, f.z, t.x, t.y, t.z, output.grip_force, id_) >=
+         0;
 }
 
 bool Dhd::receive(DeviceInput& input) noexcept {
   Vec3d x, v, w;
   double frame[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, angle = kWideOpen;
-  const bool is_read = dhd_.get_position_and_orientation_frame(&x.x, &x.y, &x.z, frame, id_) >= 0 &&
-                       dhd_.get_linear_velocity(&v.x, &v.y, &v.z, id_) >= 0 &&
-                       (!spec_.has_orientation || dhd_.get_angular_velocity_rad(&w.x, &w.y, &w.z, id_) >= 0) &&
-                       (!spec_.has_grip || dhd_.get_gripper_angle_rad(&angle, id_) >= 0);
+  const bool is_read =
+      dhd_.get_position_and_orientation_frame(&x.x, &x.y, &x.z, frame, id_) >= 0 &&
+      dhd_.get_linear_velocity(&v.x, &v.y, &v.z, id_) >= 0 &&
+      (!spec_.has_orientation || dhd_.get_angular_velocity_rad(&w.x, &w.y, &w.z, id_) >= 0) &&
+      (!spec_.has_grip || dhd_.get_gripper_angle_rad(&angle, id_) >= 0);
   if (!is_read) return false;
   input.pose = {to_ours(x), spec_.has_orientation ? to_ours(frame) : Mat3d{}};
   input.velocity = to_ours(v);
@@ -180,17 +192,23 @@ void Dhd::close() noexcept {
 
 std::string Dhd::trouble() const {
   switch (condition_.load()) {
-    case Condition::kGood: return "";
-    case Condition::kClosed: return "dhd: it is not open";
+    case Condition::kGood:
+      return "";
+    case Condition::kClosed:
+      return "dhd: it is not open";
     case Condition::kFailed: {
       const char* said = failure_;
       return fmt::format("dhd: the arm does not answer: {}", said ? on_one_line(said) : "no reason is told");
     }
-    case Condition::kUnplugged: return "dhd: the arm was disconnected";
-    case Condition::kInReset: return "dhd: the arm has lost its zero: put it where it rests, or open it anew";
+    case Condition::kUnplugged:
+      return "dhd: the arm was disconnected";
+    case Condition::kInReset:
+      return "dhd: the arm has lost its zero: put it where it rests, or open it anew";
     case Condition::kForcesOff:
-      return fmt::format("dhd: the arm switched its forces off {}; switch them on at the arm", cause_text(cause_));
-    case Condition::kImplausible: return "dhd: the arm tells of a place or a speed that cannot be";
+      return fmt::format("dhd: the arm switched its forces off {}; switch them on at the arm",
+                         cause_text(cause_));
+    case Condition::kImplausible:
+      return "dhd: the arm tells of a place or a speed that cannot be";
   }
   return "";
 }

@@ -74,8 +74,9 @@ void bind_drd(DhdLibrary& l) {
 Result<DhdLibrary> load_dhd(const std::filesystem::path& file) {
   Result<SharedLibrary> library = SharedLibrary::open(candidates(file));
   if (!library)
-    return Error{fmt::format("{}; install the Force Dimension SDK and let FDSDK name its folder (docs/devices.md)",
-                             library.error().message)};
+    return Error{
+        fmt::format("{}; install the Force Dimension SDK and let FDSDK name its folder (docs/devices.md)",
+                    library.error().message)};
   DhdLibrary dhd{.library = std::move(*library)};
   if (const char* missing = missing_function(dhd))
     return Error{fmt::format("{}: lacks the function {}; expected the Force Dimension SDK 3.14 or later",

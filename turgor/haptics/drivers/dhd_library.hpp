@@ -11,9 +11,22 @@
 namespace turgor::haptics {
 
 /// What dhdGetStatus fills in, as far as we look.
-enum DhdStatus { kDhdConnected = 1, kDhdReset = 3, kDhdForce = 5, kDhdForceOffCause = 14, kDhdStatusCount = 17 };
+enum DhdStatus {
+  kDhdConnected = 1,
+  kDhdReset = 3,
+  kDhdForce = 5,
+  kDhdForceOffCause = 14,
+  kDhdStatusCount = 17
+};
 /// Why forces are off.
-enum DhdForceOff { kDhdByButton = 1, kDhdByVelocity, kDhdByWatchdog, kDhdBySoftware, kDhdByUsb, kDhdByDeadman };
+enum DhdForceOff {
+  kDhdByButton = 1,
+  kDhdByVelocity,
+  kDhdByWatchdog,
+  kDhdBySoftware,
+  kDhdByUsb,
+  kDhdByDeadman
+};
 
 struct DhdLibrary {
   SharedLibrary library;
@@ -34,8 +47,8 @@ struct DhdLibrary {
   int (*enable_expert_mode)();
   int (*disable_expert_mode)();
   int (*set_watchdog)(unsigned char eighths_of_ms, char id);
-  int (*set_force_and_torque_and_gripper_force)(double fx, double fy, double fz, double tx, double ty, double tz,
-                                                double fg, char id);
+  int (*set_force_and_torque_and_gripper_force)(double fx, double fy, double fz, double tx, double ty,
+                                                double tz, double fg, char id);
   int (*get_position_and_orientation_frame)(double* x, double* y, double* z, double m[3][3], char id);
   int (*get_linear_velocity)(double* x, double* y, double* z, char id);
   int (*get_angular_velocity_rad)(double* x, double* y, double* z, char id);

@@ -12,7 +12,8 @@ namespace {
 std::vector<std::string> candidates(const std::filesystem::path& file) {
   if (!file.empty()) return {file.string()};
   std::vector<std::string> files;
-  for (const char* version : {"", ".3", ".3.5", ".3.4", ".3.0"}) files.push_back(std::string("libHD.so") + version);
+  for (const char* version : {"", ".3", ".3.5", ".3.4", ".3.0"})
+    files.push_back(std::string("libHD.so") + version);
   for (const char* folder : {"/usr/lib", "/usr/local/lib", "/usr/lib64"})
     for (const std::string& found : library_files(folder, "libHD.so")) files.push_back(found);
   return files;
@@ -50,25 +51,34 @@ const char* missing_function(HdLibrary& l) {
 Result<HdLibrary> load_hd(const std::filesystem::path& file) {
   Result<SharedLibrary> library = SharedLibrary::open(candidates(file));
   if (!library)
-    return Error{fmt::format(
-        "{}; install 3D Systems OpenHaptics and the driver of the device (docs/devices.md)", library.error().message)};
+    return Error{
+        fmt::format("{}; install 3D Systems OpenHaptics and the driver of the device (docs/devices.md)",
+                    library.error().message)};
   HdLibrary hd{.library = std::move(*library)};
   if (const char* missing = missing_function(hd))
-    return Error{fmt::format("{}: lacks the function {}; expected OpenHaptics 3.0 or later", hd.library.file(),
-                             missing)};
+    return Error{fmt::format("{}: lacks the function {}; expected OpenHaptics 3.0 or later",
+                             hd.library.file(), missing)};
   return hd;
 }
 
 const char* hd_error_text(unsigned code) {
   switch (code) {
-    case hd::kForceFault: return "forces are switched off";
-    case hd::kDeviceFault: return "the device reports a fault";
-    case hd::kInUse: return "another program holds the device";
-    case hd::kNoConnection: return "the device does not answer: check cable and power";
-    case hd::kBadConfiguration: return "the device is not set up: run the vendor's Touch Setup";
-    case hd::kTimerFault: return "the vendor's clock failed";
-    case hd::kNoLicense: return "the vendor's library finds no licence";
-    default: return "the vendor's library reports an error";
+    case hd::kForceFault:
+      return "forces are switched off";
+    case hd::kDeviceFault:
+      return "the device reports a fault";
+    case hd::kInUse:
+      return "another program holds the device";
+    case hd::kNoConnection:
+      return "the device does not answer: check cable and power";
+    case hd::kBadConfiguration:
+      return "the device is not set up: run the vendor's Touch Setup";
+    case hd::kTimerFault:
+      return "the vendor's clock failed";
+    case hd::kNoLicense:
+      return "the vendor's library finds no licence";
+    default:
+      return "the vendor's library reports an error";
   }
 }
 

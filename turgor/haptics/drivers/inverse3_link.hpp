@@ -16,7 +16,8 @@ namespace turgor::haptics {
 class Inverse3Link {
  public:
   /// `which`: the id of an arm; empty = the only one.
-  Inverse3Link(std::string address, std::string which) : address_(std::move(address)), which_(std::move(which)) {}
+  Inverse3Link(std::string address, std::string which)
+      : address_(std::move(address)), which_(std::move(which)) {}
 
   /// Within two seconds, or when `stops` becomes true. Error: nothing answers there, and what to install.
   Status connect(const std::atomic<bool>& stops);

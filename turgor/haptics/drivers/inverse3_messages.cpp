@@ -132,7 +132,8 @@ std::string configuring_command(const std::string& id, bool with_session) {
 }
 
 std::string probing_command(const std::string& id) {
-  return fmt::format(R"({{"inverse3":[{{"device_id":{},"commands":{{"probe_position":{{}}}}}}]}})", quoted(id));
+  return fmt::format(R"({{"inverse3":[{{"device_id":{},"commands":{{"probe_position":{{}}}}}}]}})",
+                     quoted(id));
 }
 
 std::string force_command(const std::string& id, Vec3d force) {

@@ -44,8 +44,8 @@ Status OpenHaptics::open() {
   return Done{};
 }
 
-/// Encoders that want a hand to set them to zero are left to the vendor's program: at a wrong place they would
-/// lie from then on.
+/// Encoders that want a hand to set them to zero are left to the vendor's program: at a wrong place they
+/// would lie from then on.
 Status OpenHaptics::calibrate() {
   for (const double end = steady_seconds() + options_.patience;; sleep(0.1)) {
     unsigned state = hd_.check_calibration();
@@ -58,9 +58,10 @@ Status OpenHaptics::calibrate() {
     forget_errors();
     if (state == hd::kCalibrated) return Done{};
     if (steady_seconds() < end) continue;
-    return Error{state == hd::kNeedsHand
-                     ? "openhaptics: the device is not calibrated: put its stylus into the inkwell"
-                     : "openhaptics: the device is not calibrated: run the vendor's Touch Setup or Diagnostic"};
+    return Error{
+        state == hd::kNeedsHand
+            ? "openhaptics: the device is not calibrated: put its stylus into the inkwell"
+            : "openhaptics: the device is not calibrated: run the vendor's Touch Setup or Diagnostic"};
   }
 }
 
@@ -72,18 +73,21 @@ Status OpenHaptics::describe() {
   hd_.get_doubles(hd::kWorkspace, box);            // lowest corner, highest corner [mm]
   if (const unsigned code = hd_.get_error().code; code != 0) return error(code, "its limits cannot be read");
   if (!(force > 0 && force < 100) || !(stiffness > 0 && stiffness < 100))
-    return Error{fmt::format("openhaptics: expected a largest force below 100 N and a stiffness below 100 N/mm, "
-                             "found {} and {}", force, stiffness)};
+    return Error{
+        fmt::format("openhaptics: expected a largest force below 100 N and a stiffness below 100 N/mm, "
+                    "found {} and {}",
+                    force, stiffness)};
   const char* model = hd_.get_string(hd::kModel);
   const char* serial = hd_.get_string(hd::kSerial);
   const Vec3d low = to_ours({box[0], box[1], box[2]}), high = to_ours({box[3], box[4], box[5]});
-  spec_ = {.name = on_one_line(fmt::format("{} {}", model ? model : "3D Systems device", serial ? serial : "")),
-           .workspace_low = min(low, high) * kMillimetre,
-           .workspace_high = max(low, high) * kMillimetre,
-           .force = force,
-           .stiffness = stiffness / kMillimetre,
-           .damping = damping / kMillimetre,
-           .has_orientation = true};
+  spec_ = {
+      .name = on_one_line(fmt::format("{} {}", model ? model : "3D Systems device", serial ? serial : "")),
+      .workspace_low = min(low, high) * kMillimetre,
+      .workspace_high = max(low, high) * kMillimetre,
+      .force = force,
+      .stiffness = stiffness / kMillimetre,
+      .damping = damping / kMillimetre,
+      .has_orientation = true};
   return Done{};
 }
 
@@ -100,7 +104,8 @@ Status OpenHaptics::start(DeviceTick tick, void* context) {
   is_scheduled_ = true;
   hd_.start_scheduler();
   // Warnings are counted in ticks; here all else is a reason not to begin.
-  if (const unsigned code = hd_.get_error().code; code != 0 && (code < hd::kWarmMotors || code > hd::kTooFast))
+  if (const unsigned code = hd_.get_error().code;
+      code != 0 && (code < hd::kWarmMotors || code > hd::kTooFast))
     return close(), error(code, "the haptic thread cannot be started");
   return Done{};
 }
@@ -213,8 +218,9 @@ std::string OpenHaptics::remarks() const {
 
 void look_for_openhaptics(const DeviceOptions& options, DeviceListing& listing) {
   const Result<HdLibrary> hd = load_hd(options.library);
-  listing.note = hd ? fmt::format("{} is there; whether a device answers shows when it is opened", hd->library.file())
-                    : hd.error().message;
+  listing.note =
+      hd ? fmt::format("{} is there; whether a device answers shows when it is opened", hd->library.file())
+         : hd.error().message;
 }
 
 }  // namespace turgor::haptics

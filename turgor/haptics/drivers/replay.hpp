@@ -13,11 +13,11 @@ namespace turgor::haptics {
 
 /// A row of such a file.
 struct PoseRow {
-  double time = 0;  // [s]
-  Vec3d position;   // in the device's frame [m]
+  double time = 0;                     // [s]
+  Vec3d position;                      // in the device's frame [m]
   Quaternion orientation{1, 0, 0, 0};  // unit
-  double grip = 0;                                // 0 open, 1 closed
-  std::uint32_t buttons = 0;                      // a bit each
+  double grip = 0;                     // 0 open, 1 closed
+  std::uint32_t buttons = 0;           // a bit each
 };
 
 /// A .csv file whose first line names its columns, in any order: time_s, x_m, y_m, z_m and, if wanted, all of
