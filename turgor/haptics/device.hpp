@@ -80,6 +80,9 @@ class Device {
 
   /// Why it is lost, in a sentence; empty while it is not. Not for the haptic thread.
   virtual std::string trouble() const { return {}; }
+  /// What it warned of while it worked, counted (warm motors, …); empty when of nothing. Not for that thread
+  /// either.
+  virtual std::string remarks() const { return {}; }
 };
 
 }  // namespace turgor::haptics
