@@ -11,6 +11,7 @@
 #include "app/result_folder.hpp"
 #include "turgor/core/progress.hpp"
 #include "turgor/pictures/run_scene.hpp"
+#include "turgor/sim/report/require.hpp"
 
 namespace turgor {
 
@@ -20,8 +21,9 @@ namespace fs = std::filesystem;
 
 struct CommandOptions {
   fs::path scene, out, replay;
-  std::vector<std::string> overrides;
-  bool quiet = false, force = false;
+  std::vector<std::string> overrides, required;
+  bool quiet = false, force = false, real_time = false;
+  LiveOptions live;
 };
 
 /// The value, or the end of the command.
@@ -139,7 +141,10 @@ fs::path goal_of(const CommandOptions& options, const Json& report) {
 }
 
 void run(const Exec& exec, const CommandOptions& options) {
-  const RunOptions goal{options.out, options.force ? Foreign::kRemove : Foreign::kRefuse};
+  RunOptions goal{.out = options.out, .foreign = options.force ? Foreign::kRemove : Foreign::kRefuse};
+  if (options.real_time) goal.live = options.live;
+  std::vector<Requirement> requirements;
+  for (const std::string& text : options.required) requirements.push_back(required(read_requirement(text)));
   std::optional<ProgressBar> bar;
   const RunCallbacks callbacks = make_callbacks(options.quiet, bar);
   const Json report =
@@ -151,6 +156,9 @@ void run(const Exec& exec, const CommandOptions& options) {
   if (options.replay.empty() && !report.value("finite", true))
     throw Failure{kNotFinite,
                   fmt::format("{}: {}", options.scene.string(), report.at("stopped").get<std::string>())};
+  for (const Requirement& requirement : requirements)
+    if (const std::string missed = required(missed_by(report, requirement)); !missed.empty())
+      throw Failure{kNotFinite, missed};
 }
 
 }  // namespace
@@ -165,6 +173,7 @@ void add_run_command(CLI::App& program, Global& global) {
       "  turgor run scenes/incision.toml --set body.torso.ct=patient.nii.gz --set "
       "body.torso.skin.tension=60\n"
       "  turgor run --replay out/incision/recording.h5 --set output.color=stretch --out out/again\n"
+      "  turgor run scenes/palpation.toml --real-time --require \"haptics.missed<0.001\"\n"
       "All keys of a scene are listed in docs/scene.md.");
   command->add_option("scene", options->scene, "The scene, a TOML file");
   command->add_option("-o,--out", options->out, "Folder for the results (default: out/SCENE)");
@@ -174,11 +183,31 @@ void add_run_command(CLI::App& program, Global& global) {
       ->type_size(1)
       ->allow_extra_args(false);
   command->add_option("--replay", options->replay, "Draw this recording.h5 again instead of simulating");
+  command->add_flag("--real-time", options->real_time,
+                    "A haptic loop beside the frames, by the clock: a hand holds a tool of the scene");
+  CLI::Option* device = command->add_option(
+      "--device", options->live.device,
+      "With --real-time: what the hand holds, one of turgor devices; virtual (default) needs no hardware");
+  CLI::Option* tool = command->add_option("--tool", options->live.tool,
+                                          "With --real-time: the tool in the hand (default: the first)");
+  CLI::Option* rate = command->add_option(
+      "--rate", options->live.rate, "With --real-time: ticks of the haptic loop a second (default: 1000)");
+  rate->check(number_within(100, 10000, "Hz"));
+  for (CLI::Option* option : {device, tool, rate}) option->needs(command->get_option("--real-time"));
+  command
+      ->add_option(
+          "--require", options->required,
+          "A number of report.json that must hold, as \"haptics.missed<0.001\": else exit code 3; may "
+          "be repeated")
+      ->type_size(1)
+      ->allow_extra_args(false);
   add_force_option(*command, options->force);
   command->add_flag("-q,--quiet", options->quiet, "No progress bar and no table");
   command->callback([options, &global] {
     if (options->scene.empty() == options->replay.empty())
       throw Failure{2, "run: expected either a scene or --replay FILE; see turgor run --help"};
+    if (options->real_time && options->scene.empty())
+      throw Failure{2, "run: --real-time needs a scene; a recording has no bodies that answer"};
     run(Exec(global.threads), *options);
   });
 }

@@ -59,6 +59,7 @@ struct FolderRun {
   Outputs& outputs;
   const RunCallbacks& callbacks;
   std::optional<RecordingWriter> recording;
+  std::optional<LiveRun> live;
 };
 
 Status take_snapshot(FolderRun& run, const World& world, const ShownWorld& shown) {
@@ -75,11 +76,17 @@ Result<Simulated> simulate_into(FolderRun& run) {
   RunEvents events;
   if (run.callbacks.begin) events.progress = run.callbacks.begin("simulating", "");
   events.frame = run.callbacks.frame;
+  if (run.live)
+    events.frame = [&run](const World& world) {
+      run.live->touch->wait_for_frame();
+      return !run.callbacks.frame || run.callbacks.frame(world);
+    };
   events.snapshot = [&run](const World& w, const ShownWorld& shown) { return take_snapshot(run, w, shown); };
   events.picture = [&run](const ShownWorld& shown) { return add_video_frame(shown, run.outputs); };
   events.picture_every = video_interval(run.outputs);
   const Timer timer;
   Result<Simulated> done = simulate(run.exec, run.scene, run.world, events);
+  if (run.live) run.live->touch->stop();
   run.outputs.facts.simulation_seconds = timer.seconds();
   return done;
 }
@@ -91,7 +98,9 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   if (!done.stopped.empty()) facts.warnings.push_back(done.stopped);
   append(facts.warnings, cloth_warnings(run.world));
   append(facts.warnings, touch_warnings(run.world));
+  if (run.live) append(facts.warnings, haptics_warnings(*run.live));
   Json report = simulation_report(run.exec, run.scene, run.world, done.measures, facts);
+  if (run.live) report["haptics"] = haptics_report(*run.live);
   if (!done.stopped.empty()) report["stopped"] = done.stopped, report["finite"] = done.finite;
   if (!run.recording) return report;
   const AddTime time(facts.file_seconds);
@@ -105,7 +114,7 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
 
 /// In the open folder.
 Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, OutputFolder& folder,
-                      const RunCallbacks& callbacks) {
+                      const RunOptions& options, const RunCallbacks& callbacks) {
   Result<World> world = load_world(exec, scene, callbacks.begin);
   if (!world) return world.error();
   ShownWorld first;
@@ -116,11 +125,16 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   append(outputs->facts.warnings, notes_of(*world));
   if (scene.output.video && !has_ffmpeg())
     outputs->facts.warnings.push_back("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)");
-  FolderRun run{exec, scene, *world, *outputs, callbacks, std::nullopt};
+  FolderRun run{exec, scene, *world, *outputs, callbacks, std::nullopt, std::nullopt};
   if (scene.output.recording) {
     Result<RecordingWriter> writer = RecordingWriter::create(folder.path() / "recording.h5", scene, *world);
     if (!writer) return writer.error();
     run.recording.emplace(std::move(*writer));
+  }
+  if (options.live) {
+    Result<LiveRun> live = start_live(*world, *options.live, scene.duration);
+    if (!live) return live.error();
+    run.live.emplace(std::move(*live));
   }
   const Result<Simulated> done = simulate_into(run);
   if (!done) return done.error();
@@ -176,7 +190,7 @@ Result<Json> run_scene(const Exec& exec, const Scene& scene, const RunOptions& o
   Result<OutputFolder> folder = open_folder(scene, false, options, callbacks);
   if (!folder) return folder.error();
   if (const Status status = check_inputs(scene, *folder); !status) return status.error();
-  return run_into(exec, scene, total, *folder, callbacks);
+  return run_into(exec, scene, total, *folder, options, callbacks);
 }
 
 Result<Json> replay_recording(const Exec& exec, const fs::path& file,

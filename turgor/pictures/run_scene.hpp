@@ -4,11 +4,13 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "turgor/core/exec.hpp"
 #include "turgor/core/result.hpp"
+#include "turgor/sim/live/live_run.hpp"
 #include "turgor/sim/loading.hpp"
 #include "turgor/sim/output_folder.hpp"
 #include "turgor/sim/report/report.hpp"
@@ -21,6 +23,7 @@ namespace turgor {
 struct RunOptions {
   std::filesystem::path out;  // empty: default_folder
   Foreign foreign = Foreign::kRefuse;
+  std::optional<LiveOptions> live;  // in real time, with a hand
 };
 
 /// What a run tells while it goes on; any of them may be empty.

@@ -13,6 +13,7 @@
 #include "turgor/sim/bodies/lattice/keep_label.hpp"
 #include "turgor/sim/bodies/lattice/load_ct.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
+#include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -195,6 +196,34 @@ Status begin_body(const Exec&, LatticeBody& body, const LatticeScene&, const Wor
 
 namespace {
 
+/// The way of its tools in this frame: from where they were to where the haptic thread has them now.
+void take_commands(const LatticeBody& body, Exchanges& felt, double from, double to,
+                   std::vector<TouchingTool>& tools) {
+  constexpr int kRows = 16;
+  for (const int t : body.tool_indices) {
+    LocalExchange& exchange = *felt.local[std::size_t(t)];
+    const contact::ToolCommand before = exchange.before, now = exchange.command.read();
+    std::vector<HandRow>& hand = tools[std::size_t(t)].hand;
+    hand.resize(kRows + 1);
+    for (int row = 0; row <= kRows; row++) {
+      const double part = double(row) / kRows;
+      hand[std::size_t(row)] = {from + (to - from) * part, now};
+      hand[std::size_t(row)].command.pose.position =
+          before.pose.position * (1 - part) + now.pose.position * part;
+    }
+    exchange.before = now;
+  }
+}
+
+/// What ticks feel until the next frame.
+void leave_planes(const LatticeBody& body, Exchanges& felt) {
+  for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
+    LocalExchange& exchange = *felt.local[std::size_t(body.tool_indices[t])];
+    exchange.plane.write(contact::local_contact(body.model, body.state, body.touch, int(t), body.tools[t],
+                                                body.poses[t], exchange.memory));
+  }
+}
+
 /// From one time to another [s].
 lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vector<TouchingTool>& tools,
                                  const lattice::Inputs& inputs, double from, double to) {
@@ -222,7 +251,9 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
   const lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
                                .measure_residual = input.measure_residual && has_forces,
                                .loads = loads};
+  if (world.felt) take_commands(body, *world.felt, input.from, input.to, world.tools);
   const lattice::StepReport done = step_lattice(exec, body, world.tools, inputs, input.from, input.to);
+  if (world.felt) leave_planes(body, *world.felt);
   report.finite = report.finite && done.finite;
   report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));
   report.residual.largest = std::max(report.residual.largest, done.residual.largest);

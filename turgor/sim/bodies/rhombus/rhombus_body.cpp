@@ -95,6 +95,8 @@ void measure_jump(RhombusBody& body, std::size_t t, const ForceSample& before, c
   if (jump > body.jump && !body.touch.forces[t].slipped) body.jump = jump, body.jump_at = now.time;
 }
 
+}  // namespace
+
 void log_tick(RhombusBody& body, std::size_t t, ForceSample sample, TouchingTool& tool) {
   const rhombus::TouchForce& felt = body.touch.forces[t];
   if (felt.slipped && tool.limits.slips++ == 0) tool.limits.slipped_at = sample.time;
@@ -103,8 +105,6 @@ void log_tick(RhombusBody& body, std::size_t t, ForceSample sample, TouchingTool
   body.openings[t] = body.touch.inputs[t].opening;
   tool.samples.append(sample);
 }
-
-}  // namespace
 
 Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene, const World& world) {
   RhombusBody body;

@@ -50,6 +50,8 @@ std::uint64_t state_hash(const RhombusBody& body, std::uint64_t seed);
 /// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick. Ends with
 /// take_touched, as who ticks and who makes frames are one here.
 void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from, double to);
+/// Keeps the last tick of tool `t` of its tool_indices.
+void log_tick(RhombusBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool);
 /// The frame takes what ticks left: body.now was just filled.
 void take_touched(RhombusBody& body);
 

@@ -2,12 +2,18 @@
 #include <algorithm>
 
 #include "turgor/core/hash.hpp"
+#include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
 
 void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input, FrameReport&) {
-  touch_body(body, world.tools, input.from, input.to);
+  if (world.felt) {
+    body.now = world.felt->rhombus[std::size_t(&body - world.rhombus_bodies.data())]->read();
+    take_touched(body);
+  } else {
+    touch_body(body, world.tools, input.from, input.to);
+  }
   const rhombus::StepReport moved = rhombus::step(exec, body.model, body.state);
   body.pressed_volume = std::max(body.pressed_volume, moved.pressed_volume);
 }

@@ -108,6 +108,9 @@ Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingT
 /// take_frame and ends with take_touched, as who ticks and who makes frames are one here.
 void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& tools, double from, double to);
 
+/// Keeps the last tick of tool `t` of its tool_indices.
+void log_tick(const SfemBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool);
+
 /// The frame takes what ticks left: body.now was just filled.
 void take_touched(SfemBody& body);
 

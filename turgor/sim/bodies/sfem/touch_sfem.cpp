@@ -10,8 +10,6 @@
 
 namespace turgor {
 
-namespace {
-
 void log_tick(const SfemBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool) {
   const contact::ToolForce& felt = body.touch.forces[t];
   tool.limits.coarsest = std::max(tool.limits.coarsest, felt.contacts > 0 ? felt.level : 0);
@@ -19,8 +17,6 @@ void log_tick(const SfemBody& body, std::size_t t, const ForceSample& sample, To
   tool.limits.dropped_ticks += felt.dropped > 0;
   tool.samples.append(sample);
 }
-
-}  // namespace
 
 Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
                    const contact::Viscosity& viscosity) {
