@@ -134,8 +134,8 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
 }
 
 /// In the open folder.
-Result<Json> replay_into(const Exec& exec, const Recording& recording, const Scene& scene,
-                         const Timer& total, OutputFolder& folder, const RunCallbacks& callbacks) {
+Result<Json> replay_into(const Exec& exec, const Recording& recording, const Scene& scene, const Timer& total,
+                         OutputFolder& folder, const RunCallbacks& callbacks) {
   Result<World> world = load_world(exec, scene, callbacks.begin, Purpose::kDraw);
   if (!world) return world.error();
   ShownWorld shown;

@@ -25,9 +25,9 @@ struct RunOptions {
 
 /// What a run tells while it goes on; any of them may be empty.
 struct RunCallbacks {
-  BeginWork begin;                                  // before work that takes long: a bar and a sentence
-  std::function<void(const std::string&)> note;     // remarks about others' files in the folder
-  std::function<bool(const World&)> frame;          // after every frame; false ends the run there
+  BeginWork begin;                                    // before work that takes long: a bar and a sentence
+  std::function<void(const std::string&)> note;       // remarks about others' files in the folder
+  std::function<bool(const World&)> frame;            // after every frame; false ends the run there
   std::function<Status(const ShownWorld&)> snapshot;  // as the world looks; its failure ends the run
 };
 

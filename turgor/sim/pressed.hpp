@@ -1,5 +1,5 @@
-// What a run remembers of the bodies that tools touch: how each lay under the largest force. It looks on, frame
-// by frame; nothing of it goes back into the world.
+// What a run remembers of the bodies that tools touch: how each lay under the largest force. It looks on,
+// frame by frame; nothing of it goes back into the world.
 #pragma once
 
 #include <vector>

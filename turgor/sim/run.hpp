@@ -1,6 +1,6 @@
 // How a run goes: frame by frame, with snapshots on the way, and what it measures. Those who look on are told
-// after every frame and at every snapshot; nothing of theirs goes back into the world, so that a run gives the
-// same bits whoever looks, and however often.
+// after every frame and at every snapshot; nothing of theirs goes back into the world, so that a run gives
+// the same bits whoever looks, and however often.
 #pragma once
 
 #include <functional>

@@ -48,7 +48,7 @@ struct ShownTool {
   double opening = 0;  // of its jaws [m]
   double size = 0;     // of the part that touches [m]
   bool has_jaws = false;
-  TriMesh mesh;        // about the tool's origin, its jaws as they are
+  TriMesh mesh;  // about the tool's origin, its jaws as they are
 };
 
 struct ShownWorld {
