@@ -16,8 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "turgor recording 4";
-constexpr std::size_t kMostSnapshots = 1000000, kMostCutEdges = std::size_t(1) << 31,
-                      kMostPathPoints = 1 << 24;
+constexpr std::size_t kMostSnapshots = 1000000, kMostPathPoints = 1 << 24;
 
 std::vector<int> body_slots(const lattice::Model& model) {
   std::vector<int> slots;
