@@ -69,8 +69,10 @@ DeviceOutput wanted(RunningHand& hand, const ToolReading& reading) {
 
 void note_jumps(TimingRecord& record, RunningHand& hand, Vec3d asked, const DeviceOutput& before) {
   const double jump = norm(asked - hand.asked);
-  if (std::isfinite(jump)) record.asked_jump = std::max(record.asked_jump, jump);
-  hand.asked = asked;
+  if (std::isfinite(jump)) {
+    record.asked_jump = std::max(record.asked_jump, jump);
+    hand.asked = asked;
+  }
   const DeviceOutput& now = hand.output.value();
   record.force_jump = std::max(record.force_jump, norm(now.force - before.force));
   record.torque_jump = std::max(record.torque_jump, norm(now.torque - before.torque));
