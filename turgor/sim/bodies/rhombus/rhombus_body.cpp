@@ -97,7 +97,7 @@ void measure_jump(RhombusBody& body, std::size_t t, const ForceSample& before, c
 
 }  // namespace
 
-void log_tick(RhombusBody& body, std::size_t t, ForceSample sample, TouchingTool& tool) {
+void log_tick(RhombusBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool) {
   const rhombus::TouchForce& felt = body.touch.forces[t];
   if (felt.slipped && tool.limits.slips++ == 0) tool.limits.slipped_at = sample.time;
   tool.limits.yielding_ticks += felt.yielding;
