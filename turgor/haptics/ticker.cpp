@@ -61,8 +61,12 @@ void ask_model(Ticker& ticker, double dt) {
 }
 
 DeviceOutput wanted(RunningHand& hand, const ToolReading& reading) {
-  if (!hand.clutch.pressed)
-    return to_device(hand.hand.workspace, hand.hand.coupling ? felt(hand.tool, reading) : reading);
+  if (!hand.clutch.pressed) {
+    DeviceOutput out =
+        to_device(hand.hand.workspace, hand.hand.coupling ? felt(hand.tool, reading) : reading);
+    if (hand.hand.device->spec().grip_force == 0) out.grip_force = 0;  // nothing there that could squeeze
+    return out;
+  }
   begin_softly(hand.safety);
   return {};
 }

@@ -60,15 +60,31 @@ struct FolderRun {
   const RunCallbacks& callbacks;
   std::optional<RecordingWriter> recording;
   std::optional<LiveRun> live;
+  std::vector<ShownWorld> later;  // snapshots of a run in real time, whose frames cannot wait for pictures
 };
 
 Status take_snapshot(FolderRun& run, const World& world, const ShownWorld& shown) {
-  Status status = add_snapshot(shown, run.outputs);
+  Status status = Done{};
+  if (run.live)
+    run.later.push_back(shown);
+  else
+    status = add_snapshot(shown, run.outputs);
   if (status && run.recording) {
     const AddTime time(run.outputs.facts.file_seconds);
     status = run.recording->add_snapshot(world, shown);
   }
   if (status && run.callbacks.snapshot) status = run.callbacks.snapshot(shown);
+  return status;
+}
+
+/// The pictures that had to wait.
+Status draw_later(FolderRun& run) {
+  const Progress progress = run.later.empty() ? Progress() : begin_work(run.callbacks.begin, "drawing");
+  Status status = Done{};
+  for (std::size_t s = 0; s < run.later.size() && status; s++) {
+    status = add_snapshot(run.later[s], run.outputs);
+    if (progress) progress(double(s + 1) / double(run.later.size()));
+  }
   return status;
 }
 
@@ -83,7 +99,7 @@ Result<Simulated> simulate_into(FolderRun& run) {
     };
   events.snapshot = [&run](const World& w, const ShownWorld& shown) { return take_snapshot(run, w, shown); };
   events.picture = [&run](const ShownWorld& shown) { return add_video_frame(shown, run.outputs); };
-  events.picture_every = video_interval(run.outputs);
+  events.picture_every = run.live ? 0 : video_interval(run.outputs);
   const Timer timer;
   Result<Simulated> done = simulate(run.exec, run.scene, run.world, events);
   if (run.live) run.live->touch->stop();
@@ -125,7 +141,7 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   append(outputs->facts.warnings, notes_of(*world));
   if (scene.output.video && !has_ffmpeg())
     outputs->facts.warnings.push_back("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)");
-  FolderRun run{exec, scene, *world, *outputs, callbacks, std::nullopt, std::nullopt};
+  FolderRun run{exec, scene, *world, *outputs, callbacks, std::nullopt, std::nullopt, {}};
   if (scene.output.recording) {
     Result<RecordingWriter> writer = RecordingWriter::create(folder.path() / "recording.h5", scene, *world);
     if (!writer) return writer.error();
@@ -140,8 +156,9 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   if (!done) return done.error();
   Result<Json> report = report_of(run, *done);
   if (!report) return report.error();
+  Status status = draw_later(run);
   const Timer finishing;
-  Status status = finish_outputs(*world, done->shown, done->measures.pressed, *outputs);
+  if (status) status = finish_outputs(*world, done->shown, done->measures.pressed, *outputs);
   outputs->facts.output_seconds = finishing.seconds();
   if (status) status = complete(total, *report, *outputs, folder, callbacks);
   return status ? report : status.error();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -171,7 +172,7 @@ struct LiveTouch::Parts {
   Exchanges exchanges;
   LiveTicks ticks;
   std::unique_ptr<haptics::Loop> loop;
-  double began = 0;  // [s]
+  std::optional<double> began;  // the first frame [s]
   int first_frame = 0;
   FrameTiming frames;
   bool stopped = false;
@@ -202,13 +203,13 @@ Result<std::unique_ptr<LiveTouch>> LiveTouch::start(World& world, std::vector<He
     return loop.error();
   }
   parts->loop = std::move(*loop);
-  parts->began = haptics::steady_seconds();
   return std::unique_ptr<LiveTouch>(new LiveTouch(std::move(parts)));
 }
 
 void LiveTouch::wait_for_frame() {
   Parts& p = *parts_;
-  const double due = p.began + (p.world.frame - p.first_frame) * p.world.dt;
+  if (!p.began) p.began = haptics::steady_seconds() - p.world.dt;  // that of one frame has just been made
+  const double due = *p.began + (p.world.frame - p.first_frame) * p.world.dt;
   haptics::sleep_until(due);
   const double late = haptics::steady_seconds() - due;
   p.frames.frames++;

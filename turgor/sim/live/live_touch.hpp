@@ -45,7 +45,7 @@ class LiveTouch {
   LiveTouch(const LiveTouch&) = delete;
   LiveTouch& operator=(const LiveTouch&) = delete;
 
-  /// Until the world's next frame is due; at once when it is late.
+  /// After a frame: until the world's next one is due; at once when it is late.
   void wait_for_frame();
   void stop();
 
