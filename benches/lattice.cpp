@@ -11,20 +11,21 @@ namespace {
 constexpr double kDt = 1.0 / 60;
 constexpr double kSweepBytes = 32;  // a slot: read u, w, root; write u
 
-Model tense_block(int nodes_per_side, Method method, bool skin) {
+Model tense_block(int nodes_per_side, Method method, bool skin, const TissueParams& tissue) {
   const int n = nodes_per_side;
   Block block{.size = {n, n, n}, .step = 0.003, .skin_on_top = true};
   block.is_fixed = [](Int3 p) { return p.z == 0 || p.x == 0; };
   Params params;
   params.solver.method = method;
+  params.tissue = tissue;
   params.skin.enabled = skin;
   params.skin.law = method == Method::kPbd ? SkinLaw::kArea : SkinLaw::kFibre;
   return block_model(block, params);
 }
 
-void sweep(benchmark::State& bench, Method method, bool skin) {
+void sweep(benchmark::State& bench, Method method, bool skin, const TissueParams& tissue = {}) {
   const Exec exec(static_cast<int>(bench.range(1)));
-  const Model model = tense_block(static_cast<int>(bench.range(0)), method, skin);
+  const Model model = tense_block(static_cast<int>(bench.range(0)), method, skin, tissue);
   State state = make_state(model);
   const Inputs inputs{.gravity = {0, 0, -9.81}};
   predict(exec, model, state, inputs, kDt);
@@ -45,6 +46,14 @@ void pbd_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kPbd, t
 void descent_sweep(benchmark::State& bench) { sweep(bench, Method::kDescent, false); }
 void descent_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kDescent, true); }
 
+/// Springs and twenty-four tetrahedra a node, against solid cells.
+void descent_sweep_with_volumes(benchmark::State& bench) {
+  sweep(bench, Method::kDescent, false, {.volume = 2});
+}
+void descent_sweep_of_cells(benchmark::State& bench) {
+  sweep(bench, Method::kDescent, false, {.law = TissueLaw::kSolid});
+}
+
 void sizes(benchmark::internal::Benchmark* b) {
   b->ArgsProduct({{32, 64, 128, 192}, {1, 2}})
       ->ArgNames({"side", "threads"})
@@ -55,6 +64,8 @@ BENCHMARK(pbd_sweep)->Apply(sizes);
 BENCHMARK(pbd_sweep_with_skin)->Apply(sizes);
 BENCHMARK(descent_sweep)->Apply(sizes);
 BENCHMARK(descent_sweep_with_skin)->Apply(sizes);
+BENCHMARK(descent_sweep_with_volumes)->Apply(sizes);
+BENCHMARK(descent_sweep_of_cells)->Apply(sizes);
 
 /// A bar of about 51 000 tetrahedra (and twice, four times as many), springs and volumes, 5 sweeps: work that
 /// other engines are timed on.

@@ -1,0 +1,489 @@
+// Solid tissue: alike in every direction, in bars, under weight, turned inside out and cut.
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "block_body.hpp"
+#include "cell_body.hpp"
+#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/springs.hpp"
+#include "turgor/models/lattice/sweeps.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+const Exec kOne(1);
+constexpr double kDt = 1.0 / 60;
+
+/// Three axes, six face diagonals, four body diagonals.
+const std::vector<Int3> kDirections = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1}, {1, 1, 0},  {1, -1, 0},
+                                       {1, 0, 1},  {1, 0, -1}, {0, 1, 1}, {0, 1, -1}, {1, 1, 1},
+                                       {1, 1, -1}, {1, -1, 1}, {-1, 1, 1}};
+
+// ------------------------------------------------------------ every direction
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;  // strains xx, yy, zz, yz, xz, xy (angles) to stresses
+
+/// The stiffness of an endless body of the law's cells: a uniform strain is at rest there, for every node
+/// sees the same. By differences of the energy.
+Matrix6 endless(const CellMatrix& matrix) {
+  const auto moved = [](int strain) {
+    constexpr int kPair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+    Eigen::Matrix<double, 24, 1> u = Eigen::Matrix<double, 24, 1>::Zero();
+    const auto [r, c] = kPair[strain];
+    for (int n = 0; n < 8; n++) {
+      u[3 * n + r] += 0.5 * cell_corner(n)[c];
+      u[3 * n + c] += 0.5 * cell_corner(n)[r];
+    }
+    return u;
+  };
+  Matrix6 c;
+  for (int i = 0; i < 6; i++)
+    for (int j = 0; j < 6; j++) c(i, j) = moved(i).dot(matrix * moved(j));
+  return c;
+}
+
+Matrix6 endless_springs(double volume) {
+  const Vec3 step{1, 1, 1};
+  const auto rows = homogenized_stiffness(step, calibrate_springs(step, volume), volume);
+  Matrix6 c;
+  for (int i = 0; i < 6; i++)
+    for (int j = 0; j < 6; j++) c(i, j) = rows[std::size_t(i)][std::size_t(j)];
+  return c;
+}
+
+/// n m symmetric, as a stress; as a strain its last three count twice.
+Eigen::Matrix<double, 6, 1> dyad(Vec3d n, Vec3d m) {
+  Eigen::Matrix<double, 6, 1> v;
+  v << n.x * m.x, n.y * m.y, n.z * m.z, 0.5 * (n.y * m.z + n.z * m.y), 0.5 * (n.x * m.z + n.z * m.x),
+      0.5 * (n.x * m.y + n.y * m.x);
+  return v;
+}
+/// What a bar along n answers with when it is stretched.
+double young_along(const Matrix6& c, Vec3d n) { return 1 / dyad(n, n).dot(c.inverse() * dyad(n, n)); }
+/// What answers when the planes across n slide along m.
+double shear_along(const Matrix6& c, Vec3d n, Vec3d m) {
+  return 0.25 / dyad(n, m).dot(c.inverse() * dyad(n, m));
+}
+
+/// Two directions across n and each other.
+std::pair<Vec3d, Vec3d> across(Vec3d n) {
+  const Vec3d aside = std::abs(n.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
+  const Vec3d m = normalized(aside - n * dot(aside, n));
+  return {m, cross(n, m)};
+}
+
+TEST(lattice_solid, an_endless_body_answers_with_e_and_g_in_thirteen_directions) {
+  for (const double poisson : {0.0, 0.3, 0.45, 0.49}) {
+    const Matrix6 c = endless(solid_matrix(1, poisson));
+    const double shear = 0.5 / (1 + poisson);
+    for (const Int3 direction : kDirections) {
+      const Vec3d n = normalized(Vec3d(direction));
+      const auto [m, l] = across(n);
+      EXPECT_NEAR(young_along(c, n), 1, 1e-3) << "E, v " << poisson;
+      EXPECT_NEAR(shear_along(c, n, m), shear, 1e-3 * shear) << "G, v " << poisson;
+      EXPECT_NEAR(shear_along(c, n, l), shear, 1e-3 * shear) << "G, v " << poisson;
+    }
+  }
+}
+
+/// What a cube of cells stores when its surface is moved as that of an endless bar, bent or twisted, in parts
+/// of what the bar stores there. Its second moment is the same around every axis.
+double cube_of_bar(int n, const CellMatrix& matrix, double poisson, Vec3d along, Vec3d up, bool twisted) {
+  CellBody cube;
+  for (int k = 0; k < n; k++)
+    for (int j = 0; j < n; j++)
+      for (int i = 0; i < n; i++) cube.cells.push_back({i, j, k});
+  cube.is_end.assign(cube.cells.size(), 0);
+  const Vec3d side = cross(up, along);
+  const auto field = [=](Vec3d node) {
+    const Vec3d x = node - Vec3d{0.5 * n, 0.5 * n, 0.5 * n};
+    const double a = dot(x, along), s = dot(x, side), z = dot(x, up);
+    if (twisted) return side * (-a * z) + up * (a * s);
+    return along * (a * z) - side * (poisson * s * z) - up * (0.5 * (a * a + poisson * (z * z - s * s)));
+  };
+  const auto held = [n](Vec3d x) {
+    return std::min({x.x, x.y, x.z}) < 0.5 || std::max({x.x, x.y, x.z}) > n - 0.5;
+  };
+  const double second = std::pow(n, 5) / 12;  // ∫ z² over the cube
+  const double bar = twisted ? 0.5 / (1 + poisson) * second : 0.5 * second;
+  return held_energies(cube, matrix, {field}, held)[0] / bar;
+}
+
+TEST(lattice_solid, four_cells_bend_and_twist_within_8_percent_in_thirteen_directions) {
+  for (const double poisson : {0.0, 0.3, 0.45})
+    for (const Int3 direction : kDirections) {
+      const CellMatrix matrix = solid_matrix(1, poisson);
+      const Vec3d n = normalized(Vec3d(direction));
+      const auto [m, l] = across(n);
+      for (const Vec3d up : {m, l}) {
+        EXPECT_NEAR(cube_of_bar(4, matrix, poisson, n, up, false), 1, 0.08)
+            << "E I, v " << poisson << ", along " << direction.x << direction.y << direction.z;
+        EXPECT_NEAR(cube_of_bar(4, matrix, poisson, n, up, true), 1, 0.08)
+            << "G J, v " << poisson << ", along " << direction.x << direction.y << direction.z;
+      }
+    }
+}
+
+TEST(lattice_solid, a_table_by_direction_of_both_laws_and_of_tetrahedra) {
+  constexpr double kPoisson = 0.45;
+  const Matrix6 springs = endless_springs(0), volumes = endless_springs(2);
+  const CellMatrix cells = solid_matrix(1, kPoisson), kuhn = kuhn_matrix(1, kPoisson, false),
+                   mirrored = kuhn_matrix(1, kPoisson, true);
+  const Matrix6 solid = endless(cells);
+  std::printf("E/E asked, G/G asked; E I and G J of 4 cells\n%10s %14s %14s %29s %15s %15s\n", "along",
+              "springs", "with volumes", "cells", "Kuhn", "mirrored");
+  double least = 9, most = 0;
+  for (const Int3 d : kDirections) {
+    const Vec3d n = normalized(Vec3d(d));
+    const auto [m, l] = across(n);
+    const auto moduli = [&, side = m](const Matrix6& c, double poisson) {
+      std::printf("  %.2f  %.2f |", young_along(c, n), shear_along(c, n, side) * 2 * (1 + poisson));
+    };
+    std::printf("%3d %2d %2d |", d.x, d.y, d.z);
+    moduli(springs, 0.25), moduli(volumes, 0.25), moduli(solid, kPoisson);
+    for (const CellMatrix* matrix : {&cells, &kuhn, &mirrored})
+      std::printf("  %.2f  %.2f |", cube_of_bar(4, *matrix, kPoisson, n, m, false),
+                  cube_of_bar(4, *matrix, kPoisson, n, m, true));
+    std::printf("\n");
+    least = std::min(least, young_along(springs, n)), most = std::max(most, young_along(springs, n));
+  }
+  EXPECT_GT(most / least, 1.3) << "springs alone are not alike in every direction";
+}
+
+// ------------------------------------------------------------ bars with free sides
+
+struct Bar {
+  CellBody body;
+  Vec3d along, across, third;
+};
+
+/// The cells whose middles lie in a bar of `thick` by `thick` by `length` cells along a direction.
+Bar bar_along(Int3 direction, double thick, double length) {
+  Bar bar;
+  bar.along = normalized(Vec3d(direction));
+  std::tie(bar.across, bar.third) = across(bar.along);
+  const int reach = int(length);
+  for (int k = -reach; k <= reach; k++)
+    for (int j = -reach; j <= reach; j++)
+      for (int i = -reach; i <= reach; i++) {
+        const Vec3d x = Vec3d(Int3{i, j, k}) + Vec3d{0.5, 0.5, 0.5};
+        const double far = std::max(std::abs(dot(x, bar.across)), std::abs(dot(x, bar.third)));
+        const double end = std::abs(dot(x, bar.along));
+        if (far > 0.5 * thick + 1e-9 || end > 0.5 * length + 1e-9) continue;
+        bar.body.cells.push_back({i, j, k});
+        bar.body.is_end.push_back(end > 0.5 * length - 2);
+      }
+  return bar;
+}
+
+/// Its ends are pulled apart, and bent against each other in either plane.
+std::vector<std::function<Vec3d(Vec3d)>> ends_moved(const Bar& bar) {
+  const auto sign = [along = bar.along](Vec3d x) { return dot(x, along) > 0 ? 1.0 : -1.0; };
+  const auto turned = [=](Vec3d axis) { return [=](Vec3d x) { return cross(axis, x) * sign(x); }; };
+  return {[=, along = bar.along](Vec3d x) { return along * sign(x); }, turned(bar.third), turned(bar.across)};
+}
+
+/// What a piece of a bar far from its ends answers with, in parts of E A, E I and E I: two bars of different
+/// length, so that what their ends do falls out. A and I are those of the cells, stairs and all.
+std::array<double, 3> bar_stiffness(Int3 direction, double thick, double poisson) {
+  const double pitch = norm(Vec3d(direction)), more = 2 * std::round(6 / pitch) * pitch;
+  const Bar bars[2] = {bar_along(direction, thick, 14), bar_along(direction, thick, 14 + more)};
+  const CellMatrix matrix = solid_matrix(1, poisson);
+  std::vector<double> energies[2];
+  double moment[3] = {};
+  for (const int n : {0, 1}) {
+    energies[n] = held_energies(bars[n].body, matrix, ends_moved(bars[n]));
+    for (const Int3 c : bars[n].body.cells) {
+      const Vec3d x = Vec3d(c) + Vec3d{0.5, 0.5, 0.5};
+      const double part = (n == 1 ? 1 : -1) / more;
+      moment[0] += part, moment[1] += part * (std::pow(dot(x, bars[n].across), 2) + 1.0 / 12);
+      moment[2] += part * (std::pow(dot(x, bars[n].third), 2) + 1.0 / 12);
+    }
+  }
+  std::array<double, 3> found{};
+  for (std::size_t f = 0; f < 3; f++) found[f] = more / (2 / energies[1][f] - 2 / energies[0][f]) / moment[f];
+  return found;
+}
+
+TEST(lattice_solid, a_bar_four_cells_thick_has_e_a_and_e_i_along_axes_and_face_diagonals) {
+  for (const double poisson : {0.3, 0.49})
+    for (const Int3 direction : {Int3{1, 0, 0}, {0, 0, 1}, {1, 1, 0}, {0, 1, -1}}) {
+      const auto [stretch, bend, aside] = bar_stiffness(direction, 4.3, poisson);
+      std::printf("v %.2f along %2d %2d %2d: E A %.3f, E I %.3f and %.3f\n", poisson, direction.x,
+                  direction.y, direction.z, stretch, bend, aside);
+      EXPECT_NEAR(stretch, 1, 0.08);
+      EXPECT_NEAR(bend, 1, 0.08) << "does not lock";
+      EXPECT_NEAR(aside, 1, 0.08) << "does not lock";
+    }
+}
+
+// ------------------------------------------------------------ weight
+
+Params solid_params(int sweeps, double poisson) {
+  Params params;
+  params.skin.enabled = false;
+  params.tissue.law = TissueLaw::kSolid;
+  params.tissue.poisson = poisson;
+  params.solver = {.sweeps = sweeps, .damping = 8};
+  return params;
+}
+
+Model cantilever(int sweeps, double poisson, Int3 size) {
+  return block_model(
+      {.size = size, .young = 2e5, .skin_on_top = false, .is_fixed = [](Int3 p) { return p.x == 0; }},
+      solid_params(sweeps, poisson));
+}
+
+double mean_of_end(const Model& model, const std::function<double(Int3)>& u) {
+  const Int3 size = model.lattice.size;
+  double sum = 0;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++) sum += u({size.x - 1, j, k});
+  return sum / (size.y * size.z);
+}
+
+double settled_end(const Model& model, const Inputs& inputs, double rate, double seconds, int axis) {
+  State state = make_state(model);
+  for (int n = 0; n < seconds * rate; n++) step(Exec(2), model, state, inputs, 1 / rate);
+  return mean_of_end(model,
+                     [&](Int3 p) { return double(state.u[std::size_t(node_slot(model.lattice, p))][axis]); });
+}
+
+/// The same for small displacements, solved directly.
+double linear_end(const Model& model, Vec3d gravity, int axis) {
+  const Int3 size = model.lattice.size;
+  const auto index = [&](Int3 p) { return p.x + size.x * (p.y + size.y * p.z); };
+  CellBody body{0.004, {}, {}};
+  const CellMatrix matrix = solid_matrix(0.004, model.params.tissue.poisson) * 2e5;
+  std::vector<Eigen::Triplet<double>> entries;
+  const int count = 3 * size.x * size.y * size.z;
+  Eigen::VectorXd weight = Eigen::VectorXd::Zero(count);
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const Int3 a{i, j, k};
+        const double w = double(model.inverse_mass[std::size_t(node_slot(model.lattice, a))]);
+        for (int r = 0; r < 3; r++) {
+          weight[3 * index(a) + r] = w > 0 ? gravity[r] / w : 0;
+          if (w == 0) entries.emplace_back(3 * index(a) + r, 3 * index(a) + r, 1e12);  // held
+        }
+        if (i + 1 == size.x || j + 1 == size.y || k + 1 == size.z) continue;
+        for (int p = 0; p < 24; p++)
+          for (int q = 0; q < 24; q++)
+            entries.emplace_back(3 * index(a + cell_corner(p / 3)) + p % 3,
+                                 3 * index(a + cell_corner(q / 3)) + q % 3, matrix(p, q));
+      }
+  Eigen::SparseMatrix<double> k(count, count);
+  k.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::VectorXd u = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(k).solve(weight);
+  return mean_of_end(model, [&](Int3 p) { return u[3 * index(p) + axis]; });
+}
+
+TEST(lattice_solid, a_held_bar_sags_by_its_weight_whatever_the_sweeps_the_frame_rate_and_the_direction) {
+  struct Case {
+    int axis, sweeps;
+    double rate, seconds, poisson;
+  };
+  for (const auto& [axis, sweeps, rate, seconds, poisson] : {Case{2, 5, 30, 14, 0.3},
+                                                             {2, 5, 60, 5, 0.3},
+                                                             {2, 5, 120, 3, 0.3},
+                                                             {1, 5, 60, 5, 0.3},
+                                                             {2, 10, 60, 5, 0.45},
+                                                             {2, 20, 120, 3, 0.45}}) {
+    const Model model = cantilever(sweeps, poisson, {15, 5, 6});
+    Vec3d gravity;
+    gravity[axis] = -9.81;
+    const double expected = linear_end(model, gravity, axis);
+    EXPECT_NEAR(settled_end(model, {.gravity = gravity}, rate, seconds, axis), expected,
+                0.03 * std::abs(expected))
+        << "m along axis " << axis << ", v " << poisson << ", " << sweeps << " sweeps at " << rate << " Hz";
+  }
+}
+
+TEST(lattice_solid, a_slender_bar_sags_as_a_beam_with_shear_does) {
+  const Int3 size{31, 6, 6};
+  for (const double poisson : {0.3, 0.45}) {
+    const Model model = cantilever(5, poisson, size);
+    const double h = 0.004, length = 30 * h, area = 25 * h * h, inertia = std::pow(5 * h, 4) / 12;
+    const double weight = 9.81 * 1000 * 36 * h * h;  // N/m: nodes weigh a whole cell each
+    const double shape = 10 * (1 + poisson) / (12 + 11 * poisson), shear = 2e5 / (2 * (1 + poisson));
+    const double beyond = weight * h / 2;  // N: what the last nodes weigh beyond the bar's end
+    const double beam = (weight * length / 8 + beyond / 3) * std::pow(length, 3) / (2e5 * inertia) +
+                        (weight * length / 2 + beyond) * length / (shape * shear * area);
+    const double found = -linear_end(model, {0, 0, -9.81}, 2);
+    std::printf("v %.2f: %.2f mm, a beam %.2f mm\n", poisson, found * 1e3, beam * 1e3);
+    EXPECT_NEAR(found, beam, 0.03 * beam) << "m, v " << poisson;
+  }
+}
+
+TEST(lattice_solid, gravity_bends_a_bar_as_the_same_weight_on_every_node_does) {
+  const Model model = cantilever(5, 0.3, {21, 6, 6});
+  std::vector<NodeLoad> loads;
+  for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
+    if (const Real w = model.inverse_mass[s]; w > 0) loads.push_back({int(s), {0, 0, Real(-9.81) / w}});
+  const double weight = settled_end(model, {.gravity = {0, 0, -9.81}}, 60, 8, 2);
+  EXPECT_LT(weight, -5e-3) << "m: far from small";
+  EXPECT_NEAR(weight, settled_end(model, {.loads = loads}, 60, 8, 2), 0.001 * std::abs(weight));
+}
+
+TEST(lattice_solid, few_sweeps_of_nearly_incompressible_tissue_never_blow_up) {
+  for (const double poisson : {0.45, 0.49})
+    for (const int sweeps : {2, 3, 4, 5, 7}) {
+      const Model model = cantilever(sweeps, poisson, {15, 5, 6});
+      const double sag = linear_end(model, {0, 0, -9.81}, 2),
+                   end = settled_end(model, {.gravity = {0, 0, -9.81}}, 60, 6, 2);
+      EXPECT_LT(end, 0) << "m, v " << poisson << ", " << sweeps << " sweeps";
+      EXPECT_GT(end, 1.1 * sag) << "m, v " << poisson << ", " << sweeps << " sweeps";
+    }
+}
+
+// ------------------------------------------------------------ large strains
+
+/// A block with a stair on its top, so that it has whole cells, and edges that no whole cell holds.
+Model stepped_block(double poisson, int sweeps, bool skin = false) {
+  const Int3 size{9, 8, 8};
+  Block block{.size = size, .young = 1e4, .skin_on_top = true, .is_fixed = [](Int3 p) { return p.z == 0; }};
+  BodyNodes nodes = block_nodes(block);
+  for (int j = 0; j < size.y; j++)
+    for (int i = 0; i < size.x; i++)
+      if (i + j > 6 || (i + 2 * j) % 3 == 0) {
+        const std::size_t n = sample_index(nodes.grid, i, j, size.z - 1);
+        nodes.tissue[n] = Tissue::kOutside, nodes.hu[n] = kAirHu, nodes.young[n] = 0;
+      }
+  Params params = solid_params(sweeps, poisson);
+  params.skin.enabled = skin;
+  return assemble(kOne, nodes, nullptr, params).value();
+}
+
+/// A displacement that looks random, up to `size` along each axis [m].
+void scatter(const Model& model, State& state, double size) {
+  std::uint32_t seed = 7;
+  const auto next = [&] {
+    seed = seed * 1664525u + 1013904223u;
+    return Real(size * (double(seed >> 8) / double(1 << 23) - 1));
+  };
+  for (int k = 0; k < model.lattice.size.z; k++)
+    for (int j = 0; j < model.lattice.size.y; j++)
+      for (int i = 0; i < model.lattice.size.x; i++) {
+        const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
+        if (model.inverse_mass[slot] > 0) state.u.set(slot, {next(), next(), next()});
+      }
+}
+
+TEST(lattice_solid, what_is_turned_inside_out_comes_back) {
+  for (const double poisson : {0.3, 0.45}) {
+    const Block block{
+        .size = {7, 6, 7}, .young = 1e4, .skin_on_top = false, .is_fixed = [](Int3 p) { return p.z == 0; }};
+    const Model model = block_model(block, solid_params(10, poisson));
+    State state = make_state(model);
+    scatter(model, state, 0.012);  // three steps, either way
+    EXPECT_GT(energy(kOne, model, state), 1e-2) << "J";
+    for (int n = 0; n < 600; n++) EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite);
+    double farthest = 0;
+    for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
+      if (model.inverse_mass[s] > 0) farthest = std::max(farthest, double(norm(state.u[s])));
+    EXPECT_LT(farthest, 1e-5) << "m, v " << poisson << "; left over " << energy(kOne, model, state) << " J";
+  }
+}
+
+TEST(lattice_solid, the_residual_is_the_gradient_of_the_step_energy_of_cells_springs_and_cuts) {
+  const Model model = stepped_block(0.45, 5);
+  for (const bool cut : {false, true})
+    for (const Int3 node : {Int3{3, 3, 3}, {2, 1, 7}, {4, 4, 6}, {8, 7, 6}}) {
+      State state = make_state(model);
+      if (cut) {
+        for (std::size_t s = 0; s < state.cut.size(); s += 5) state.cut[s] = 0x15;
+        std::fill(state.row_cut.begin(), state.row_cut.end(), std::uint8_t(1));
+      }
+      const auto slot = std::size_t(node_slot(model.lattice, node));
+      Model alone = model;  // of which one node moves
+      for (std::size_t s = 0; s < alone.inverse_mass.size(); s++)
+        if (s != slot) alone.inverse_mass[s] = 0;
+      alone.free_nodes = 1;
+      if (!(model.inverse_mass[slot] > 0)) continue;  // no body here
+      scatter(model, state, 0.002);
+      state.u_before = state.u;
+      Vec3d gradient;
+      const Vec3 place = state.u[slot];
+      for (int axis = 0; axis < 3; axis++) {
+        double energies[2];
+        for (const int side : {0, 1}) {
+          Vec3 moved = place;
+          moved[axis] += (side ? 1 : -1) * 1e-5f;
+          state.u.set(slot, moved);
+          energies[side] = step_energy(kOne, alone, state, {}, kDt);
+        }
+        gradient[axis] = (energies[1] - energies[0]) / 2e-5;
+      }
+      state.u.set(slot, place);
+      EXPECT_NEAR(measure_residual(kOne, alone, state, {}, kDt).largest, norm(gradient),
+                  0.005 * norm(gradient))
+          << "N at " << node.x << node.y << node.z << (cut ? ", cut" : "");
+    }
+}
+
+TEST(lattice_solid, descent_never_raises_the_energy_of_its_step) {
+  for (const double poisson : {0.0, 0.49}) {
+    const Model model = stepped_block(poisson, 5, true);
+    State state = make_state(model);
+    scatter(model, state, 0.002);
+    const Inputs inputs{.gravity = {0, 0, -9.81}};
+    predict(kOne, model, state, inputs, kDt);
+    double before = step_energy(kOne, model, state, inputs, kDt);
+    for (int sweep = 0; sweep < 20; sweep++) {
+      sweep_descent(kOne, model, state, inputs, kDt, sweep % 2 ? Order::kBackward : Order::kForward);
+      const double after = step_energy(kOne, model, state, inputs, kDt);
+      EXPECT_LE(after, before * (1 + 1e-6)) << "v " << poisson << ", sweep " << sweep;
+      before = after;
+    }
+  }
+}
+
+TEST(lattice_solid, the_rest_state_is_a_fixed_point) {
+  const Model model = stepped_block(0.49, 5);
+  State state = make_state(model);
+  EXPECT_LT(step(kOne, model, state, {}, kDt).largest_speed, 1e-6) << "m/s";
+}
+
+TEST(lattice_solid, equal_bits_on_1_2_and_8_threads_and_again_with_a_cut) {
+  std::set<std::uint64_t> hashes;
+  for (const int threads : {1, 2, 8, 8}) {
+    const Model model = stepped_block(0.45, 5, true);
+    State state = make_state(model);
+    scatter(model, state, 0.001);
+    const BladePath path =
+        lay_blade(model, state, {.from = {0.006, 0.014, 0.028}, .to = {0.026, 0.014, 0.028}}).value();
+    EXPECT_GT(cut_edges(model, state, path, 0, 1, 0), 10);
+    for (int n = 0; n < 5; n++) step(Exec(threads), model, state, {.gravity = {0, 0, -9.81}}, kDt);
+    hashes.insert(state_hash(model, state));
+  }
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST(lattice_solid, a_cell_with_a_cut_edge_carries_nothing_across_and_no_node_hangs_on_nothing) {
+  // A bar cut through between two planes of nodes: its far part is not pulled by its near one, and holds
+  // together.
+  const Block block{.size = {9, 4, 4}, .young = 1e4, .skin_on_top = false, .is_fixed = [](Int3 p) {
+                      return p.x == 0 || p.x == 8;
+                    }};
+  const Model model = block_model(block, solid_params(40, 0.3));
+  State state = make_state(model);
+  for (int k = 0; k < 4; k++)
+    for (int j = 0; j < 4; j++)
+      for (int f = 0; f < kFamilyCount; f++)
+        if (kFamilies[std::size_t(f)].x == 1)
+          state.cut[std::size_t(node_slot(model.lattice, 4, j, k))] |= std::uint8_t(1u << f);
+  std::fill(state.row_cut.begin(), state.row_cut.end(), std::uint8_t(1));
+  for (int k = 0; k < 4; k++)
+    for (int j = 0; j < 4; j++) state.u.set(std::size_t(node_slot(model.lattice, 8, j, k)), {0.004f, 0, 0});
+  for (int n = 0; n < 120; n++) EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite);
+  for (int i = 1; i < 8; i++)
+    EXPECT_NEAR(state.u[std::size_t(node_slot(model.lattice, i, 1, 2))].x, i <= 4 ? 0.0 : 0.004, 1e-5)
+        << "m, layer " << i;
+}
+
+}  // namespace
+}  // namespace turgor::lattice

@@ -1,0 +1,148 @@
+#include "turgor/models/lattice/cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Geometric mean of the corners' moduli, as an edge has that of its ends; 0 when one is no body [Pa].
+Real cell_young(const Model& model, Int3 corner) {
+  double product = 1;
+  for (int n = 0; n < kCellCorners; n++)
+    product *= double(model.root_stiffness[std::size_t(node_slot(model.lattice, corner + cell_corner(n)))]);
+  return Real(std::sqrt(std::sqrt(product)));
+}
+
+bool is_whole(const Model& model, Int3 corner) {
+  return contains(model.lattice, corner) &&
+         model.cell_young[std::size_t(node_slot(model.lattice, corner))] > 0;
+}
+
+/// Is there an edge at this node of the body that no whole cell holds?
+bool has_loose_edge(const Model& model, Int3 node) {
+  bool whole[kCellCorners];
+  for (int n = 0; n < kCellCorners; n++) whole[n] = is_whole(model, node - cell_corner(n));
+  for (int e = 0; e < kNeighbourCount; e++) {
+    const Int3 offset = neighbour_offset(e), other = node + offset;
+    if (!contains(model.lattice, other)) continue;
+    if (!is_body(model.tissue[std::size_t(node_slot(model.lattice, other))])) continue;
+    bool held = false;
+    for (int n = 0; n < kCellCorners; n++) held |= whole[n] && cell_holds(n, offset);
+    if (!held) return true;
+  }
+  return false;
+}
+
+void mark_group(const Model& model, Int3 node, std::vector<Around>& around) {
+  const int slot = node_slot(model.lattice, node);
+  if (!is_body(model.tissue[std::size_t(slot)])) return;
+  Around& group = around[std::size_t(slot / kGroup)];
+  group = std::max(group, has_loose_edge(model, node) ? Around::kSprings : Around::kCells);
+}
+
+/// Cells and loose edges around the nodes of [slot, slot + kSpareSlots).
+template <bool kWithSprings>
+void gather_cells(const SolidRow& row, const NodeBlock& block, const Neighbours& around, int slot, int begin,
+                  SystemBuffer& __restrict out) {
+  const NodeArrays& n = row.nodes;
+  const SolidLaw law = row.law;
+  TURGOR_LANES
+  for (int i = begin; i < begin + kSpareSlots; i++) {
+    const int a = slot + i;
+    NodeSystem s;
+    Vec3 u[kBlockNodes];
+    int cut[kBlockNodes];
+    Real young[kCellCorners];
+#pragma GCC unroll 27
+    for (int b = 0; b < kBlockNodes; b++) {
+      u[b] = n.u(a + block.offset[b]) - n.u(a);
+      if constexpr (kWithSprings) cut[b] = n.cut[a + block.offset[b]];
+    }
+#pragma GCC unroll 8
+    for (int at = 0; at < kCellCorners; at++) {
+      Vec3 d[kCellCorners];
+      int is_cut = 0;
+#pragma GCC unroll 8
+      for (int c = 0; c < kCellCorners; c++) {
+        const int b = block_index(cell_corner(c) - cell_corner(at));
+        d[c] = u[b];
+        if constexpr (kWithSprings) is_cut |= cut[b] & edges_from_corner(c);
+      }
+      young[at] = row.young[a + block.offset[block_index(-cell_corner(at))]];
+      if constexpr (kWithSprings) young[at] = is_cut ? 0 : young[at];
+      add_cell(s, cell_gradient(d, at, law.slope), at, law, young[at]);
+    }
+    if constexpr (kWithSprings) {
+#pragma GCC unroll 14
+      for (int e = 0; e < kNeighbourCount; e++) {
+        const Int3 offset = neighbour_offset(e);
+        const int b = block_index(offset), lower = e % 2 == 0 ? block_index({0, 0, 0}) : b;
+        Real held = 0;
+#pragma GCC unroll 8
+        for (int at = 0; at < kCellCorners; at++)
+          if (cell_holds(at, offset)) held += young[at];
+        Real k = around.scale[e] * n.root[a] * n.root[a + block.offset[b]];
+        k = (cut[lower] >> e / 2 & 1) ? 0 : k;
+        k = held > 0 ? 0 : k;
+        const Real there =
+            k > 0 ? Real(1) : Real(0);  // slots without a node lie still, wherever this one goes
+        add_spring(s, around.edge[e] + u[b] * there, around.rest[e], k);
+      }
+    }
+    out.set(i, s);
+  }
+}
+
+}  // namespace
+
+NodeBlock node_block(const Lattice& lattice, int parity) {
+  NodeBlock block{};
+  for (int z = -1; z <= 1; z++)
+    for (int y = -1; y <= 1; y++)
+      for (int x = -1; x <= 1; x++)
+        block.offset[block_index({x, y, z})] = slot_offset(lattice, {x, y, z}, parity);
+  return block;
+}
+
+void build_cells(const Exec& exec, Model& model) {
+  const Lattice& l = model.lattice;
+  const std::size_t slots = model.inverse_mass.size();
+  model.cell_young.assign(slots, 0);
+  model.around.assign(slots / kGroup, Around::kNothing);
+  const auto for_each = [&](Int3 size, const auto& visit) {
+    parallel_for(exec, std::size_t(size.z), [&](std::size_t k) {
+      for (int j = 0; j < size.y; j++)
+        for (int i = 0; i < size.x; i++) visit(Int3{i, j, int(k)});
+    });
+  };
+  for_each(l.size - Int3{1, 1, 1},
+           [&](Int3 p) { model.cell_young[std::size_t(node_slot(l, p))] = cell_young(model, p); });
+  for_each(l.size, [&](Int3 p) { mark_group(model, p, model.around); });
+}
+
+SolidRow::SolidRow(const Model& m, State& s)
+    : model(m),
+      row_cut(s.row_cut.data()),
+      nodes(node_arrays(m, s)),
+      young(m.cell_young.data()),
+      law(solid_law(m.lattice.step, m.params.tissue.poisson)),
+      block{node_block(m.lattice, 0), node_block(m.lattice, 1)},
+      neighbours{neighbours_of(m, 0), neighbours_of(m, 1)} {}
+
+void SolidRow::gather(int parity, int slot, int count, SystemBuffer& out) const {
+  const bool cut = row_cut[slot / row_stride(model.lattice)];
+  for (int begin = 0; begin < count; begin += kSpareSlots) {
+    const auto group = std::size_t((slot + begin) / kGroup);
+    const Around found = std::max(model.around[group], model.around[group + 1]);
+    if (found == Around::kNothing)
+      for (int i = begin; i < begin + kSpareSlots; i++) out.set(i, {});
+    else if (found == Around::kSprings || cut)
+      gather_cells<true>(*this, block[parity], neighbours[parity], slot, begin, out);
+    else
+      gather_cells<false>(*this, block[parity], neighbours[parity], slot, begin, out);
+  }
+}
+
+}  // namespace turgor::lattice
