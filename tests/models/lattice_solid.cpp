@@ -485,5 +485,35 @@ TEST(lattice_solid, a_cell_with_a_cut_edge_carries_nothing_across_and_no_node_ha
         << "m, layer " << i;
 }
 
+/// The largest gape of one straight cut through tense skin, settled [m].
+double gape(const TissueParams& tissue, int sweeps) {
+  constexpr int kN = 33;
+  constexpr double kStep = 0.004;
+  Block block{.size = {kN, kN, 9}, .step = kStep, .young = 5e3};
+  block.is_fixed = [](Int3 p) { return p.z == 0 || p.x == 0 || p.y == 0 || p.x == kN - 1 || p.y == kN - 1; };
+  Params params;
+  params.tissue = tissue;
+  params.solver = {.sweeps = sweeps, .damping = 4};
+  const Model model = block_model(block, params);
+  State state = make_state(model);
+  const double y = 15.5 * kStep;
+  const Incision incision{
+      .from = {9.6 * kStep, y, 8 * kStep}, .to = {22.4 * kStep, y, 8 * kStep}, .depth = 2.4 * kStep};
+  const BladePath path = lay_blade(model, state, incision).value();
+  cut_edges(model, state, path, 0, 1, 0);
+  for (int frame = 0; frame < 120; frame++) EXPECT_TRUE(step(Exec(2), model, state, {}, kDt).finite);
+  return measure_wound(model, state, path, 0).gape_max;
+}
+
+TEST(lattice_solid, a_wound_opens_about_as_far_as_in_springs_that_keep_their_volume_whatever_the_sweeps) {
+  const double springs = gape({.volume = 2}, 10);
+  const TissueParams solid{.law = TissueLaw::kSolid, .poisson = 0.43};
+  const double few = gape(solid, 5), many = gape(solid, 20);
+  std::printf("springs %.2f mm; cells: 5 sweeps %.2f mm, 20 sweeps %.2f mm\n", springs * 1e3, few * 1e3,
+              many * 1e3);
+  EXPECT_NEAR(few, many, 0.03 * many) << "m";
+  EXPECT_NEAR(many, springs, 0.3 * springs) << "m";
+}
+
 }  // namespace
 }  // namespace turgor::lattice

@@ -42,57 +42,92 @@ void mark_group(const Model& model, Int3 node, std::vector<Around>& around) {
   group = std::max(group, has_loose_edge(model, node) ? Around::kSprings : Around::kCells);
 }
 
-/// Cells and loose edges around the nodes of [slot, slot + kSpareSlots).
-template <bool kWithSprings>
-void gather_cells(const SolidRow& row, const NodeBlock& block, const Neighbours& around, int slot, int begin,
-                  SystemBuffer& __restrict out) {
-  const NodeArrays& n = row.nodes;
-  const SolidLaw law = row.law;
+/// The cells around sixteen nodes: where each has its modulus. A node is corner n of cell n.
+struct CellsAround {
+  const Real* young[kCellCorners];  // [Pa]
+};
+
+void gather_cells(const NodeArrays& n, const SolidLaw& solid, const NodeBlock& block,
+                  const CellsAround& cells, int slot, int begin, SystemBuffer& __restrict out) {
+  const SolidLaw law = solid;
   TURGOR_LANES
-  for (int i = begin; i < begin + kSpareSlots; i++) {
+  for (int i = 0; i < kSpareSlots; i++) {
     const int a = slot + i;
     NodeSystem s;
     Vec3 u[kBlockNodes];
-    int cut[kBlockNodes];
-    Real young[kCellCorners];
 #pragma GCC unroll 27
-    for (int b = 0; b < kBlockNodes; b++) {
-      u[b] = n.u(a + block.offset[b]) - n.u(a);
-      if constexpr (kWithSprings) cut[b] = n.cut[a + block.offset[b]];
-    }
+    for (int b = 0; b < kBlockNodes; b++) u[b] = n.u(a + block.offset[b]) - n.u(a);
 #pragma GCC unroll 8
     for (int at = 0; at < kCellCorners; at++) {
       Vec3 d[kCellCorners];
-      int is_cut = 0;
 #pragma GCC unroll 8
-      for (int c = 0; c < kCellCorners; c++) {
-        const int b = block_index(cell_corner(c) - cell_corner(at));
-        d[c] = u[b];
-        if constexpr (kWithSprings) is_cut |= cut[b] & edges_from_corner(c);
-      }
-      young[at] = row.young[a + block.offset[block_index(-cell_corner(at))]];
-      if constexpr (kWithSprings) young[at] = is_cut ? 0 : young[at];
-      add_cell(s, cell_gradient(d, at, law.slope), at, law, young[at]);
+      for (int c = 0; c < kCellCorners; c++) d[c] = u[block_index(cell_corner(c) - cell_corner(at))];
+      add_cell(s, cell_gradient(d, at, law.slope), at, law, cells.young[at][i]);
     }
-    if constexpr (kWithSprings) {
-#pragma GCC unroll 14
-      for (int e = 0; e < kNeighbourCount; e++) {
-        const Int3 offset = neighbour_offset(e);
-        const int b = block_index(offset), lower = e % 2 == 0 ? block_index({0, 0, 0}) : b;
-        Real held = 0;
-#pragma GCC unroll 8
-        for (int at = 0; at < kCellCorners; at++)
-          if (cell_holds(at, offset)) held += young[at];
-        Real k = around.scale[e] * n.root[a] * n.root[a + block.offset[b]];
-        k = (cut[lower] >> e / 2 & 1) ? 0 : k;
-        k = held > 0 ? 0 : k;
-        const Real there =
-            k > 0 ? Real(1) : Real(0);  // slots without a node lie still, wherever this one goes
-        add_spring(s, around.edge[e] + u[b] * there, around.rest[e], k);
-      }
-    }
-    out.set(i, s);
+    out.set(begin + i, s);
   }
+}
+
+/// What remains around sixteen nodes where edges are cut or no whole cell holds them.
+struct Remains {
+  Real young[kCellCorners][kSpareSlots];      // 0 in cells with a cut edge [Pa]
+  Real spring[kNeighbourCount][kSpareSlots];  // of loose edges [N/m]
+};
+
+void find_remains(const SolidRow& row, const NodeBlock& block, const Neighbours& around, int slot,
+                  Remains& out) {
+  const std::uint8_t* cut = row.nodes.cut + slot;
+  const Real* root = row.nodes.root + slot;
+  for (int at = 0; at < kCellCorners; at++) {
+    const auto corner = [&](int c) { return block.offset[block_index(cell_corner(c) - cell_corner(at))]; };
+    std::uint8_t bits[kSpareSlots] = {};
+    for (int c = 0; c < kCellCorners; c++)
+      for (int i = 0; i < kSpareSlots; i++) bits[i] |= cut[corner(c) + i] & edges_from_corner(c);
+    for (int i = 0; i < kSpareSlots; i++) out.young[at][i] = bits[i] ? 0 : row.young[slot + corner(0) + i];
+  }
+  for (int e = 0; e < kNeighbourCount; e++) {
+    const int b = around.offset[e], lower = e % 2 == 0 ? 0 : b;
+    Real held[kSpareSlots] = {};
+    for (int at = 0; at < kCellCorners; at++)
+      for (int i = 0; i < kSpareSlots && cell_holds(at, neighbour_offset(e)); i++)
+        held[i] += out.young[at][i];
+    for (int i = 0; i < kSpareSlots; i++) {
+      const bool loose = (held[i] <= 0) & ((cut[lower + i] >> e / 2 & 1) == 0);
+      out.spring[e][i] = loose ? around.scale[e] * root[i] * root[b + i] : 0;
+    }
+  }
+}
+
+void add_springs(const NodeArrays& n, const Neighbours& around, const Remains& remains, int slot, int begin,
+                 SystemBuffer& __restrict out) {
+  TURGOR_LANES
+  for (int i = 0; i < kSpareSlots; i++) {
+    const int a = slot + i;
+    NodeSystem s = out.get(begin + i);
+#pragma GCC unroll 14
+    for (int e = 0; e < kNeighbourCount; e++) {
+      const Real k = remains.spring[e][i];
+      const Real there = k > 0 ? Real(1) : Real(0);  // slots without a node lie still, wherever this one goes
+      add_spring(s, around.edge[e] + (n.u(a + around.offset[e]) - n.u(a)) * there, around.rest[e], k);
+    }
+    out.set(begin + i, s);
+  }
+}
+
+/// Everything around the nodes of [slot, slot + kSpareSlots), into the buffer from `begin` on.
+void gather_sixteen(const SolidRow& row, int parity, int slot, int begin, bool whole, SystemBuffer& out) {
+  const NodeBlock& block = row.block[parity];
+  CellsAround cells;
+  if (whole) {
+    for (int at = 0; at < kCellCorners; at++)
+      cells.young[at] = row.young + slot + block.offset[block_index(-cell_corner(at))];
+    return gather_cells(row.nodes, row.law, block, cells, slot, begin, out);
+  }
+  Remains remains;
+  find_remains(row, block, row.neighbours[parity], slot, remains);
+  for (int at = 0; at < kCellCorners; at++) cells.young[at] = remains.young[at];
+  gather_cells(row.nodes, row.law, block, cells, slot, begin, out);
+  add_springs(row.nodes, row.neighbours[parity], remains, slot, begin, out);
 }
 
 }  // namespace
@@ -138,10 +173,8 @@ void SolidRow::gather(int parity, int slot, int count, SystemBuffer& out) const 
     const Around found = std::max(model.around[group], model.around[group + 1]);
     if (found == Around::kNothing)
       for (int i = begin; i < begin + kSpareSlots; i++) out.set(i, {});
-    else if (found == Around::kSprings || cut)
-      gather_cells<true>(*this, block[parity], neighbours[parity], slot, begin, out);
     else
-      gather_cells<false>(*this, block[parity], neighbours[parity], slot, begin, out);
+      gather_sixteen(*this, parity, slot + begin, begin, found == Around::kCells && !cut, out);
   }
 }
 
