@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "tests/models/block_body.hpp"
+#include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
 namespace turgor::lattice {
@@ -86,6 +87,27 @@ BENCHMARK(bar_frame)
     ->ArgNames({"cells", "threads"})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
+
+/// A frame of a torso from a CT, its surface with all its stairs, in the CPU time of one thread.
+void torso_frame(benchmark::State& bench, const TissueParams& tissue) {
+  const Exec exec(1);
+  PhantomParams phantom = default_phantom(PhantomKind::kTorso);
+  const int shrink = static_cast<int>(bench.range(0));
+  phantom.size = {phantom.size.x / shrink, phantom.size.y / shrink, phantom.size.z / shrink};
+  phantom.spacing *= double(shrink);
+  Params params;
+  params.tissue = tissue;
+  const Model model = build(exec, make_phantom(exec, phantom), {}, params).value();
+  State state = make_state(model);
+  for (auto _ : bench) step(exec, model, state, {}, kDt);
+  bench.counters["nodes"] = double(model.body_nodes);
+}
+void torso_frame_of_springs(benchmark::State& bench) { torso_frame(bench, {}); }
+void torso_frame_with_volumes(benchmark::State& bench) { torso_frame(bench, {.volume = 2}); }
+void torso_frame_of_cells(benchmark::State& bench) { torso_frame(bench, {.law = TissueLaw::kSolid}); }
+BENCHMARK(torso_frame_of_springs)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
+BENCHMARK(torso_frame_with_volumes)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
+BENCHMARK(torso_frame_of_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
 
 void detect_and_build(benchmark::State& bench) {
   const Exec exec(static_cast<int>(bench.range(1)));

@@ -68,37 +68,45 @@ void gather_cells(const NodeArrays& n, const SolidLaw& solid, const NodeBlock& b
   }
 }
 
-/// What remains around sixteen nodes where edges are cut or no whole cell holds them.
-struct Remains {
-  Real young[kCellCorners][kSpareSlots];      // 0 in cells with a cut edge [Pa]
-  Real spring[kNeighbourCount][kSpareSlots];  // of loose edges [N/m]
+/// Of the cells around sixteen nodes, those without a cut edge.
+struct WholeCells {
+  Real young[kCellCorners][kSpareSlots];  // 0 in cells with a cut edge [Pa]
 };
-
-void find_remains(const SolidRow& row, const NodeBlock& block, const Neighbours& around, int slot,
-                  Remains& out) {
-  const std::uint8_t* cut = row.nodes.cut + slot;
-  const Real* root = row.nodes.root + slot;
+void find_whole_cells(const NodeArrays& n, const NodeBlock& block, int slot, CellsAround& cells,
+                      WholeCells& out) {
   for (int at = 0; at < kCellCorners; at++) {
-    const auto corner = [&](int c) { return block.offset[block_index(cell_corner(c) - cell_corner(at))]; };
     std::uint8_t bits[kSpareSlots] = {};
-    for (int c = 0; c < kCellCorners; c++)
-      for (int i = 0; i < kSpareSlots; i++) bits[i] |= cut[corner(c) + i] & edges_from_corner(c);
-    for (int i = 0; i < kSpareSlots; i++) out.young[at][i] = bits[i] ? 0 : row.young[slot + corner(0) + i];
+    for (int c = 0; c < kCellCorners; c++) {
+      const std::uint8_t* cut = n.cut + slot + block.offset[block_index(cell_corner(c) - cell_corner(at))];
+      for (int i = 0; i < kSpareSlots; i++) bits[i] |= cut[i] & edges_from_corner(c);
+    }
+    for (int i = 0; i < kSpareSlots; i++) out.young[at][i] = bits[i] ? 0 : cells.young[at][i];
+    cells.young[at] = out.young[at];
   }
+}
+
+/// Stiffness of the edges around sixteen nodes that no whole cell holds, 0 for others [N/m].
+struct LooseEdges {
+  Real spring[kNeighbourCount][kSpareSlots];
+};
+void find_loose_edges(const NodeArrays& n, const Neighbours& around, const CellsAround& cells, int slot,
+                      LooseEdges& out) {
+  const Real* root = n.root + slot;
   for (int e = 0; e < kNeighbourCount; e++) {
-    const int b = around.offset[e], lower = e % 2 == 0 ? 0 : b;
+    const int b = around.offset[e];
+    const std::uint8_t* cut = n.cut + slot + (e % 2 == 0 ? 0 : b);
     Real held[kSpareSlots] = {};
     for (int at = 0; at < kCellCorners; at++)
       for (int i = 0; i < kSpareSlots && cell_holds(at, neighbour_offset(e)); i++)
-        held[i] += out.young[at][i];
+        held[i] += cells.young[at][i];
     for (int i = 0; i < kSpareSlots; i++) {
-      const bool loose = (held[i] <= 0) & ((cut[lower + i] >> e / 2 & 1) == 0);
+      const bool loose = (held[i] <= 0) & ((cut[i] >> e / 2 & 1) == 0);
       out.spring[e][i] = loose ? around.scale[e] * root[i] * root[b + i] : 0;
     }
   }
 }
 
-void add_springs(const NodeArrays& n, const Neighbours& around, const Remains& remains, int slot, int begin,
+void add_springs(const NodeArrays& n, const Neighbours& around, const LooseEdges& loose, int slot, int begin,
                  SystemBuffer& __restrict out) {
   TURGOR_LANES
   for (int i = 0; i < kSpareSlots; i++) {
@@ -106,7 +114,7 @@ void add_springs(const NodeArrays& n, const Neighbours& around, const Remains& r
     NodeSystem s = out.get(begin + i);
 #pragma GCC unroll 14
     for (int e = 0; e < kNeighbourCount; e++) {
-      const Real k = remains.spring[e][i];
+      const Real k = loose.spring[e][i];
       const Real there = k > 0 ? Real(1) : Real(0);  // slots without a node lie still, wherever this one goes
       add_spring(s, around.edge[e] + (n.u(a + around.offset[e]) - n.u(a)) * there, around.rest[e], k);
     }
@@ -115,19 +123,19 @@ void add_springs(const NodeArrays& n, const Neighbours& around, const Remains& r
 }
 
 /// Everything around the nodes of [slot, slot + kSpareSlots), into the buffer from `begin` on.
-void gather_sixteen(const SolidRow& row, int parity, int slot, int begin, bool whole, SystemBuffer& out) {
+void gather_sixteen(const SolidRow& row, int parity, int slot, int begin, bool with_cuts, bool with_springs,
+                    SystemBuffer& out) {
   const NodeBlock& block = row.block[parity];
   CellsAround cells;
-  if (whole) {
-    for (int at = 0; at < kCellCorners; at++)
-      cells.young[at] = row.young + slot + block.offset[block_index(-cell_corner(at))];
-    return gather_cells(row.nodes, row.law, block, cells, slot, begin, out);
-  }
-  Remains remains;
-  find_remains(row, block, row.neighbours[parity], slot, remains);
-  for (int at = 0; at < kCellCorners; at++) cells.young[at] = remains.young[at];
+  for (int at = 0; at < kCellCorners; at++)
+    cells.young[at] = row.young + slot + block.offset[block_index(-cell_corner(at))];
+  WholeCells whole;
+  if (with_cuts) find_whole_cells(row.nodes, block, slot, cells, whole);
   gather_cells(row.nodes, row.law, block, cells, slot, begin, out);
-  add_springs(row.nodes, row.neighbours[parity], remains, slot, begin, out);
+  if (!with_springs) return;
+  LooseEdges loose;
+  find_loose_edges(row.nodes, row.neighbours[parity], cells, slot, loose);
+  add_springs(row.nodes, row.neighbours[parity], loose, slot, begin, out);
 }
 
 }  // namespace
@@ -174,7 +182,7 @@ void SolidRow::gather(int parity, int slot, int count, SystemBuffer& out) const 
     if (found == Around::kNothing)
       for (int i = begin; i < begin + kSpareSlots; i++) out.set(i, {});
     else
-      gather_sixteen(*this, parity, slot + begin, begin, found == Around::kCells && !cut, out);
+      gather_sixteen(*this, parity, slot + begin, begin, cut, cut || found == Around::kSprings, out);
   }
 }
 
