@@ -220,6 +220,16 @@ TEST(lattice_solid, a_bar_four_cells_thick_has_e_a_and_e_i_along_axes_and_face_d
     }
 }
 
+TEST(lattice_solid, a_bar_along_a_body_diagonal_all_stairs_has_nearly_e_a_and_loses_its_stairs_when_bent) {
+  const auto [stretch, bend, aside] = bar_stiffness({1, 1, 1}, 6, 0.3);
+  std::printf("along 1 1 1: E A %.3f, E I %.3f and %.3f\n", stretch, bend, aside);
+  EXPECT_NEAR(stretch, 1, 0.08);
+  for (const double part : {bend, aside}) {
+    EXPECT_LT(part, 1) << "stairs carry less than a plane side";
+    EXPECT_GT(part, 0.83);
+  }
+}
+
 // ------------------------------------------------------------ weight
 
 Params solid_params(int sweeps, double poisson) {
