@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "tests/models/block_body.hpp"
+#include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
 namespace turgor::lattice {
@@ -11,20 +12,21 @@ namespace {
 constexpr double kDt = 1.0 / 60;
 constexpr double kSweepBytes = 32;  // a slot: read u, w, root; write u
 
-Model tense_block(int nodes_per_side, Method method, bool skin) {
+Model tense_block(int nodes_per_side, Method method, bool skin, const TissueParams& tissue) {
   const int n = nodes_per_side;
   Block block{.size = {n, n, n}, .step = 0.003, .skin_on_top = true};
   block.is_fixed = [](Int3 p) { return p.z == 0 || p.x == 0; };
   Params params;
   params.solver.method = method;
+  params.tissue = tissue;
   params.skin.enabled = skin;
   params.skin.law = method == Method::kPbd ? SkinLaw::kArea : SkinLaw::kFibre;
   return block_model(block, params);
 }
 
-void sweep(benchmark::State& bench, Method method, bool skin) {
+void sweep(benchmark::State& bench, Method method, bool skin, const TissueParams& tissue = {}) {
   const Exec exec(static_cast<int>(bench.range(1)));
-  const Model model = tense_block(static_cast<int>(bench.range(0)), method, skin);
+  const Model model = tense_block(static_cast<int>(bench.range(0)), method, skin, tissue);
   State state = make_state(model);
   const Inputs inputs{.gravity = {0, 0, -9.81}};
   predict(exec, model, state, inputs, kDt);
@@ -45,6 +47,14 @@ void pbd_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kPbd, t
 void descent_sweep(benchmark::State& bench) { sweep(bench, Method::kDescent, false); }
 void descent_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kDescent, true); }
 
+/// Springs and twenty-four tetrahedra a node, against solid cells.
+void descent_sweep_with_volumes(benchmark::State& bench) {
+  sweep(bench, Method::kDescent, false, {.volume = 2});
+}
+void descent_sweep_of_cells(benchmark::State& bench) {
+  sweep(bench, Method::kDescent, false, {.law = TissueLaw::kSolid});
+}
+
 void sizes(benchmark::internal::Benchmark* b) {
   b->ArgsProduct({{32, 64, 128, 192}, {1, 2}})
       ->ArgNames({"side", "threads"})
@@ -55,6 +65,8 @@ BENCHMARK(pbd_sweep)->Apply(sizes);
 BENCHMARK(pbd_sweep_with_skin)->Apply(sizes);
 BENCHMARK(descent_sweep)->Apply(sizes);
 BENCHMARK(descent_sweep_with_skin)->Apply(sizes);
+BENCHMARK(descent_sweep_with_volumes)->Apply(sizes);
+BENCHMARK(descent_sweep_of_cells)->Apply(sizes);
 
 /// A bar of about 51 000 tetrahedra (and twice, four times as many), springs and volumes, 5 sweeps: work that
 /// other engines are timed on.
@@ -75,6 +87,27 @@ BENCHMARK(bar_frame)
     ->ArgNames({"cells", "threads"})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
+
+/// A frame of a torso from a CT, its surface with all its stairs, in the CPU time of one thread.
+void torso_frame(benchmark::State& bench, const TissueParams& tissue) {
+  const Exec exec(1);
+  PhantomParams phantom = default_phantom(PhantomKind::kTorso);
+  const int shrink = static_cast<int>(bench.range(0));
+  phantom.size = {phantom.size.x / shrink, phantom.size.y / shrink, phantom.size.z / shrink};
+  phantom.spacing *= double(shrink);
+  Params params;
+  params.tissue = tissue;
+  const Model model = build(exec, make_phantom(exec, phantom), {}, params).value();
+  State state = make_state(model);
+  for (auto _ : bench) step(exec, model, state, {}, kDt);
+  bench.counters["nodes"] = double(model.body_nodes);
+}
+void torso_frame_of_springs(benchmark::State& bench) { torso_frame(bench, {}); }
+void torso_frame_with_volumes(benchmark::State& bench) { torso_frame(bench, {.volume = 2}); }
+void torso_frame_of_cells(benchmark::State& bench) { torso_frame(bench, {.law = TissueLaw::kSolid}); }
+BENCHMARK(torso_frame_of_springs)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
+BENCHMARK(torso_frame_with_volumes)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
+BENCHMARK(torso_frame_of_cells)->Arg(4)->Arg(2)->ArgName("shrink")->Unit(benchmark::kMillisecond);
 
 void detect_and_build(benchmark::State& bench) {
   const Exec exec(static_cast<int>(bench.range(1)));

@@ -29,8 +29,10 @@ struct Pressed {
   std::vector<ToolForce> forces;
   std::vector<ToolPose> at;
 
-  Pressed(Int3 size, double step, int sweeps, Tool tool, Vec3d from, bool with_skin = false) {
+  Pressed(Int3 size, double step, int sweeps, Tool tool, Vec3d from, bool with_skin = false,
+          const lattice::TissueParams& tissue = {}) {
     lattice::Params params;
+    params.tissue = tissue;
     params.skin.enabled = with_skin;
     params.skin.tension_along = params.skin.tension_across = 0;
     params.solver = {.sweeps = sweeps, .damping = 8};
@@ -100,6 +102,24 @@ TEST(lattice_touch, a_sphere_is_carried_as_hertz_says_and_does_not_sink_in) {
     EXPECT_LT(block.forces[0].largest_penetration, 0.01 * depth) << "m";
     EXPECT_LT(std::hypot(block.forces[0].force.x, block.forces[0].force.y), 0.2 * block.forces[0].force.z);
     last_ratio = ratio;
+  }
+}
+
+TEST(lattice_touch, a_sphere_on_solid_tissue_is_carried_as_hertz_says_with_its_poisson_s_ratio) {
+  constexpr double kStep = 0.002, kRadius = 0.04, kContact = 0.008;  // a circle of 4 steps
+  constexpr double kDepth = kContact * kContact / kRadius;
+  for (const double poisson : {0.2, 0.4}) {
+    const Int3 size{61, 61, 41};
+    Pressed block(size, kStep, 10, {Sphere{kRadius}, 0}, middle(size, kStep, 1), false,
+                  {.law = lattice::TissueLaw::kSolid, .poisson = poisson});
+    block.at[0].pose.position.z = block.top + kRadius;
+    block.go(Exec(2), middle(size, kStep, block.top + kRadius - kDepth), 10);
+    block.go(Exec(2), block.at[0].pose.position, 30);
+    const double hertz =
+        4.0 / 3 * kYoung / (1 - poisson * poisson) * std::sqrt(kRadius) * std::pow(kDepth, 1.5);
+    const double force = block.forces[0].force.z;
+    std::printf("v %.1f: %.4f N, %.3f times Hertz's %.4f N\n", poisson, force, force / hertz, hertz);
+    EXPECT_NEAR(force, hertz, 0.08 * hertz) << "N, v " << poisson;
   }
 }
 

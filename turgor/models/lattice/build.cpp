@@ -2,7 +2,9 @@
 #include <cmath>
 #include <string>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/body_nodes.hpp"
+#include "turgor/models/lattice/cells.hpp"
 #include "turgor/models/lattice/skin.hpp"
 #include "turgor/models/lattice/springs.hpp"
 
@@ -58,13 +60,17 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
 
   const Vec3 h = model.lattice.step;
   const bool pbd = params.solver.method == Method::kPbd;
-  model.spring_scale = calibrate_springs(h, params.tissue.volume);
+  const bool solid = params.tissue.law == TissueLaw::kSolid;
+  TURGOR_ASSERT(!(solid && pbd), "projections know springs alone");
+  const double volume = solid ? 0 : params.tissue.volume;
+  model.spring_scale = calibrate_springs(h, volume);
   for (std::size_t f = 0; f < kFamilyCount; f++) {
     model.rest_length[f] = norm(hadamard(h, Vec3(kFamilies[f])));
     if (pbd) model.spring_scale[f] = 1;
   }
   model.rest_volume = h.x * h.y * h.z / 6;
-  model.volume_scale = Real(pbd ? params.solver.pbd_volume : params.tissue.volume);
+  model.volume_scale = Real(pbd ? params.solver.pbd_volume : volume);
+  if (solid) build_cells(exec, model);
 
   for (std::size_t n = 0; n < nodes.tissue.size(); n++) {
     model.body_nodes += is_body(nodes.tissue[n]);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/cells.hpp"
 #include "turgor/models/lattice/kernels.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/node_contact.hpp"
@@ -16,20 +17,6 @@
 namespace turgor::lattice {
 
 namespace {
-
-constexpr int kLanes = 256;  // nodes done at once; longer half rows are done in pieces
-
-/// NodeSystem of many nodes, an array per number.
-struct SystemBuffer {
-  alignas(64) Real fx[kLanes], fy[kLanes], fz[kLanes];
-  alignas(64) Real xx[kLanes], yy[kLanes], zz[kLanes], xy[kLanes], xz[kLanes], yz[kLanes];
-
-  NodeSystem get(int i) const { return {{fx[i], fy[i], fz[i]}, xx[i], yy[i], zz[i], xy[i], xz[i], yz[i]}; }
-  void set(int i, const NodeSystem& s) {
-    fx[i] = s.f.x, fy[i] = s.f.y, fz[i] = s.f.z;
-    xx[i] = s.xx, yy[i] = s.yy, zz[i] = s.zz, xy[i] = s.xy, xz[i] = s.xz, yz[i] = s.yz;
-  }
-};
 
 /// Springs and volumes around the nodes of [slot, slot + count). Distances to the neighbours are computed
 /// once and serve both.
@@ -102,23 +89,32 @@ struct GatherRow {
   const State& state;
   NodeArrays nodes;
   Neighbours neighbours[2];
+  SolidRow solid;
 
   GatherRow(const Model& m, State& s)
-      : model(m), state(s), nodes(node_arrays(m, s)), neighbours{neighbours_of(m, 0), neighbours_of(m, 1)} {}
+      : model(m),
+        state(s),
+        nodes(node_arrays(m, s)),
+        neighbours{neighbours_of(m, 0), neighbours_of(m, 1)},
+        solid(m, s) {}
 
   template <bool kWithCuts>
-  void gather(int parity, int slot, int count, SystemBuffer& out) const {
+  void springs(int parity, int slot, int count, SystemBuffer& out) const {
     const auto elements =
         model.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
     const int whole_vectors =
         (count + kSpareSlots - 1) / kSpareSlots * kSpareSlots;  // of which the last lanes are not used
     elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot, whole_vectors, out);
-    if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, slot, count, out);
   }
 
   void operator()(int parity, int slot, int count, SystemBuffer& out) const {
-    state.row_cut[std::size_t(slot / row_stride(model.lattice))] ? gather<true>(parity, slot, count, out)
-                                                                 : gather<false>(parity, slot, count, out);
+    if (model.params.tissue.law == TissueLaw::kSolid)
+      solid.gather(parity, slot, count, out);
+    else if (state.row_cut[std::size_t(slot / row_stride(model.lattice))])
+      springs<true>(parity, slot, count, out);
+    else
+      springs<false>(parity, slot, count, out);
+    if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, slot, count, out);
   }
 };
 
@@ -148,11 +144,13 @@ struct Inertia {
   }
 };
 
-/// Calls body(parity, slot, count) on pieces of all half rows of a layer, in order.
+/// Calls body(parity, slot, count) on pieces of all half rows of a layer, in order or against it.
 template <class Body>
-void for_each_piece(const Lattice& l, int k, const Body& body) {
-  for (int j = 0; j < l.size.y; j++)
-    for (int parity = 0; parity < 2; parity++) {
+void for_each_piece(const Lattice& l, int k, const Body& body, Order order = Order::kForward) {
+  const bool backward = order == Order::kBackward;
+  for (int row = 0; row < l.size.y; row++)
+    for (int turn = 0; turn < 2; turn++) {
+      const int j = backward ? l.size.y - 1 - row : row, parity = backward ? 1 - turn : turn;
       const int slot = row_slot(l, j, k) + parity * l.half, count = half_count(l, parity);
       for (int begin = 0; begin < count; begin += kLanes)
         body(parity, slot + begin, std::min(kLanes, count - begin));
@@ -163,16 +161,20 @@ struct DescendLayer {
   const GatherRow& gather;
   const Inertia& inertia;
   std::span<NodeContact> contacts;
+  Order order;
 
   void operator()(int k) const {
     SystemBuffer buffer;
-    for_each_piece(gather.model.lattice, k, [&](int parity, int slot, int count) {
-      gather(parity, slot, count, buffer);
-      const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
-      if (!touched.empty()) press(touched, slot, buffer);
-      solve(slot, count, buffer);
-      for (NodeContact& c : touched) c.force = contact_force(c, gather.nodes.u(c.slot)).force;
-    });
+    for_each_piece(
+        gather.model.lattice, k,
+        [&](int parity, int slot, int count) {
+          gather(parity, slot, count, buffer);
+          const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
+          if (!touched.empty()) press(touched, slot, buffer);
+          solve(slot, count, buffer);
+          for (NodeContact& c : touched) c.force = contact_force(c, gather.nodes.u(c.slot)).force;
+        },
+        order);
   }
 
   /// Adds contacts to the systems of their nodes. Those of one node are equally stiff.
@@ -216,10 +218,11 @@ struct LayerResidual {
 
 }  // namespace
 
-void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
+                   Order order) {
   const GatherRow gather(model, state);
   const Inertia inertia(model, state, inputs, dt);
-  sweep_slabs(exec, model.lattice.size.z, DescendLayer{gather, inertia, inputs.contacts});
+  sweep_slabs(exec, model.lattice.size.z, DescendLayer{gather, inertia, inputs.contacts, order}, order);
 }
 
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,

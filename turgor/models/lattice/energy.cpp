@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include "turgor/models/lattice/kernels.hpp"
+#include "turgor/models/lattice/cells.hpp"
 #include "turgor/models/lattice/skin.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
@@ -21,6 +21,7 @@ struct LayerEnergy {
   const State& state;
 
   Vec3d x(Int3 p) const { return Vec3d(position(model, state, p)); }
+  bool is_solid() const { return model.params.tissue.law == TissueLaw::kSolid; }
   double root(Int3 p) const { return model.root_stiffness[std::size_t(node_slot(model.lattice, p))]; }
   bool is_cut(Int3 a, Int3 b) const {
     const bool forward = family_of(b - a) >= 0;
@@ -28,11 +29,35 @@ struct LayerEnergy {
     return state.cut[std::size_t(slot)] >> family & 1;
   }
 
+  bool is_whole(Int3 corner) const {
+    if (!contains(model.lattice, corner)) return false;
+    if (!(model.cell_young[std::size_t(node_slot(model.lattice, corner))] > 0)) return false;
+    int cut = 0;
+    for (int n = 0; n < kCellCorners; n++)
+      cut |= state.cut[std::size_t(node_slot(model.lattice, corner + cell_corner(n)))] & edges_from_corner(n);
+    return cut == 0;
+  }
+  /// Does a whole cell hold the edge from a along `offset`?
+  bool is_held(Int3 a, Int3 offset) const {
+    for (int n = 0; n < kCellCorners; n++)
+      if (cell_holds(n, offset) && is_whole(a - cell_corner(n))) return true;
+    return false;
+  }
+  double solid(Int3 corner) const {
+    if (!is_whole(corner)) return 0;
+    Vec3d u[kCellCorners];
+    for (int n = 0; n < kCellCorners; n++)
+      u[n] = Vec3d(state.u[std::size_t(node_slot(model.lattice, corner + cell_corner(n)))]);
+    return double(model.cell_young[std::size_t(node_slot(model.lattice, corner))]) *
+           cell_energy(u, model.lattice.step, model.params.tissue.poisson);
+  }
+
   double springs(Int3 a) const {
     double sum = 0;
     for (std::size_t f = 0; f < kFamilyCount; f++) {
       const Int3 b = a + kFamilies[f];
       if (!contains(model.lattice, b) || is_cut(a, b)) continue;
+      if (is_solid() && is_held(a, kFamilies[f])) continue;
       const double stretch = norm(x(b) - x(a)) - model.rest_length[f];
       sum += 0.5 * model.spring_scale[f] * root(a) * root(b) * stretch * stretch;
     }
@@ -61,7 +86,8 @@ struct LayerEnergy {
     double sum = 0;
     for (int j = 0; j < model.lattice.size.y; j++)
       for (int i = 0; i < model.lattice.size.x; i++)
-        sum += springs({i, j, k}) + (model.volume_scale > 0 ? volumes({i, j, k}) : 0);
+        sum += springs({i, j, k}) + (model.volume_scale > 0 ? volumes({i, j, k}) : 0) +
+               (is_solid() ? solid({i, j, k}) : 0);
     return sum;
   }
 };

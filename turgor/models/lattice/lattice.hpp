@@ -24,6 +24,8 @@ namespace turgor::lattice {
 
 enum class Method : std::uint8_t { kPbd, kDescent };
 enum class SkinLaw : std::uint8_t { kArea, kFibre };
+/// Springs along the edges, as in the paper, or solid cells that answer alike in every direction.
+enum class TissueLaw : std::uint8_t { kSprings, kSolid };
 /// What a node is made of. Outside = air around the body; gas = air inside it (lungs, bowel).
 enum class Tissue : std::uint8_t { kOutside, kGas, kFat, kMuscle, kBone };
 
@@ -39,11 +41,13 @@ struct SkinParams {
 };
 
 struct TissueParams {
+  TissueLaw law = TissueLaw::kSprings;
   double gas = 1e3, fat = 5e3, muscle = 2e4, bone = 1e7;  // Young's modulus [Pa]
   double air_max = -449;                                  // below: air [HU]
   double fat_max = -30;                                   // below: fat [HU]
   double bone_min = 200;                                  // above: bone [HU]
-  double volume = 0;  // descent: bulk stiffness added by a volume energy, in multiples of Young's modulus [1]
+  double volume = 0;  // springs: bulk stiffness added by a volume energy, in multiples of Young's modulus [1]
+  double poisson = 0.45;                 // solid: Poisson's ratio, 0 to 0.49 [1]
   std::map<int, double> young_of_label;  // Young's modulus by label of a segmentation [Pa]
 };
 
@@ -106,6 +110,9 @@ struct Skin {
   std::vector<int> row_begin;  // 2 · rows + 1, indices into nodes
 };
 
+/// What a group of slots has around it: nothing that moves, whole cells alone, or springs as well.
+enum class Around : std::uint8_t { kNothing, kCells, kSprings };
+
 /// What does not change while the body moves.
 struct Model {
   Params params;
@@ -119,6 +126,8 @@ struct Model {
   std::array<Real, kFamilyCount> spring_scale{};  // spring stiffness = scale · root · root [m]
   Real rest_volume = 0;                           // of a tetrahedron [m³]
   Real volume_scale = 0;                          // volume stiffness = scale · mean root² [1]
+  aligned_vector<Real> cell_young;  // solid: by slot of a cell's lowest node; 0 = no whole cell [Pa]
+  std::vector<Around> around;       // solid: by group of slots, in the CT
   Skin skin;
   int body_nodes = 0, free_nodes = 0;
 };

@@ -2,6 +2,7 @@
 // edges.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -36,17 +37,21 @@ inline std::array<Vec3, kFamilyCount> rest_edges(const Lattice& lattice) {
 
 /// Sweeps run over slabs of layers: first all even slabs at once, then all odd ones. Within a slab, in order.
 /// Two slabs of one phase never touch the same node, whatever the number of threads. `layers` counts node
-/// layers or cell layers.
+/// layers or cell layers. Backward, everything is done in the opposite order.
+enum class Order { kForward, kBackward };
 constexpr int kSlabLayers = 2;
 constexpr int slab_count(int layers) { return (layers + kSlabLayers - 1) / kSlabLayers; }
 
 template <class SweepLayer>
-void sweep_slabs(const Exec& exec, int layers, const SweepLayer& sweep_layer) {
-  for (int phase = 0; phase < 2; phase++)
+void sweep_slabs(const Exec& exec, int layers, const SweepLayer& sweep_layer, Order order = Order::kForward) {
+  const bool backward = order == Order::kBackward;
+  for (int turn = 0; turn < 2; turn++) {
+    const int phase = backward ? 1 - turn : turn;
     parallel_for(exec, std::size_t((slab_count(layers) + 1 - phase) / 2), [&](std::size_t n) {
-      const int begin = (2 * int(n) + phase) * kSlabLayers;
-      for (int k = begin; k < begin + kSlabLayers && k < layers; k++) sweep_layer(k);
+      const int begin = (2 * int(n) + phase) * kSlabLayers, end = std::min(begin + kSlabLayers, layers);
+      for (int k = 0; k < end - begin; k++) sweep_layer(backward ? end - 1 - k : begin + k);
     });
+  }
 }
 
 }  // namespace turgor::lattice

@@ -116,11 +116,14 @@ StepReport finish(const Exec& exec, const Model& model, State& state, double dt)
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   check_contacts(model, inputs.contacts);
   predict(exec, model, state, inputs, dt);
-  for (int sweep = 0; sweep < model.params.solver.sweeps; sweep++)
+  const int sweeps = model.params.solver.sweeps;
+  const bool solid = model.params.tissue.law == TissueLaw::kSolid;
+  for (int sweep = 0; sweep < sweeps; sweep++)
     if (model.params.solver.method == Method::kPbd)
       sweep_pbd(exec, model, state);
     else
-      sweep_descent(exec, model, state, inputs, dt);
+      sweep_descent(exec, model, state, inputs, dt,
+                    solid && 2 * sweep >= sweeps ? Order::kBackward : Order::kForward);
   Residual residual;
   if (inputs.measure_residual && model.params.solver.method == Method::kDescent)
     residual = measure_residual(exec, model, state, inputs, dt);
@@ -134,7 +137,8 @@ std::size_t memory_bytes(const Model& model, const State& state) {
   const std::size_t per_slot =
       2 * sizeof(Real) + sizeof(Tissue) + sizeof(std::int16_t) + 9 * sizeof(Real) + 2;
   const Skin& skin = model.skin;
-  return slots * per_slot + state.row_cut.size() + state.cut_edges.size() * sizeof(CutEdge) +
+  return slots * per_slot + model.cell_young.size() * sizeof(Real) + model.around.size() +
+         state.row_cut.size() + state.cut_edges.size() * sizeof(CutEdge) +
          skin.triangles.size() * (sizeof(SkinTriangle) + 1) + skin.corners.size() * sizeof(Skin::Corner) +
          (skin.pull.size() + skin.lines.size()) * sizeof(Vec3) +
          (skin.nodes.size() + skin.corner_begin.size() + skin.row_begin.size() + skin.layer_begin.size()) *

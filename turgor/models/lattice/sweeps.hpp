@@ -2,7 +2,7 @@
 // tests and benches look at them one by one.
 #pragma once
 
-#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/rows.hpp"
 
 namespace turgor::lattice {
 
@@ -11,8 +11,12 @@ namespace turgor::lattice {
 void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
 /// One sweep of projections over springs, volumes and skin. [Müller 2007; STC]
 void sweep_pbd(const Exec& exec, const Model& model, State& state);
-/// One sweep of vertex block descent: every node takes one Newton step. [Chen et al. 2024]
-void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+/// One sweep of vertex block descent: every node takes one Newton step. [Chen et al. 2024] Solid tissue takes
+/// the second half of its sweeps backward: then what they leave of an error is a symmetric part of it,
+/// between none and all, and never feeds the motion that inertia carries on. Forward sweeps alone do, from ν
+/// = 0.45 on.
+void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
+                   Order order = Order::kForward);
 /// Velocities from the way gone, damped; or everything back if a number is not finite.
 StepReport finish(const Exec& exec, const Model& model, State& state, double dt);
 

@@ -12,6 +12,7 @@ namespace {
 
 using lattice::Method;
 using lattice::SkinLaw;
+using lattice::TissueLaw;
 
 /// Do labels come with the body: a file of them, or a phantom's?
 bool has_labels(SceneTable& body) {
@@ -74,8 +75,31 @@ void read_young_of_labels(SceneTable& tissue, SceneLabels& labels, lattice::Tiss
   }
 }
 
+/// One modulus for all that is not told apart.
+void read_young(SceneTable& tissue, lattice::TissueParams& params) {
+  double young = 0;
+  tissue.read("young", young, positive("Pa"));
+  if (young > 0) params.gas = params.fat = params.muscle = params.bone = young;
+}
+
+/// What the two laws have of their own is refused beside the other.
+void read_law(SceneTable& tissue, lattice::TissueParams& params) {
+  tissue.read_choice<TissueLaw>("law", params.law,
+                                {{"springs", TissueLaw::kSprings}, {"solid", TissueLaw::kSolid}});
+  tissue.read("poisson", params.poisson, within(0, 0.49));
+  tissue.read("volume", params.volume, within(0, 100));
+  const bool solid = params.law == TissueLaw::kSolid;
+  if (solid && tissue.has("volume"))
+    tissue.fail("volume",
+                "solid tissue keeps its volume by tissue.poisson; volume belongs to law = \"springs\"");
+  if (!solid && tissue.has("poisson"))
+    tissue.fail("poisson",
+                "springs have no Poisson's ratio of their own: add law = \"solid\", or set volume");
+}
+
 void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& params) {
   SceneTable tissue = body.table("tissue");
+  read_young(tissue, params);
   tissue.read("gas", params.gas, positive("Pa"));
   tissue.read("fat", params.fat, positive("Pa"));
   tissue.read("muscle", params.muscle, positive("Pa"));
@@ -83,7 +107,7 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
   tissue.read("air_max", params.air_max, within(-1024, 3071, "HU"));
   tissue.read("fat_max", params.fat_max, within(-1024, 3071, "HU"));
   tissue.read("bone_min", params.bone_min, within(-1024, 3071, "HU"));
-  tissue.read("volume", params.volume, within(0, 100));
+  read_law(tissue, params);
   read_young_of_labels(tissue, labels, params);
   if (params.air_max >= params.fat_max || params.fat_max >= params.bone_min)
     tissue.fail("", fmt::format("expected air_max < fat_max < bone_min, found {} < {} < {} HU",
@@ -138,6 +162,17 @@ void read_solver(SceneTable& body, lattice::SolverParams& solver) {
   table.finish();
 }
 
+void check_solid(SceneTable& body, const lattice::Params& params) {
+  if (params.tissue.law != TissueLaw::kSolid) return;
+  if (params.solver.method == Method::kPbd)
+    body.fail("tissue",
+              "solver.method = \"pbd\" projects springs alone (a projection knows no pascals); "
+              "set tissue.law = \"springs\" or solver.method = \"descent\"");
+  if (params.solver.sweeps < 2)
+    body.fail("solver",
+              "solid tissue takes half of its sweeps forward and half backward: expected at least 2 sweeps");
+}
+
 }  // namespace
 
 LatticeScene read_lattice_scene(SceneTable body, const std::string& name) {
@@ -160,6 +195,7 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name) {
               "solver.method = \"pbd\" offers the area law only (a projection has no forces along and across "
               "the lines); "
               "set skin.law = \"area\" or solver.method = \"descent\"");
+  check_solid(body, scene.params);
   body.finish();
   return scene;
 }

@@ -1,0 +1,189 @@
+#include "turgor/models/lattice/cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Geometric mean of the corners' moduli, as an edge has that of its ends; 0 when one is no body [Pa].
+Real cell_young(const Model& model, Int3 corner) {
+  double product = 1;
+  for (int n = 0; n < kCellCorners; n++)
+    product *= double(model.root_stiffness[std::size_t(node_slot(model.lattice, corner + cell_corner(n)))]);
+  return Real(std::sqrt(std::sqrt(product)));
+}
+
+bool is_whole(const Model& model, Int3 corner) {
+  return contains(model.lattice, corner) &&
+         model.cell_young[std::size_t(node_slot(model.lattice, corner))] > 0;
+}
+
+/// Is there an edge at this node of the body that no whole cell holds?
+bool has_loose_edge(const Model& model, Int3 node) {
+  bool whole[kCellCorners];
+  for (int n = 0; n < kCellCorners; n++) whole[n] = is_whole(model, node - cell_corner(n));
+  for (int e = 0; e < kNeighbourCount; e++) {
+    const Int3 offset = neighbour_offset(e), other = node + offset;
+    if (!contains(model.lattice, other)) continue;
+    if (!is_body(model.tissue[std::size_t(node_slot(model.lattice, other))])) continue;
+    bool held = false;
+    for (int n = 0; n < kCellCorners; n++) held |= whole[n] && cell_holds(n, offset);
+    if (!held) return true;
+  }
+  return false;
+}
+
+void mark_group(const Model& model, Int3 node, std::vector<Around>& around) {
+  const int slot = node_slot(model.lattice, node);
+  if (!is_body(model.tissue[std::size_t(slot)])) return;
+  Around& group = around[std::size_t(slot / kGroup)];
+  group = std::max(group, has_loose_edge(model, node) ? Around::kSprings : Around::kCells);
+}
+
+/// The cells around sixteen nodes: where each has its modulus. A node is corner n of cell n.
+struct CellsAround {
+  const Real* young[kCellCorners];  // [Pa]
+};
+
+void gather_cells(const NodeArrays& n, const SolidLaw& solid, const NodeBlock& block,
+                  const CellsAround& cells, int slot, int begin, SystemBuffer& __restrict out) {
+  const SolidLaw law = solid;
+  TURGOR_LANES
+  for (int i = 0; i < kSpareSlots; i++) {
+    const int a = slot + i;
+    NodeSystem s;
+    Vec3 u[kBlockNodes];
+#pragma GCC unroll 27
+    for (int b = 0; b < kBlockNodes; b++) u[b] = n.u(a + block.offset[b]) - n.u(a);
+#pragma GCC unroll 8
+    for (int at = 0; at < kCellCorners; at++) {
+      Vec3 d[kCellCorners];
+#pragma GCC unroll 8
+      for (int c = 0; c < kCellCorners; c++) d[c] = u[block_index(cell_corner(c) - cell_corner(at))];
+      add_cell(s, cell_gradient(d, at, law.slope), at, law, cells.young[at][i]);
+    }
+    out.set(begin + i, s);
+  }
+}
+
+/// Of the cells around sixteen nodes, those without a cut edge.
+struct WholeCells {
+  Real young[kCellCorners][kSpareSlots];  // 0 in cells with a cut edge [Pa]
+};
+void find_whole_cells(const NodeArrays& n, const NodeBlock& block, int slot, CellsAround& cells,
+                      WholeCells& out) {
+  for (int at = 0; at < kCellCorners; at++) {
+    std::uint8_t bits[kSpareSlots] = {};
+    for (int c = 0; c < kCellCorners; c++) {
+      const std::uint8_t* cut = n.cut + slot + block.offset[block_index(cell_corner(c) - cell_corner(at))];
+      for (int i = 0; i < kSpareSlots; i++) bits[i] |= cut[i] & edges_from_corner(c);
+    }
+    for (int i = 0; i < kSpareSlots; i++) out.young[at][i] = bits[i] ? 0 : cells.young[at][i];
+    cells.young[at] = out.young[at];
+  }
+}
+
+/// Stiffness of the edges around sixteen nodes that no whole cell holds, 0 for others [N/m].
+struct LooseEdges {
+  Real spring[kNeighbourCount][kSpareSlots];
+};
+void find_loose_edges(const NodeArrays& n, const Neighbours& around, const CellsAround& cells, int slot,
+                      LooseEdges& out) {
+  const Real* root = n.root + slot;
+  for (int e = 0; e < kNeighbourCount; e++) {
+    const int b = around.offset[e];
+    const std::uint8_t* cut = n.cut + slot + (e % 2 == 0 ? 0 : b);
+    Real held[kSpareSlots] = {};
+    for (int at = 0; at < kCellCorners; at++)
+      for (int i = 0; i < kSpareSlots && cell_holds(at, neighbour_offset(e)); i++)
+        held[i] += cells.young[at][i];
+    for (int i = 0; i < kSpareSlots; i++) {
+      const bool loose = (held[i] <= 0) & ((cut[i] >> e / 2 & 1) == 0);
+      out.spring[e][i] = loose ? around.scale[e] * root[i] * root[b + i] : 0;
+    }
+  }
+}
+
+void add_springs(const NodeArrays& n, const Neighbours& around, const LooseEdges& loose, int slot, int begin,
+                 SystemBuffer& __restrict out) {
+  TURGOR_LANES
+  for (int i = 0; i < kSpareSlots; i++) {
+    const int a = slot + i;
+    NodeSystem s = out.get(begin + i);
+#pragma GCC unroll 14
+    for (int e = 0; e < kNeighbourCount; e++) {
+      const Real k = loose.spring[e][i];
+      const Real there = k > 0 ? Real(1) : Real(0);  // slots without a node lie still, wherever this one goes
+      add_spring(s, around.edge[e] + (n.u(a + around.offset[e]) - n.u(a)) * there, around.rest[e], k);
+    }
+    out.set(begin + i, s);
+  }
+}
+
+/// Everything around the nodes of [slot, slot + kSpareSlots), into the buffer from `begin` on.
+void gather_sixteen(const SolidRow& row, int parity, int slot, int begin, bool with_cuts, bool with_springs,
+                    SystemBuffer& out) {
+  const NodeBlock& block = row.block[parity];
+  CellsAround cells;
+  for (int at = 0; at < kCellCorners; at++)
+    cells.young[at] = row.young + slot + block.offset[block_index(-cell_corner(at))];
+  WholeCells whole;
+  if (with_cuts) find_whole_cells(row.nodes, block, slot, cells, whole);
+  gather_cells(row.nodes, row.law, block, cells, slot, begin, out);
+  if (!with_springs) return;
+  LooseEdges loose;
+  find_loose_edges(row.nodes, row.neighbours[parity], cells, slot, loose);
+  add_springs(row.nodes, row.neighbours[parity], loose, slot, begin, out);
+}
+
+}  // namespace
+
+NodeBlock node_block(const Lattice& lattice, int parity) {
+  NodeBlock block{};
+  for (int z = -1; z <= 1; z++)
+    for (int y = -1; y <= 1; y++)
+      for (int x = -1; x <= 1; x++)
+        block.offset[block_index({x, y, z})] = slot_offset(lattice, {x, y, z}, parity);
+  return block;
+}
+
+void build_cells(const Exec& exec, Model& model) {
+  const Lattice& l = model.lattice;
+  const std::size_t slots = model.inverse_mass.size();
+  model.cell_young.assign(slots, 0);
+  model.around.assign(slots / kGroup, Around::kNothing);
+  const auto for_each = [&](Int3 size, const auto& visit) {
+    parallel_for(exec, std::size_t(size.z), [&](std::size_t k) {
+      for (int j = 0; j < size.y; j++)
+        for (int i = 0; i < size.x; i++) visit(Int3{i, j, int(k)});
+    });
+  };
+  for_each(l.size - Int3{1, 1, 1},
+           [&](Int3 p) { model.cell_young[std::size_t(node_slot(l, p))] = cell_young(model, p); });
+  for_each(l.size, [&](Int3 p) { mark_group(model, p, model.around); });
+}
+
+SolidRow::SolidRow(const Model& m, State& s)
+    : model(m),
+      row_cut(s.row_cut.data()),
+      nodes(node_arrays(m, s)),
+      young(m.cell_young.data()),
+      law(solid_law(m.lattice.step, m.params.tissue.poisson)),
+      block{node_block(m.lattice, 0), node_block(m.lattice, 1)},
+      neighbours{neighbours_of(m, 0), neighbours_of(m, 1)} {}
+
+void SolidRow::gather(int parity, int slot, int count, SystemBuffer& out) const {
+  const bool cut = row_cut[slot / row_stride(model.lattice)];
+  for (int begin = 0; begin < count; begin += kSpareSlots) {
+    const auto group = std::size_t((slot + begin) / kGroup);
+    const Around found = std::max(model.around[group], model.around[group + 1]);
+    if (found == Around::kNothing)
+      for (int i = begin; i < begin + kSpareSlots; i++) out.set(i, {});
+    else
+      gather_sixteen(*this, parity, slot + begin, begin, cut, cut || found == Around::kSprings, out);
+  }
+}
+
+}  // namespace turgor::lattice
