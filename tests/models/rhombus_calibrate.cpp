@@ -29,9 +29,10 @@ TEST(RhombusCalibrate, it_reproduces_a_ball_pressed_and_a_disc_pulled_within_10_
     ChainParams start;
     start.tip = radius, start.side = 1.25 * radius, start.stiffening = 1;
     const Fit fit = *calibrate(half_space_curve(3e3, radius), start);
-    std::printf("half space, %.0f mm: k_N %.4f k_T1 %.4f N/m, beta %.3f, theta %.6f: rms %.4f, largest %.4f\n",
-                radius * 1e3, fit.params.normal, fit.params.tangential, fit.params.decay, fit.params.angle,
-                fit.rms, fit.largest);
+    std::printf(
+        "half space, %.0f mm: k_N %.4f k_T1 %.4f N/m, beta %.3f, theta %.6f: rms %.4f, largest %.4f\n",
+        radius * 1e3, fit.params.normal, fit.params.tangential, fit.params.decay, fit.params.angle, fit.rms,
+        fit.largest);
     EXPECT_LT(fit.largest, 0.10);
   }
 }

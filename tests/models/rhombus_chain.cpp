@@ -199,7 +199,8 @@ TEST(RhombusChain, parameters_that_make_no_chain_are_refused_with_a_sentence) {
   EXPECT_NE(message({.side = 0}), "built");
   EXPECT_NE(message({.boundary = 0}), "built");
   EXPECT_NE(message({.stiffening = 0}), "built");
-  EXPECT_EQ(message({.tip = -1}), "the tip that a chain is for [m]: expected a radius of 0 or more, found -1");
+  EXPECT_EQ(message({.tip = -1}),
+            "the tip that a chain is for [m]: expected a radius of 0 or more, found -1");
 }
 
 }  // namespace

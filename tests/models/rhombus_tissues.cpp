@@ -64,8 +64,7 @@ TEST(RhombusTissues, small_presses_are_within_3_percent_of_hertz) {
   const Chain chain = *build_chain(tissues()[0].chain);
   for (const double radius : {0.002, 0.01, 0.1})
     for (const double part : {1e-4, 1e-3, 0.02}) {
-      const double hertz =
-          4.0 / 3 * 5400 / 0.75 * std::sqrt(radius) * std::pow(part * radius, 1.5);
+      const double hertz = 4.0 / 3 * 5400 / 0.75 * std::sqrt(radius) * std::pow(part * radius, 1.5);
       EXPECT_NEAR(force_of_tip(chain, tip_on(chain, radius), part * radius) / hertz, 1, 0.03) << part;
     }
 }

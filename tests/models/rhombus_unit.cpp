@@ -84,9 +84,8 @@ TEST(RhombusUnit, its_stiffness_grows_by_e_over_a_stated_length_and_no_faster) {
     const double fastest = 1 / std::min(pressed, unit.pulled.rise);
     for (const double force : {-1e4, -30.0, -1.0, -1e-3, 1e-3, 1.0, 30.0, 1e4}) {
       const double more = force * (1 + 1e-4);
-      const double growth =
-          (turn_by_force(unit, more).stiffness - turn_by_force(unit, force).stiffness) /
-          std::abs(more - force);
+      const double growth = (turn_by_force(unit, more).stiffness - turn_by_force(unit, force).stiffness) /
+                            std::abs(more - force);
       EXPECT_LE(growth, fastest * (1 + 1e-3)) << unit.angle / kDegree << " " << force;
     }
   }

@@ -17,7 +17,7 @@ struct CurvePoint {
 
 /// Residuals are relative: fractions of the curve's own force, or of this share of the largest where it is
 /// smaller than that, so that the first hair's breadth of a measured press does not decide.
-constexpr double kFitFloor = 0.01;
+constexpr double kFitFloor = 0.02;
 
 struct Fit {
   ChainParams params;

@@ -92,8 +92,8 @@ Result<Chain> build_chain(const ChainParams& params) {
     const auto k = std::size_t(i);
     // Stiffer than this is rigid; the bound keeps numbers finite for very small β.
     const double growth = std::exp(std::min(i / params.decay, 60.0));
-    chain.units[k] = make_unit(params.side, params.angle, params.normal, params.tangential * growth,
-                               params.stiffening);
+    chain.units[k] =
+        make_unit(params.side, params.angle, params.normal, params.tangential * growth, params.stiffening);
     if (i > 0) chain.pressed[k] = start_of(chain.units[k], -params.boundary * params.angle);
     if (i > 0) chain.pulled[k] = start_of(chain.units[k], pull_turn);
   }
@@ -135,7 +135,8 @@ double force_of_depth(const Chain& chain, double depth, double guess) {
     double next = growth < 1 ? force * std::exp(growth) : force + missing / at.compliance;
     // Where units give way, its steps may leap to and fro: every fourth one halves what is left.
     const bool bounded = std::isfinite(high);
-    if (!(next > low && next < high) || (bounded && i % 4 == 3)) next = bounded ? 0.5 * (low + high) : 2 * low;
+    if (!(next > low && next < high) || (bounded && i % 4 == 3))
+      next = bounded ? 0.5 * (low + high) : 2 * low;
     if (next == force) break;
     force = next;
   }

@@ -164,7 +164,8 @@ Vec3d elastic_force(const Model& model, Touching& t) {
                 moved.along * (tip_force(t.tip, -drag.whole, t.drag_force) * drag.part);
   force *= stiffness_at(model, t.foot.at);
   if (!model.stiffness.empty() && !t.holding)
-    force -= stiffness_gradient_at(model, t.foot) * (tip_energy(model.chain, t.tip, t.depth_force) * depth.part);
+    force -=
+        stiffness_gradient_at(model, t.foot) * (tip_energy(model.chain, t.tip, t.depth_force) * depth.part);
   return force;
 }
 

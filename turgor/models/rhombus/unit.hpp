@@ -12,7 +12,8 @@
 // unit flat (K < k_N, negative for stiff k_T). Pulled, K would grow without bound as φ → 90°: no tissue does.
 // At both ends the unit meets a stop. Past it K grows by e over a length that is stated, and no faster:
 //
-//     F = F_stop ± K_stop b (e^(x/b) − 1)      x past the stop, b = lc/2 pressed, l at rest / stiffening pulled
+//     F = F_stop ± K_stop b (e^(x/b) − 1)      x past the stop, b = lc/2 pressed, l at rest / stiffening
+//     pulled
 //
 // and before it K grows more slowly than that. So |dK/dF| ≤ 1/b everywhere.
 #pragma once
@@ -135,8 +136,8 @@ inline UnitStop stop_at(const Unit& unit, double angle, double rise) {
           rise};
 }
 
-/// θ in (0, 90°) [rad], all others positive. `stiffening`: pulled by its own height, the unit grows stiffer by
-/// no more than e to this.
+/// θ in (0, 90°) [rad], all others positive. `stiffening`: pulled by its own height, the unit grows stiffer
+/// by no more than e to this.
 inline Unit make_unit(double side, double angle, double normal, double tangential, double stiffening) {
   Unit unit{.side = side, .angle = angle, .normal = normal, .tangential = tangential};
   unit.sin_rest = std::sin(angle), unit.cos_rest = std::cos(angle);
