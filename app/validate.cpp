@@ -13,6 +13,7 @@
 #include "app/validation.hpp"
 #include "turgor/io/file.hpp"
 #include "turgor/sim/report/plot.hpp"
+#include "turgor/sim/report/report.hpp"
 #include "turgor/view/annotate.hpp"
 
 namespace turgor {

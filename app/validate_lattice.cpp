@@ -159,11 +159,11 @@ std::vector<Figure> validate_lattice(const Exec& exec, bool quick) {
   const char* axes = "xyz";
   for (int axis = 0; axis < 3; axis++)
     figures.push_back(near_figure(std::string("a bar along ") + axes[axis] + " is stretched", "F L / (E A)",
-                                  stretch(exec, axis), 1, 0.10));
+                                  stretch(exec, axis), 1, 0.03));
   for (const auto& [along, across] : {std::pair{0, 1}, {1, 2}, {2, 0}})
     figures.push_back(
         near_figure(std::string("a bar along ") + axes[along] + " is bent along " + axes[across],
-                    "Timoshenko", bending(exec, along, across), 1, 0.15));
+                    "Timoshenko", bending(exec, along, across), 1, 0.06));
   for (const auto& [along, across] : {std::pair{0, 2}, {2, 1}})
     figures.push_back(
         near_figure(std::string("a bar along ") + axes[along] + " sags along " + axes[across] + " by gravity",
@@ -178,7 +178,7 @@ std::vector<Figure> validate_lattice(const Exec& exec, bool quick) {
        quick ? std::vector<double>{0.002, 0.001} : std::vector<double>{0.002, 0.001, 0.0005})
     figures.push_back(
         near_figure("a slit of 12 mm gapes, step " + std::to_string(1e3 * step).substr(0, 3) + " mm",
-                    "a crack in an elastic plane", gape(exec, step, 0.006), 1, 0.15));
+                    "a crack in an elastic plane", gape(exec, step, 0.006), 1, 0.12));
   return figures;
 }
 

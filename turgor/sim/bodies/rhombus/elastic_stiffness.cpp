@@ -98,9 +98,11 @@ Result<std::vector<double>> elastic_stiffness(const Exec& exec, const sfem::Mode
   parallel_for(
       exec, stiffness.size(),
       [&](std::size_t v) {
+        stiffness[v] = kMostStiff;
+        if (model.free_node[std::size_t(part.vertices[v])] < 0) return;  // held
         const Load load = load_around(surface, part, area, v, radius);
         const double way = touched + compliance(model, load, surface.normals[v]) - hertz;
-        stiffness[v] = way > 0 ? std::clamp(touched / way, 1 / kMostStiff, kMostStiff) : kMostStiff;
+        if (way > 0) stiffness[v] = std::clamp(touched / way, 1 / kMostStiff, kMostStiff);
       },
       8);
   return stiffness;
