@@ -19,10 +19,10 @@ Figure most_figure(const std::string& name, const std::string& against, const st
 
 void print_figures(const std::vector<Figure>& figures) {
   for (const Figure& f : figures) {
-    const std::string bound = f.low < -1e300 ? fmt::format("at most {:.4g}", f.high)
-                                             : fmt::format("{:.4g} to {:.4g}", f.low, f.high);
+    const std::string bound = f.low < -1e300 ? fmt::format("at most {:.7g}", f.high)
+                                             : fmt::format("{:.7g} to {:.7g}", f.low, f.high);
     const char* verdict = !is_missed(f) ? "kept" : f.known_limit ? "missed, a known limit" : "MISSED";
-    fmt::print("  {:<66} {:>11.5g} {} ({}; {}): {}\n", f.name, f.found, f.unit, bound, f.against, verdict);
+    fmt::print("  {:<68} {:>11.7g} {} ({}; {}): {}\n", f.name, f.found, f.unit, bound, f.against, verdict);
   }
 }
 
