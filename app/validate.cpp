@@ -261,8 +261,8 @@ struct Validation {
 constexpr Validation kValidations[] = {
     {"lattice", "Bars, weight, the skin's tension, a gaping slit", "ten seconds of one core, 0.1 GB",
      "a minute of one core, 0.2 GB"},
-    {"sfem", "Plate, Hertz, refinement, a nodule under the finger", "one minute of one core, 1 GB",
-     "some minutes of one core, 2 GB"},
+    {"sfem", "Plate, Hertz, refinement, a nodule under the finger", "one minute of one core, 4.5 GB",
+     "some minutes of one core, 5 GB"},
     {"rhombus", "Presses and pulls of a half space and of finite elements, random grasps",
      "ten seconds of one core, 0.5 GB", "half a minute of one core, 1 GB"},
     {"cloth", "Catenary, period, fall, wind, a fold", "a second of one core, 0.1 GB",
@@ -319,7 +319,7 @@ void add_validation(CLI::App& validate, Global& global, const std::string& name,
   auto options = std::make_shared<ValidateOptions>();
   command->add_option("-o,--out", options->out,
                       "Folder for curves, maps and numbers (default: out/validate-…)");
-  command->add_flag("--quick", options->quick, "Coarser meshes, fewer places: two minutes and 1 GB at most");
+  command->add_flag("--quick", options->quick, "Coarser meshes, fewer places: two minutes at most");
   add_force_option(*command, options->force);
   command->footer("Example:\n  turgor validate " + name + " --quick");
   command->callback(
