@@ -73,7 +73,8 @@ int run(int argc, char** argv) {
       "  turgor info patient.nii.gz\n"
       "turgor COMMAND --help tells more.\n"
       "Exit codes: 0 done; 2 something was not as expected, a sentence says what; 3 numbers that were not\n"
-      "finite ended a simulation early, the results up to then are there; 130 interrupted, nothing is left.");
+      "finite ended a simulation early, the results up to then are there, or a figure of validate is beyond\n"
+      "its bound; 130 interrupted, nothing is left.");
   program.set_version_flag("--version", "turgor " + turgor::program_version());
   program.set_help_all_flag("--help-all", "Help of all commands");
   turgor::Global global;

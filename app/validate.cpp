@@ -1,15 +1,19 @@
-// turgor validate: runs a model where the right answer is known, prints ours beside it, and draws the curves
-// and maps that the documents show.
+// turgor validate: runs a model where the right answer is known, prints ours beside it with the bound that it
+// keeps, and draws the curves and maps that the documents show. A figure beyond its bound ends it with 3.
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "app/result_folder.hpp"
 #include "app/validate_sfem.hpp"
+#include "app/validation.hpp"
 #include "turgor/io/file.hpp"
 #include "turgor/sim/report/plot.hpp"
+#include "turgor/sim/report/report.hpp"
 #include "turgor/view/annotate.hpp"
 
 namespace turgor {
@@ -19,8 +23,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
+constexpr int kMissed = 3;  // exit code: a figure is beyond its bound
+
 struct ValidateOptions {
-  fs::path out = "out/validate-sfem";
+  fs::path out;
   bool quick = false, force = false;
 };
 
@@ -195,24 +201,129 @@ ordered_json report_nodule(const NoduleResult& result, const fs::path& folder) {
   return json;
 }
 
-void validate_all(const Exec& exec, const ValidateOptions& options) {
-  OutputFolder folder = open_result_folder(options.out, options.force);
-  ordered_json report;
-  report["plate"] = report_plate(required(validate_plate(exec)));
-  report["hertz"] = report_hertz(required(validate_hertz(exec)), folder.path());
+/// Bounds of what was printed above.
+std::vector<Figure> sfem_figures(const std::vector<PlateRow>& plate, const HertzResult& hertz,
+                                 const std::vector<RefinementRow>& refinement, const NoduleResult& nodule) {
+  std::vector<Figure> figures;
+  for (const PlateRow& row : plate)
+    figures.push_back(
+        near_figure("plate, " + row.mesh, "an independent program", row.found, row.expected, 1e-6));
+  for (const HertzRow& row : hertz.rows)
+    figures.push_back(near_figure(fmt::format("a sphere {:.2f} mm deep, with the patch", 1e3 * row.depth),
+                                  "Hertz", row.patched, row.hertz, 0.03));
+  const auto finest =
+      std::find_if(refinement.rbegin(), refinement.rend(), [](const auto& row) { return row.global; });
+  for (const RefinementRow& row : refinement)
+    if (!row.global)
+      figures.push_back(near_figure("a sphere on " + row.mesh, "the finest mesh",
+                                    row.force_of_depth.back().second, finest->force_of_depth.back().second,
+                                    row.mesh.find("8 x 8 x 4, patch r = 2") == 0 ? 0.10 : 0.05));
+  const NoduleMap &superposed = nodule.maps[1], &fine = nodule.maps.back();
+  double difference = 0, sum = 0;
+  for (std::size_t i = 0; i < fine.force.size(); i++)
+    difference += std::abs(superposed.force[i] - fine.force[i]), sum += fine.force[i];
+  figures.push_back(most_figure("nodule, superposed: mean difference of the force", "the fine mesh",
+                                "relative", difference / sum, 0.03));
+  figures.push_back(near_figure("nodule, superposed: by how much it stands out", "the fine mesh",
+                                find_peak(nodule, superposed).contrast, find_peak(nodule, fine).contrast,
+                                0.10));
+  return figures;
+}
+
+std::vector<Figure> validate_sfem(const Exec& exec, bool quick, const fs::path& folder,
+                                  ordered_json& report) {
+  const auto plate = required(validate_plate(exec));
+  report["plate"] = report_plate(plate);
+  const HertzResult hertz = required(validate_hertz(exec));
+  report["hertz"] = report_hertz(hertz, folder);
+  std::vector<RefinementRow> refinement;
   {
     ProgressBar bar("refining");
-    report["refinement"] =
-        report_refinement(required(validate_refinement(exec, !options.quick, bar.callback())), folder.path());
+    refinement = required(validate_refinement(exec, !quick, bar.callback()));
   }
+  report["refinement"] = report_refinement(refinement, folder);
+  NoduleResult nodule;
   {
     ProgressBar bar("palpating");
-    report["nodule"] =
-        report_nodule(required(validate_nodule(exec, options.quick ? 9 : 17, bar.callback())), folder.path());
+    nodule = required(validate_nodule(exec, quick ? 9 : 17, bar.callback()));
   }
+  report["nodule"] = report_nodule(nodule, folder);
+  return sfem_figures(plate, hertz, refinement, nodule);
+}
+
+/// A model, and what its validation takes.
+struct Validation {
+  const char* model;
+  const char* about;
+  const char* quick_cost;
+  const char* cost;
+};
+constexpr Validation kValidations[] = {
+    {"lattice", "Bars, weight, the skin's tension, a gaping slit", "ten seconds of one core, 0.1 GB",
+     "a minute of one core, 0.2 GB"},
+    {"sfem", "Plate, Hertz, refinement, a nodule under the finger", "one minute of one core, 4.5 GB",
+     "some minutes of one core, 5 GB"},
+    {"rhombus", "Presses and pulls of a half space and of finite elements, random grasps",
+     "ten seconds of one core, 0.5 GB", "half a minute of one core, 1 GB"},
+    {"cloth", "Catenary, period, fall, wind, a fold", "a second of one core, 0.1 GB",
+     "some seconds of one core, 0.1 GB"}};
+
+std::vector<Figure> figures_of(const Exec& exec, const std::string& model, bool quick, const fs::path& folder,
+                               ordered_json& report) {
+  if (model == "lattice") return validate_lattice(exec, quick);
+  if (model == "rhombus") return validate_rhombus(exec, quick);
+  if (model == "cloth") return validate_cloth(exec, quick);
+  return validate_sfem(exec, quick, folder, report);
+}
+
+/// Runs one, writes its folder; returns the names of figures beyond their bounds.
+std::vector<std::string> validate(const Exec& exec, const Validation& validation, const fs::path& out,
+                                  const ValidateOptions& options) {
+  fmt::print("validate {}: {}\n", validation.model, options.quick ? validation.quick_cost : validation.cost);
+  std::fflush(stdout);
+  OutputFolder folder = open_result_folder(out, options.force);
+  ordered_json report{{"program", "turgor"},
+                      {"version", program_version()},
+                      {"validate", validation.model},
+                      {"quick", options.quick}};
+  const std::vector<Figure> figures =
+      figures_of(exec, validation.model, options.quick, folder.path(), report);
+  const std::vector<std::string> missed = missed_names(figures);
+  report["figures"] = to_json(figures);
+  report["missed"] = missed;
+  print_figures(figures);
   required(write_file(folder.path() / kReportFile, report.dump(1) + "\n"));
   commit_results(folder);
-  fmt::print("\ncurves, maps and numbers   {}\n", folder.goal().string());
+  fmt::print("{} figures, {} beyond their bounds   {}\n\n", figures.size(), missed.size(),
+             folder.goal().string());
+  return missed;
+}
+
+void validate_all(const Exec& exec, std::span<const Validation> validations, const ValidateOptions& options) {
+  std::vector<std::string> missed;
+  for (const Validation& v : validations) {
+    const std::string name = std::string("validate-") + v.model;
+    const fs::path out = options.out.empty()       ? fs::path("out") / name
+                         : validations.size() == 1 ? options.out
+                                                   : options.out / name;
+    for (const std::string& one : validate(exec, v, out, options))
+      missed.push_back(std::string(v.model) + ": " + one);
+  }
+  if (!missed.empty())
+    throw Failure{kMissed, fmt::format("beyond their bounds are {}", fmt::join(missed, "; "))};
+}
+
+void add_validation(CLI::App& validate, Global& global, const std::string& name, const std::string& about,
+                    std::span<const Validation> validations) {
+  CLI::App* command = validate.add_subcommand(name, about);
+  auto options = std::make_shared<ValidateOptions>();
+  command->add_option("-o,--out", options->out,
+                      "Folder for curves, maps and numbers (default: out/validate-…)");
+  command->add_flag("--quick", options->quick, "Coarser meshes, fewer places: two minutes at most");
+  add_force_option(*command, options->force);
+  command->footer("Example:\n  turgor validate " + name + " --quick");
+  command->callback(
+      [options, validations, &global] { validate_all(Exec(global.threads), validations, *options); });
 }
 
 }  // namespace
@@ -221,13 +332,10 @@ void add_validate_command(CLI::App& program, Global& global) {
   CLI::App* validate =
       program.add_subcommand("validate", "Run a model where the right answer is known, ours beside it");
   validate->require_subcommand(1);
-  CLI::App* sfem = validate->add_subcommand("sfem", "Plate, Hertz, refinement, a nodule under the finger");
-  auto options = std::make_shared<ValidateOptions>();
-  sfem->add_option("-o,--out", options->out, "Folder for curves, maps and numbers")->capture_default_str();
-  sfem->add_flag("--quick", options->quick, "Without the finest meshes, with fewer places");
-  add_force_option(*sfem, options->force);
-  for (CLI::App* app : {validate, sfem}) app->footer("Example:\n  turgor validate sfem --out out/validation");
-  sfem->callback([options, &global] { validate_all(Exec(global.threads), *options); });
+  for (const Validation& v : kValidations) add_validation(*validate, global, v.model, v.about, {&v, 1});
+  add_validation(*validate, global, "all", "All of them", kValidations);
+  validate->footer(
+      "Example:\n  turgor validate sfem --out out/validation\nExit code 3: a figure is beyond its bound.");
 }
 
 }  // namespace turgor

@@ -1,72 +1,19 @@
 #include "app/validate_sfem.hpp"
 
 #include <cmath>
-#include <functional>
 
 #include <fmt/format.h>
 
-#include "turgor/contact/touch.hpp"
+#include "app/pressed_block.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/hex_block.hpp"
-#include "turgor/models/sfem/patch.hpp"
 
 namespace turgor {
 
 namespace {
 
-using contact::Pose;
 using sfem::Body;
 using sfem::Model;
-
-constexpr std::size_t kMemory = std::size_t(8) << 30;  // bytes that a store may take
-constexpr int kSites = 256;                            // of contact; a haptic tick has fewer
-
-Body held(SolidMesh mesh, sfem::Material material, const std::function<bool(Vec3d)>& is_fixed) {
-  Body body;
-  for (const Vec3d x : mesh.vertices) body.fixed.push_back(is_fixed(x));
-  body.mesh = std::move(mesh);
-  body.materials = {material};
-  return body;
-}
-
-/// With all Green's functions, or, when only a few places are touched, with columns on demand.
-Result<Model> solved(const Exec& exec, Body body, const sfem::Params& params, bool on_demand = false) {
-  Result<Model> model = sfem::build(exec, std::move(body), params);
-  if (!model) return model;
-  const Status made =
-      on_demand ? sfem::prepare_columns(exec, *model) : sfem::compute_green(exec, *model, kMemory);
-  if (!made) return made.error();
-  return model;
-}
-
-sfem::Patch patch_at(const Exec& exec, Model& model, Vec3d place, sfem::PatchParams params) {
-  const std::vector<Vec3d> touches{place};
-  const std::vector<int> elements = sfem::patch_elements(model, touches, params.radius);
-  std::vector<int> vertices;
-  for (const int e : elements)
-    for (const int v : element(model.body.mesh, std::size_t(e))) vertices.push_back(v);
-  if (!model.green.columns.empty()) sfem::fetch_columns(exec, model, vertices);
-  return sfem::build_patch(model, elements, params.refinement, touches).value();
-}
-
-/// Presses a sphere straight down into the upper surface; upward forces on it at equal steps of depth.
-std::vector<std::pair<double, double>> press(const sfem::Patch& patch, Vec3d place, double radius,
-                                             double depth, int steps) {
-  contact::TouchParams params;
-  params.capacity = kSites;
-  contact::TouchState state = contact::make_touch_state(patch, 1, params);
-  const std::vector<contact::Tool> tools{{contact::Sphere{radius}, 0.0}};
-  std::vector<contact::ToolPose> poses(1);
-  std::vector<contact::ToolForce> forces(1);
-  std::vector<std::pair<double, double>> curve;
-  for (int step = 0; step <= steps; step++) {
-    const double d = depth * step / steps;
-    poses[0].pose.position = place + Vec3d{0, 0, radius - d};
-    for (int settle = 0; settle < 3; settle++) contact::touch(patch, state, tools, poses, 1e-3, forces);
-    curve.emplace_back(d, forces[0].force.z);
-  }
-  return curve;
-}
 
 /// Planes of a block that lie close in the middle and wider apart towards the sides.
 std::vector<double> graded(double half_width, double finest, double growth) {

@@ -54,9 +54,9 @@ TEST(Rhombus, AMeasuredCurveIsFittedAndShown) {
   write(folder / "curve.csv", curve);
   const Ended ended = run_program("calibrate curve.csv --out fit", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
-  EXPECT_NE(ended.printed.find("within 5 %"), std::string::npos) << ended.printed;
+  EXPECT_NE(ended.printed.find("within 10 %"), std::string::npos) << ended.printed;
   const json report = report_in(folder / "fit");
-  EXPECT_LT(report["residual_largest"].get<double>(), 0.05);
+  EXPECT_LT(report["residual_largest"].get<double>(), 0.10);
   EXPECT_TRUE(report["accepted"].get<bool>());
   EXPECT_GT(bytes_of(folder / "fit" / "curve.csv").size(), 200u);
 }

@@ -39,6 +39,15 @@ TEST(RhombusChain, depth_and_force_are_each_other_s_inverse) {
     }
 }
 
+TEST(RhombusChain, a_depth_at_which_a_unit_gives_way_is_found_from_any_guess) {
+  // The third unit meets its stop there: from 16 000 N/m the chain falls to 200.
+  const Chain chain = *build_chain(
+      {.normal = 161.8, .tangential = 13.3, .decay = 0.2, .angle = 0.576, .side = 0.00625, .stiffening = 1});
+  for (const double depth : {0.0310, 0.0319, 0.0322, 0.0325, 0.0330})
+    for (const double guess : {0.0, 1e-6, 90.0, 130.0, 136.0, 1e5})
+      EXPECT_NEAR(depth_of_force(chain, force_of_depth(chain, depth, guess)).depth, depth, 1e-12) << guess;
+}
+
 TEST(RhombusChain, no_depth_no_force) {
   for (const Chain& chain : chains()) {
     EXPECT_EQ(force_of_depth(chain, 0), 0);
@@ -154,6 +163,16 @@ TEST(RhombusChain, its_shape_falls_from_the_axis_outwards_and_never_folds) {
     }
 }
 
+TEST(RhombusChain, its_stiffness_grows_with_the_force_by_no_more_than_is_stated) {
+  for (const Chain& chain : chains()) {
+    const double bound = growth_bound(chain), soft = 1 / depth_of_force(chain, 0).compliance;
+    for (double force = -50; force < 50; force += 0.37) {
+      const double stiffness = 1 / depth_of_force(chain, force).compliance;
+      EXPECT_LE(stiffness, (soft + bound * std::abs(force)) * (1 + 1e-9)) << force;
+    }
+  }
+}
+
 TEST(RhombusChain, depths_beyond_all_that_can_be_pressed_have_a_finite_force) {
   for (const Chain& chain : chains())
     for (const double depth : {1e3, -1e3, chain.deepest, -chain.highest, 1e300}) {
@@ -179,6 +198,9 @@ TEST(RhombusChain, parameters_that_make_no_chain_are_refused_with_a_sentence) {
   EXPECT_NE(message({.decay = std::nan("")}), "built");
   EXPECT_NE(message({.side = 0}), "built");
   EXPECT_NE(message({.boundary = 0}), "built");
+  EXPECT_NE(message({.stiffening = 0}), "built");
+  EXPECT_EQ(message({.tip = -1}),
+            "the tip that a chain is for [m]: expected a radius of 0 or more, found -1");
 }
 
 }  // namespace

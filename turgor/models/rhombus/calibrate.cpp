@@ -7,6 +7,7 @@
 #include <string>
 
 #include "turgor/core/number_text.hpp"
+#include "turgor/models/rhombus/tip.hpp"
 
 namespace turgor::rhombus {
 
@@ -47,15 +48,17 @@ struct Problem {
   double peak = 0;  // largest force [N]
   int evaluations = 0;
 
-  /// Chain minus curve, in fractions of the peak.
+  /// Chain minus curve, in fractions of the curve's force.
   Eigen::VectorXd residual(const Unknowns& x) {
     evaluations++;
     const Chain chain = *build_chain(to_params(x, start));
+    const Tip tip = tip_on(chain, start.tip);
     Eigen::VectorXd r(Eigen::Index(curve.size()));
     double guess = 0;
     for (std::size_t i = 0; i < curve.size(); i++) {
-      guess = force_of_depth(chain, curve[i].depth, guess);
-      r[Eigen::Index(i)] = (guess - curve[i].force) / peak;
+      guess = chain_force(chain, tip, curve[i].depth, guess);
+      const double found = tip_force(tip, curve[i].depth, guess);
+      r[Eigen::Index(i)] = (found - curve[i].force) / std::max(std::abs(curve[i].force), kFitFloor * peak);
     }
     return r;
   }
@@ -135,7 +138,8 @@ Result<Fit> calibrate(std::span<const CurvePoint> curve, const ChainParams& star
         from.normal = secant, from.tangential = ratio * secant, from.decay = decay,
         from.angle = angle * kDegree;
         // A start as stiff as the curve is at its end; all stiffnesses scale alike.
-        const double force = std::abs(force_of_depth(*build_chain(from), strongest.depth));
+        const Chain chain = *build_chain(from);
+        const double force = std::abs(force_of_tip(chain, tip_on(chain, from.tip), strongest.depth));
         from.normal *= problem.peak / force, from.tangential *= problem.peak / force;
         const Unknowns found = descend(problem, to_unknowns(from));
         const double squares = problem.residual(found).squaredNorm();

@@ -13,9 +13,6 @@ namespace turgor::rhombus {
 
 namespace {
 
-/// Of all there is to give, so much is used: beyond, forces would exceed what numbers hold.
-constexpr double kUsedDepth = 0.98;
-
 Status check(const ChainParams& p) {
   if (!(p.angle > 0 && p.angle < std::numbers::pi / 2))
     return Error{"the angle of the rhombi: expected more than 0 and less than 90 degrees, found " +
@@ -23,11 +20,15 @@ Status check(const ChainParams& p) {
   const std::pair<const char*, double> positive[] = {{"normal stiffness k_N [N/m]", p.normal},
                                                      {"tangential stiffness k_T [N/m]", p.tangential},
                                                      {"decay beta", p.decay},
-                                                     {"side a [m]", p.side}};
+                                                     {"side a [m]", p.side},
+                                                     {"stiffening", p.stiffening}};
   for (const auto& [name, value] : positive)
     if (!(value > 0 && std::isfinite(value)))
       return Error{std::string(name) + " of the rhombi: expected a number above 0, found " +
                    number_text(value)};
+  if (!(p.tip >= 0 && std::isfinite(p.tip)))
+    return Error{"the tip that a chain is for [m]: expected a radius of 0 or more, found " +
+                 number_text(p.tip)};
   if (!(p.boundary > 0 && p.boundary < 0.5))
     return Error{"the boundary of the chain: expected a fraction between 0 and 0.5, found " +
                  number_text(p.boundary)};
@@ -35,8 +36,10 @@ Status check(const ChainParams& p) {
 }
 
 UnitStart start_of(const Unit& unit, double turn) {
-  return {std::abs(unit_force(unit, turn)), normal_change(unit, turn), tangential_change(unit, turn),
-          unit_energy(unit, turn)};
+  const double force = unit_force(unit, turn);
+  const TurnedUnit turned = turn_by_force(unit, force);
+  return {std::abs(force), turned.normal_change, turned.tangential_change,
+          energy_of_changes(unit, turned.normal_change, turned.tangential_change)};
 }
 
 const std::array<UnitStart, kMaxUnits>& starts(const Chain& chain, double force) {
@@ -89,14 +92,19 @@ Result<Chain> build_chain(const ChainParams& params) {
     const auto k = std::size_t(i);
     // Stiffer than this is rigid; the bound keeps numbers finite for very small β.
     const double growth = std::exp(std::min(i / params.decay, 60.0));
-    chain.units[k] = make_unit(params.side, params.angle, params.normal, params.tangential * growth);
+    chain.units[k] =
+        make_unit(params.side, params.angle, params.normal, params.tangential * growth, params.stiffening);
     if (i > 0) chain.pressed[k] = start_of(chain.units[k], -params.boundary * params.angle);
     if (i > 0) chain.pulled[k] = start_of(chain.units[k], pull_turn);
-    chain.deepest += rest_length(chain.units[k]) + chain.pressed[k].normal_change;
-    chain.highest += 2 * params.side - rest_length(chain.units[k]) - chain.pulled[k].normal_change;
   }
-  chain.deepest *= kUsedDepth, chain.highest *= kUsedDepth;
+  chain.deepest = depth_of_force(chain, kMostForce).depth;
+  chain.highest = -depth_of_force(chain, -kMostForce).depth;
   return chain;
+}
+
+double growth_bound(const Chain& chain) {
+  const Unit& unit = chain.units[0];  // all have the same sides and angle
+  return 1 / std::min(unit.pressed.rise, unit.pulled.rise);
 }
 
 ChainDepth depth_of_force(const Chain& chain, double force) {
@@ -122,8 +130,13 @@ double force_of_depth(const Chain& chain, double depth, double guess) {
     const double missing = goal - sign * at.depth;
     if (std::abs(missing) <= precision) break;
     (missing > 0 ? low : high) = force;
-    double next = force + missing / at.compliance;
-    if (!(next > low && next < high)) next = std::isfinite(high) ? 0.5 * (low + high) : 2 * low;
+    // Newton's step, in the force's logarithm where it is short: past their stops, units are exponential.
+    const double growth = missing / (at.compliance * force);
+    double next = growth < 1 ? force * std::exp(growth) : force + missing / at.compliance;
+    // Where units give way, its steps may leap to and fro: every fourth one halves what is left.
+    const bool bounded = std::isfinite(high);
+    if (!(next > low && next < high) || (bounded && i % 4 == 3))
+      next = bounded ? 0.5 * (low + high) : 2 * low;
     if (next == force) break;
     force = next;
   }
@@ -134,14 +147,8 @@ double chain_energy(const Chain& chain, double force) {
   if (force == 0) return 0;
   double sum = 0;
   visit_moving(chain, force, [&](int i, const UnitStart& start, const TurnedUnit& turned) {
-    const Unit& unit = chain.units[std::size_t(i)];
-    const double dl = turned.normal_change, dv = turned.tangential_change;
-    const double beyond = rest_length(unit) + dl - unit.stop_length;
-    if (beyond >= 0)
-      sum += 0.5 * (unit.normal * dl * dl + unit.tangential * dv * dv);
-    else
-      sum += stopped_energy(unit, beyond);
-    sum -= start.energy;
+    sum += energy_of_changes(chain.units[std::size_t(i)], turned.normal_change, turned.tangential_change) -
+           start.energy;
   });
   return sum;
 }

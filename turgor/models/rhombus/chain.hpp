@@ -12,6 +12,7 @@
 namespace turgor::rhombus {
 
 constexpr int kMaxUnits = 48;
+constexpr double kMostForce = 1e6;  // [N]
 
 /// The liver of the paper, with sides that make a chain of the paper's reach on an organ of its size.
 struct ChainParams {
@@ -21,6 +22,8 @@ struct ChainParams {
   double angle = 0.785398163;  // θ at rest [rad]
   double side = 0.005;         // a [m]
   double boundary = 0.05;      // units that turn by less than this fraction of θ stay where they are [1]
+  double stiffening = 10;      // pulled by its own height, a unit is stiffer by no more than e to this [1]
+  double tip = 0;              // radius of the ball that these numbers are for (tip.hpp); 0: of any tool [m]
 };
 
 /// Where a unit begins to move: the first one at once, the others at `boundary`.
@@ -35,11 +38,16 @@ struct Chain {
   ChainParams params;
   std::array<Unit, kMaxUnits> units;
   std::array<UnitStart, kMaxUnits> pressed, pulled;  // forces ascending
-  double deepest = 0, highest = 0;  // depths that the chain is asked for end here, pressing and pulling [m]
+  double deepest = 0, highest = 0;  // pressed and pulled with kMostForce; it is asked for no more [m]
 };
 
-/// Error: θ outside (0, 90°), a stiffness, β or side that is not positive, a boundary outside (0, 0.5).
+/// Error: θ outside (0, 90°), a stiffness, β, side or stiffening that is not positive, a negative tip, a
+/// boundary outside (0, 0.5).
 Result<Chain> build_chain(const ChainParams& params);
+
+/// No stiffness K of the chain grows faster with its force than dK/dF ≤ this, so K ≤ K(0) + this · F: units
+/// in series grow no faster than the fastest of them [1/m].
+double growth_bound(const Chain& chain);
 
 /// Tangential width of a unit at rest: what the chain's index counts in [m].
 double unit_width(const Chain& chain);

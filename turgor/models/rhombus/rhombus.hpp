@@ -19,6 +19,7 @@
 #include "turgor/models/rhombus/foot.hpp"
 #include "turgor/models/rhombus/geodesic.hpp"
 #include "turgor/models/rhombus/surface.hpp"
+#include "turgor/models/rhombus/tip.hpp"
 
 namespace turgor::rhombus {
 
@@ -34,7 +35,7 @@ struct Params {
   double bulge = 0;  // of the volume that is pressed in, so much rises around the press, in [0, 1]
   Viscosity viscosity;
   // No force is larger: what a tool holds slips out of it then, and what it presses gives way. Chains alone
-  // have no such end: stretched upright or pressed flat they resist without bound [N].
+  // have no such end: their stiffness grows with the force, by growth_bound a newton [N].
   double tear = 30;
 };
 
@@ -88,11 +89,12 @@ struct Touching {
   bool lagging = false;       // the tool left faster than the surface comes back
   bool closed_empty = false;  // it closed without touching, or slipped: holds nothing until it has opened
   Foot foot;                  // of the touched point; kept while holding
+  Tip tip;                    // likewise
   Vec3d demand;               // where the tool wants the touched point, from rest [m]
   Vec3d moved;                // what this tool's own chains make of it, less what its neighbours do [m]
   Vec3d elastic;              // force on the tool without viscosity [N]
   Vec3d remembered;           // by the material, on top of that [N]
-  double depth_force = 0, drag_force = 0;  // of the two chains, whole [N]
+  double depth_force = 0, drag_force = 0;  // of the two chains, whole and unscaled (tip.hpp) [N]
   double depth_part = 0, drag_part = 0;    // of them that this tool bears, in [0, 1]
 
   Vec3d held_point;         // of the tool, in its frame [m]

@@ -47,7 +47,7 @@ MovingTouch moving_touch(const Model& model, const Touching& t) {
   MovingTouch m{.touch = &t, .distances = nullptr, .parts = parts_of(t.moved, t.foot.normal)};
   m.depth = shape_of_force(model.chain, t.depth_force);
   m.drag = shape_of_force(model.chain, -t.drag_force);
-  m.width = unit_width(model.chain);
+  m.width = unit_width(model.chain) * t.tip.scale;
   m.ring_centre = 2 + 2 * mean_index(m.depth);
   if (!t.holding) return m;
   m.half_fold = 0.5 * t.held_opening;
@@ -91,8 +91,9 @@ Vec3d chain_move(const MovingTouch& m, Vec3d x, double distance) {
   const double s = distance / m.width;
   const ShapePoint dent = shape_at(m.depth, s);
   const Vec3d outwards = normalized(from_foot - normal * dot(from_foot, normal));
-  Vec3d move = (outwards * dent.outward - normal * dent.depth) * t.depth_part;
-  if (m.drag.units > 0) move -= m.parts.along * (shape_at(m.drag, s).depth * t.drag_part);
+  Vec3d move = outwards * (dent.outward * t.tip.scale * t.depth_part);
+  if (m.depth.units > 0) move -= normal * (dent.depth / m.depth.depth[0] * m.parts.depth);
+  if (m.drag.units > 0) move += m.parts.along * (shape_at(m.drag, s).depth / m.drag.depth[0] * m.parts.drag);
   if (!t.holding) return move;
   if (m.turned) move += (t.turn * from_foot - from_foot) * fading(s / kTurnedUnits);
   return move + fold_move(m, from_foot, distance);
@@ -220,8 +221,8 @@ double energy(const Model& model, const State& state) {
   double sum = 0;
   for (const Touching& t : state.touches) {
     if (!(dot(t.moved, t.moved) > 0)) continue;
-    const double own = chain_energy(model.chain, t.depth_force) * t.depth_part * t.depth_part +
-                       chain_energy(model.chain, -t.drag_force) * t.drag_part * t.drag_part;
+    const double own = tip_energy(model.chain, t.tip, t.depth_force) * t.depth_part * t.depth_part +
+                       tip_energy(model.chain, t.tip, -t.drag_force) * t.drag_part * t.drag_part;
     sum += stiffness_at(model, t.foot.at) * own + 0.5 * dot(t.elastic, t.moved - t.demand);
   }
   return sum;

@@ -1,7 +1,7 @@
-// Tissues by name, as parameters of the chain. The paper's liver is taken as printed. The others are made
-// from a published Young's modulus: the chain is fitted (calibrate.hpp) to a ball of 5 mm pressed 10 mm into
-// an incompressible half-space (Hertz), within 5 % of the peak force; all stiffnesses are proportional to the
-// modulus.
+// Tissues by name, as parameters of the chain. Those with a published Young's modulus have a chain that is
+// fitted (calibrate.hpp) to an incompressible half space, a ball of 5 mm pressed into it and a disc of that
+// radius pulled (half_space.hpp), within 10 % of the force at every depth; all stiffnesses are proportional
+// to the modulus. The paper's is taken as printed, under its authors' name.
 #pragma once
 
 #include <span>
@@ -18,7 +18,7 @@ struct Tissue {
   ChainParams chain;
 };
 
-/// All of them, the paper's liver first.
+/// All of them, the measured human liver first.
 std::span<const Tissue> tissues();
 /// Null when there is none of that name.
 const Tissue* find_tissue(std::string_view name);

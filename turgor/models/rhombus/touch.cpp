@@ -53,7 +53,7 @@ double lagging_depth(const Model& model, const Touching& t, double dt) {
       (step.taken * dot(t.elastic, t.foot.normal) - step.kept * dot(t.remembered, t.foot.normal)) /
       (1 + step.taken);
   if (elastic <= 0) return 0;
-  const double depth = depth_of_force(model.chain, elastic / stiffness_at(model, t.foot.at)).depth;
+  const double depth = depth_of_tip(model.chain, t.tip, elastic / stiffness_at(model, t.foot.at));
   return depth > kAtRest ? depth : 0;
 }
 
@@ -64,6 +64,7 @@ void set_demand(const Model& model, Touching& t, const TouchInput& in, double dt
   const double depth = pressed_depth(foot, in);
   const double grip = std::clamp(in.grip, 0.0, 1.0);
   if (grip == 0) t.holding = t.closed_empty = false;
+  if (!t.holding) t.tip = tip_on(model.chain, in.radius);
   if (!t.holding) {
     const double lag = lagging_depth(model, t, dt);
     if (depth > 0 || lag == 0) t.foot = foot;
@@ -88,16 +89,18 @@ Weights shares(const Model& model, std::span<const Touching* const> active) {
   Weights w = Weights::Identity(n, n);
   std::array<ChainShape, kMaxTouches> shapes;
   for (std::size_t k = 0; k < active.size(); k++)
-    shapes[k] = shape_of_force(model.chain, force_of_depth(model.chain, norm(active[k]->demand)));
+    shapes[k] =
+        shape_of_force(model.chain, chain_force(model.chain, active[k]->tip, norm(active[k]->demand)));
   for (Eigen::Index a = 0; a < n; a++)
     for (Eigen::Index b = 0; b < a; b++) {
       const Foot &p = active[std::size_t(a)]->foot, &q = active[std::size_t(b)]->foot;
-      const double s = norm(p.at.place - q.at.place) / unit_width(model.chain);
-      const auto fraction = [s](const ChainShape& shape) {
-        return shape_at(shape, s).depth / shape.depth[0];
+      const double units = norm(p.at.place - q.at.place) / unit_width(model.chain);
+      const auto fraction = [&](Eigen::Index k) {
+        const ChainShape& shape = shapes[std::size_t(k)];
+        return shape_at(shape, units / active[std::size_t(k)]->tip.scale).depth / shape.depth[0];
       };
       const double alike = std::max(0.0, dot(p.normal, q.normal));
-      w(a, b) = w(b, a) = alike * 0.5 * (fraction(shapes[std::size_t(a)]) + fraction(shapes[std::size_t(b)]));
+      w(a, b) = w(b, a) = alike * 0.5 * (fraction(a) + fraction(b));
     }
   return w;
 }
@@ -154,13 +157,15 @@ Vec3d elastic_force(const Model& model, Touching& t) {
   const MoveParts moved = parts_of(t.moved, t.foot.normal), demand = parts_of(t.demand, t.foot.normal);
   const SharedMove depth = shared_move(moved.depth, demand.depth),
                    drag = shared_move(moved.drag, demand.drag);
-  t.depth_force = force_of_depth(model.chain, depth.whole, t.depth_force);
-  t.drag_force = -force_of_depth(model.chain, -drag.whole, -t.drag_force);
+  t.depth_force = chain_force(model.chain, t.tip, depth.whole, t.depth_force);
+  t.drag_force = -chain_force(model.chain, t.tip, -drag.whole, -t.drag_force);
   t.depth_part = depth.part, t.drag_part = drag.part;
-  Vec3d force = t.foot.normal * (t.depth_force * depth.part) - moved.along * (t.drag_force * drag.part);
+  Vec3d force = t.foot.normal * (tip_force(t.tip, depth.whole, t.depth_force) * depth.part) -
+                moved.along * (tip_force(t.tip, -drag.whole, t.drag_force) * drag.part);
   force *= stiffness_at(model, t.foot.at);
   if (!model.stiffness.empty() && !t.holding)
-    force -= stiffness_gradient_at(model, t.foot) * (chain_energy(model.chain, t.depth_force) * depth.part);
+    force -=
+        stiffness_gradient_at(model, t.foot) * (tip_energy(model.chain, t.tip, t.depth_force) * depth.part);
   return force;
 }
 
@@ -177,6 +182,12 @@ TouchForce slip(Touching& t) {
   t.demand = t.moved = t.elastic = t.remembered = {};
   t.depth_force = t.drag_force = t.depth_part = t.drag_part = 0;
   return {.slipped = true};
+}
+
+/// Of closed jaws on the fold between them, which are as even as a disc [N].
+double squeeze(const Model& model, const Touching& t) {
+  const double scale = t.tip.scale, pressed = 0.5 * t.held_opening * t.closing;
+  return stiffness_at(model, t.foot.at) * scale * scale * force_of_depth(model.chain, pressed / scale);
 }
 
 TouchForce answer(const Model& model, Touching& t, const TouchInput& in, double dt) {
@@ -197,10 +208,7 @@ TouchForce answer(const Model& model, Touching& t, const TouchInput& in, double 
   out.touching = t.touching;
   out.yielding = t.touching && !bears;
   out.units = depth_of_force(model.chain, t.depth_force).units;
-  if (t.holding)
-    out.squeeze =
-        std::min(model.params.tear, stiffness_at(model, t.foot.at) *
-                                        force_of_depth(model.chain, 0.5 * t.held_opening * t.closing));
+  if (t.holding) out.squeeze = std::min(model.params.tear, squeeze(model, t));
   return out;
 }
 

@@ -8,19 +8,35 @@
 //     F  = dE/dl  = (k_N + k_T tan(θ + Δθ/2) tan φ) Δl
 //     K  = dF/dl  = k_N + k_T (cos θ / cos³φ − 1)
 //
-// Pulled, K grows without bound as φ → 90°. Pressed, the tangential spring loses its grip and, below the
-// angle φc where cos³φc = cos θ, would push the unit flat (K < k_N, negative for stiff k_T). There the unit
-// meets its stop: it goes on with K = k_N (lc / l)², which grows without bound as l → 0.
+// Pressed, the tangential spring loses its grip and, below the angle φc where cos³φc = cos θ, would push the
+// unit flat (K < k_N, negative for stiff k_T). Pulled, K would grow without bound as φ → 90°: no tissue does.
+// At both ends the unit meets a stop. Past it K grows by e over a length that is stated, and no faster:
+//
+//     F = F_stop ± K_stop b (e^(x/b) − 1)      x past the stop, b = lc/2 pressed, l at rest / stiffening
+//     pulled
+//
+// and before it K grows more slowly than that. So |dK/dF| ≤ 1/b everywhere.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numbers>
 
 #include "turgor/core/config.hpp"
 
 namespace turgor::rhombus {
 
-/// A rhombus and what follows from its four numbers. Made by make_unit.
+/// Where a unit ceases to be a rhombus and goes on with a stiffness that grows by e over each `rise`.
+struct UnitStop {
+  double length = 0;     // l there [m]
+  double tangent = 0;    // tan φ there
+  double force = 0;      // F there; negative: pressed [N]
+  double stiffness = 0;  // K there [N/m]
+  double energy = 0;     // E there [J]
+  double rise = 0;       // b [m]
+};
+
+/// A rhombus and what follows from its five numbers. Made by make_unit.
 struct Unit {
   double side = 0;        // a [m]
   double angle = 0;       // θ at rest [rad]
@@ -28,10 +44,7 @@ struct Unit {
   double tangential = 0;  // k_T [N/m]
 
   double sin_rest = 0, cos_rest = 0;  // of θ
-  double stop_length = 0;             // lc [m]
-  double stop_tangent = 0;            // tan φc
-  double stop_force = 0;              // F there; negative: pressed [N]
-  double stop_energy = 0;             // E there [J]
+  UnitStop pressed, pulled;
 };
 
 /// A unit under load: lengthened when F > 0, shortened when F < 0.
@@ -52,77 +65,120 @@ TURGOR_HD inline double normal_change(const Unit& unit, double turn) {
 TURGOR_HD inline double tangential_change(const Unit& unit, double turn) {
   return -4 * unit.side * std::sin(unit.angle + turn / 2) * std::sin(turn / 2);
 }
-/// Is the unit pressed flatter than its stop allows freely?
-TURGOR_HD inline bool is_stopped(const Unit& unit, double turn) {
-  return rest_length(unit) + normal_change(unit, turn) < unit.stop_length;
+
+/// Past a stop by x ≥ 0; sign is that of F [N] [J].
+TURGOR_HD inline double force_past(const UnitStop& stop, double x, double sign) {
+  return stop.force + sign * stop.stiffness * stop.rise * std::expm1(x / stop.rise);
+}
+TURGOR_HD inline double energy_past(const UnitStop& stop, double x, double sign) {
+  const double b = stop.rise;
+  return stop.energy + sign * stop.force * x + stop.stiffness * b * (b * std::expm1(x / b) - x);
 }
 
-/// E of a unit whose length is lc + beyond, beyond < 0: ∫ F dl past the stop [J].
-TURGOR_HD inline double stopped_energy(const Unit& unit, double beyond) {
-  const double lc = unit.stop_length;
-  return unit.stop_energy + unit.stop_force * beyond +
-         unit.normal * lc * (beyond - lc * std::log1p(beyond / lc));
+/// E of a unit whose diagonals have changed by these [J].
+TURGOR_HD inline double energy_of_changes(const Unit& unit, double dl, double dv) {
+  const double l = rest_length(unit) + dl;
+  if (l < unit.pressed.length) return energy_past(unit.pressed, unit.pressed.length - l, -1);
+  if (l > unit.pulled.length) return energy_past(unit.pulled, l - unit.pulled.length, 1);
+  return 0.5 * (unit.normal * dl * dl + unit.tangential * dv * dv);
 }
-/// E [J]; infinite when flat.
+/// E [J].
 TURGOR_HD inline double unit_energy(const Unit& unit, double turn) {
-  const double dl = normal_change(unit, turn), dv = tangential_change(unit, turn);
-  if (!is_stopped(unit, turn)) return 0.5 * (unit.normal * dl * dl + unit.tangential * dv * dv);
-  return stopped_energy(unit, rest_length(unit) + dl - unit.stop_length);
+  return energy_of_changes(unit, normal_change(unit, turn), tangential_change(unit, turn));
 }
-/// F = dE/dl [N]; −∞ when flat.
+/// F = dE/dl [N].
 TURGOR_HD inline double unit_force(const Unit& unit, double turn) {
-  const double dl = normal_change(unit, turn);
-  if (!is_stopped(unit, turn))
-    return (unit.normal + unit.tangential * std::tan(unit.angle + turn / 2) * std::tan(unit.angle + turn)) *
-           dl;
-  const double lc = unit.stop_length, l = rest_length(unit) + dl;
-  return unit.stop_force + unit.normal * lc * (l - lc) / l;
+  const double dl = normal_change(unit, turn), l = rest_length(unit) + dl;
+  if (l < unit.pressed.length) return force_past(unit.pressed, unit.pressed.length - l, -1);
+  if (l > unit.pulled.length) return force_past(unit.pulled, l - unit.pulled.length, 1);
+  return (unit.normal + unit.tangential * std::tan(unit.angle + turn / 2) * std::tan(unit.angle + turn)) * dl;
+}
+/// K = dF/dl of a rhombus before its stops, its sides at the angle φ [N/m].
+TURGOR_HD inline double stiffness_at_angle(const Unit& unit, double angle) {
+  const double cosine = std::cos(angle);
+  return unit.normal + unit.tangential * (unit.cos_rest / (cosine * cosine * cosine) - 1);
 }
 /// K = dF/dl [N/m].
 TURGOR_HD inline double unit_stiffness(const Unit& unit, double turn) {
   const double l = rest_length(unit) + normal_change(unit, turn);
-  if (is_stopped(unit, turn)) return unit.normal * (unit.stop_length / l) * (unit.stop_length / l);
-  const double cosine = std::cos(unit.angle + turn);
-  return unit.normal + unit.tangential * (unit.cos_rest / (cosine * cosine * cosine) - 1);
+  if (l < unit.pressed.length)
+    return unit.pressed.stiffness * std::exp((unit.pressed.length - l) / unit.pressed.rise);
+  if (l > unit.pulled.length)
+    return unit.pulled.stiffness * std::exp((l - unit.pulled.length) / unit.pulled.rise);
+  return stiffness_at_angle(unit, unit.angle + turn);
 }
 
-/// θ in (0, 90°) [rad], all others positive.
-inline Unit make_unit(double side, double angle, double normal, double tangential) {
+/// d ln K / dl of a rhombus before its stops, its sides at the angle φ [1/m].
+inline double growth_at_angle(const Unit& unit, double angle) {
+  const double cosine = std::cos(angle);
+  return 3 * unit.tangential * unit.cos_rest * std::sin(angle) /
+         (2 * unit.side * std::pow(cosine, 5) * stiffness_at_angle(unit, angle));
+}
+/// Where K begins to grow faster than by e over `rise`: between rest and upright [rad].
+inline double pulled_stop_angle(const Unit& unit, double rise) {
+  double low = unit.angle, high = std::numbers::pi / 2;
+  if (growth_at_angle(unit, low) * rise >= 1) return low;
+  for (int i = 0; i < 60; i++) {
+    const double middle = 0.5 * (low + high);
+    (growth_at_angle(unit, middle) * rise < 1 ? low : high) = middle;
+  }
+  return low;
+}
+inline UnitStop stop_at(const Unit& unit, double angle, double rise) {
+  const double dl = 2 * unit.side * (std::sin(angle) - unit.sin_rest),
+               dv = 2 * unit.side * (std::cos(angle) - unit.cos_rest);
+  const double tangent = std::tan(angle);
+  return {2 * unit.side * std::sin(angle),
+          tangent,
+          unit.normal * dl - unit.tangential * dv * tangent,
+          stiffness_at_angle(unit, angle),
+          0.5 * (unit.normal * dl * dl + unit.tangential * dv * dv),
+          rise};
+}
+
+/// θ in (0, 90°) [rad], all others positive. `stiffening`: pulled by its own height, the unit grows stiffer
+/// by no more than e to this.
+inline Unit make_unit(double side, double angle, double normal, double tangential, double stiffening) {
   Unit unit{.side = side, .angle = angle, .normal = normal, .tangential = tangential};
   unit.sin_rest = std::sin(angle), unit.cos_rest = std::cos(angle);
-  const double cosine = std::cbrt(unit.cos_rest), sine = std::sqrt((1 - cosine) * (1 + cosine));
-  unit.stop_length = 2 * side * sine, unit.stop_tangent = sine / cosine;
-  const double dl = unit.stop_length - rest_length(unit), dv = 2 * side * (cosine - unit.cos_rest);
-  unit.stop_force = normal * dl - tangential * dv * unit.stop_tangent;
-  unit.stop_energy = 0.5 * (normal * dl * dl + tangential * dv * dv);
+  const double pressed_angle = std::acos(std::cbrt(unit.cos_rest));
+  unit.pressed = stop_at(unit, pressed_angle, side * std::sin(pressed_angle));
+  const double rise = rest_length(unit) / stiffening;
+  unit.pulled = stop_at(unit, pulled_stop_angle(unit, rise), rise);
   return unit;
+}
+
+/// Past a stop: the sides stretch or shorten along l, v stays.
+inline TurnedUnit turned_past(const Unit& unit, const UnitStop& stop, double force) {
+  const double sign = stop.length < rest_length(unit) ? -1 : 1;
+  const double growth = 1 + std::abs(force - stop.force) / (stop.stiffness * stop.rise);
+  const double cosine = 1 / std::sqrt(1 + stop.tangent * stop.tangent);
+  return {stop.length + sign * stop.rise * std::log(growth) - rest_length(unit),
+          2 * unit.side * (cosine - unit.cos_rest), stop.stiffness * growth};
 }
 
 /// The unit under a force. With t = tan φ, F / 2a = (k_N − k_T) sin φ + k_T cos θ t − k_N sin θ: rising, and
 /// bent to one side only, so Newton's steps approach the root from one side.
 inline TurnedUnit turn_by_force(const Unit& unit, double force) {
-  const double a2 = 2 * unit.side, rest = rest_length(unit);
+  const double a2 = 2 * unit.side;
   const double rest_tangent = unit.sin_rest / unit.cos_rest;
   if (force == 0) return {0, 0, unit.normal + unit.tangential * rest_tangent * rest_tangent};
-  if (force < unit.stop_force) {
-    const double l = unit.stop_length / (1 - (force - unit.stop_force) / (unit.normal * unit.stop_length));
-    const double sine = l / a2, cosine = std::sqrt((1 - sine) * (1 + sine)), ratio = unit.stop_length / l;
-    return {l - rest, a2 * (cosine - unit.cos_rest), unit.normal * ratio * ratio};
-  }
+  if (force < unit.pressed.force) return turned_past(unit, unit.pressed, force);
+  if (force > unit.pulled.force) return turned_past(unit, unit.pulled, force);
   const double apart = unit.normal - unit.tangential, upright = unit.tangential * unit.cos_rest;
   const double goal = force / a2 + unit.normal * unit.sin_rest;
   const double rest_slope = apart * unit.cos_rest * unit.cos_rest * unit.cos_rest + upright;
   double t = rest_tangent + force / a2 / rest_slope;
   double cosine = 1;
   for (int i = 0; i < 30; i++) {
-    if (t < unit.stop_tangent) t = unit.stop_tangent;
+    t = std::clamp(t, unit.pressed.tangent, unit.pulled.tangent);
     cosine = 1 / std::sqrt(1 + t * t);
     const double step =
         (apart * t * cosine + upright * t - goal) / (apart * cosine * cosine * cosine + upright);
     t -= step;
     if (std::abs(step) <= 1e-9 * (1 + t)) break;  // squared by the next step, which is not needed
   }
-  if (t < unit.stop_tangent) t = unit.stop_tangent;
+  t = std::clamp(t, unit.pressed.tangent, unit.pulled.tangent);
   cosine = 1 / std::sqrt(1 + t * t);
   const double dl = a2 * (t * cosine - unit.sin_rest), dv = a2 * (cosine - unit.cos_rest);
   return {dl, dv, unit.normal + unit.tangential * (unit.cos_rest / (cosine * cosine * cosine) - 1)};

@@ -42,9 +42,13 @@ struct CtStiffness {
   CtSource ct;
   std::map<double, double> factors;  // by Hounsfield units [1]
 };
-/// Felt from `depth` below the surface.
+/// As stiff as the body of finite elements whose surface it is.
+struct ElasticStiffness {
+  int body = 0;  // index into Scene::sfem_bodies
+};
+/// Labels and grey values are felt from `depth` below the surface.
 struct StiffnessScene {
-  std::variant<LabelStiffness, CtStiffness> source;
+  std::variant<LabelStiffness, CtStiffness, ElasticStiffness> source;
   double depth = 0.02;  // [m]
 };
 

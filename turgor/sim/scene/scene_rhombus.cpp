@@ -55,6 +55,8 @@ void read_chain(SceneTable table, rhombus::ChainParams& chain) {
   chain.angle = degrees * std::numbers::pi / 180;
   table.read("side", chain.side, inside(0, 1, "m"));
   table.read("boundary", chain.boundary, inside(0, 0.5));
+  table.read("stiffening", chain.stiffening, inside(0, 100));
+  table.read("tip", chain.tip, within(0, 1, "m"));
   table.finish();
 }
 
@@ -95,9 +97,23 @@ CtStiffness read_ct_stiffness(SceneTable& table) {
   return stiffness;
 }
 
-StiffnessScene read_stiffness(SceneTable table) {
+/// The body whose surface this is, and no other.
+ElasticStiffness read_elastic_stiffness(SceneTable& table, const Scene& scene, const RhombusSource& source) {
+  const ElasticStiffness stiffness{read_body(table, "body", scene, {BodyKind::kSfem}).index};
+  const auto* surface = std::get_if<SurfaceOfBody>(&source);
+  if (!surface || surface->body != stiffness.body)
+    table.fail("body", "stiffness is that of the body whose surface_of this is");
+  return stiffness;
+}
+
+StiffnessScene read_stiffness(SceneTable table, const Scene& scene, const RhombusSource& source) {
   StiffnessScene stiffness;
-  table.require({"labels", "ct"}, "a segmentation or a CT, or a phantom");
+  if (table.has("body")) {
+    stiffness.source = read_elastic_stiffness(table, scene, source);
+    table.finish();
+    return stiffness;
+  }
+  table.require({"labels", "ct", "body"}, "a segmentation, a CT, a phantom, or the body of surface_of");
   table.require({"factors"},
                 "how many times as stiff: { nodule = 8 } of labels, [[40, 1], [300, 8]] of a CT's HU");
   if (table.has("labels") && table.has("ct"))
@@ -125,7 +141,7 @@ RhombusScene read_rhombus_scene(SceneTable body, const std::string& name, const 
   viscosity.read("ratio", made.params.viscosity.stiffening, within(0, 100));
   viscosity.read("time", made.params.viscosity.time, inside(0, 1000, "s"));
   viscosity.finish();
-  if (body.has("stiffness")) made.stiffness = read_stiffness(body.table("stiffness"));
+  if (body.has("stiffness")) made.stiffness = read_stiffness(body.table("stiffness"), scene, made.source);
   body.finish();
   return made;
 }

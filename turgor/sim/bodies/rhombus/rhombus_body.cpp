@@ -11,6 +11,7 @@
 #include "turgor/io/surface_files.hpp"
 #include "turgor/models/rhombus/surface_stiffness.hpp"
 #include "turgor/sim/bodies/lattice/load_ct.hpp"
+#include "turgor/sim/bodies/rhombus/elastic_stiffness.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -25,29 +26,12 @@ rhombus::Body body_of(const TriMesh& mesh) {
   return body;
 }
 
-/// Vertices that the triangles use, in their order.
-rhombus::Body used_part(const std::vector<Vec3d>& vertices, const std::vector<Int3>& triangles) {
-  std::vector<int> number(vertices.size(), -1);
-  rhombus::Body body;
-  for (Int3 t : triangles) {
-    for (int corner = 0; corner < 3; corner++) {
-      int& n = number[std::size_t(t[corner])];
-      if (n < 0) n = int(body.vertices.size()), body.vertices.push_back(vertices[std::size_t(t[corner])]);
-      t[corner] = n;
-    }
-    body.triangles.push_back(t);
-  }
-  return body;
-}
-
 Result<rhombus::Body> load_shape(const RhombusSource& source, const std::vector<SfemBody>& bodies,
                                  std::vector<std::string>& notes) {
   if (const auto* liver = std::get_if<PhantomLiverSurface>(&source))
     return body_of(phantom_liver(liver->detail));
-  if (const auto* other = std::get_if<SurfaceOfBody>(&source)) {
-    const sfem::Model& model = bodies[std::size_t(other->body)].model;
-    return used_part(model.body.mesh.vertices, model.surface.triangles);
-  }
+  if (const auto* other = std::get_if<SurfaceOfBody>(&source))
+    return surface_part(bodies[std::size_t(other->body)].model).body;
   const SurfaceFile& file = std::get<SurfaceFile>(source);
   Result<ReadSurface> read = read_surface(file.file, file.scale);
   if (!read) return read.error();
@@ -56,9 +40,20 @@ Result<rhombus::Body> load_shape(const RhombusSource& source, const std::vector<
   return body_of(read->mesh);
 }
 
+/// Where a chain's tool touches; a chain that knows none is as wide as a unit [m].
+double contact_radius(const rhombus::Model& model) {
+  const double tip = model.params.chain.tip;
+  return tip > 0 ? usual_contact(tip) : 0.5 * rhombus::unit_width(model.chain);
+}
+
 Result<std::vector<double>> load_stiffness(const Exec& exec, const StiffnessScene& scene,
-                                           const rhombus::Surface& surface, const BeginWork& begin,
-                                           std::vector<std::string>& notes) {
+                                           const std::vector<SfemBody>& bodies, const rhombus::Model& body,
+                                           const BeginWork& begin, std::vector<std::string>& notes) {
+  const rhombus::Surface& surface = body.surface;
+  if (const auto* by_body = std::get_if<ElasticStiffness>(&scene.source)) {
+    const sfem::Model& model = bodies[std::size_t(by_body->body)].model;
+    return elastic_stiffness(exec, model, surface_part(model), surface, contact_radius(body));
+  }
   if (const auto* by_ct = std::get_if<CtStiffness>(&scene.source)) {
     const Result<LoadedCt> ct = load_ct(exec, by_ct->ct, begin_work(begin, "reading"));
     if (!ct) return ct.error();
@@ -119,7 +114,7 @@ Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene,
   if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
   if (scene.stiffness) {
     Result<std::vector<double>> stiffness =
-        load_stiffness(loading.exec, *scene.stiffness, model->surface, loading.begin, body.notes);
+        load_stiffness(loading.exec, *scene.stiffness, world.sfem_bodies, *model, loading.begin, body.notes);
     if (!stiffness) return Error{fmt::format("{}.stiffness: {}", scene.place, stiffness.error().message)};
     shape->stiffness = std::move(*stiffness);
     model = rhombus::build(std::move(*shape), scene.params);

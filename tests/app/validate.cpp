@@ -1,0 +1,34 @@
+// turgor validate as people and CI use it.
+#include "app/program.hpp"
+
+namespace turgor {
+namespace {
+
+using nlohmann::json;
+using namespace test;
+
+TEST(Validate, FiguresHaveBoundsAndWhatIsMissedSaysSo) {
+  const fs::path folder = fresh_folder();
+  const Ended ended = run_program("validate cloth --quick --out cloth", folder);
+  EXPECT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_EQ(ended.printed.find("validate cloth: "), 0u) << "what it takes is said first";
+  const json report = report_in(folder / "cloth");
+  EXPECT_EQ(report["missed"].size(), 0u);
+  int limits = 0;
+  for (const json& figure : report["figures"]) {
+    const double found = figure["found"], most = figure["most"];
+    EXPECT_EQ(figure["missed"].get<bool>(), !(found <= most && found >= figure.value("least", found)));
+    if (!figure.contains("known_limit")) continue;
+    limits++;
+    EXPECT_TRUE(figure["missed"].get<bool>()) << "no longer a limit: give it a bound";
+  }
+  EXPECT_EQ(limits, 1) << "a fold: docs/validation.md";
+}
+
+TEST(Validate, AModelThatThereIsNotIsRefused) {
+  const Ended ended = run_program("validate jelly", fresh_folder());
+  EXPECT_EQ(ended.code, 2);
+}
+
+}  // namespace
+}  // namespace turgor

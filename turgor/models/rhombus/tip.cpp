@@ -1,0 +1,42 @@
+#include "turgor/models/rhombus/tip.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace turgor::rhombus {
+
+Tip tip_on(const Chain& chain, double radius) {
+  if (chain.params.tip == 0) return {};
+  const double felt = std::max(radius, kSharpestTip);
+  return {felt, felt / chain.params.tip};
+}
+
+DiscDepth disc_depth(const Tip& tip, double depth) {
+  if (tip.radius == 0 || depth <= 0) return {depth, 1};
+  // u = R x q^(1/4), x = d/R. By Hertz q → x/c at first, by Sneddon u → d - R/2 far in; between, q is the
+  // simplest fraction that does both.
+  constexpr double c = 225.0 / 64;
+  const double x = depth / tip.radius;
+  const double over = x * (1 + 0.5 * x), under = c + x * (2 + 0.5 * x);
+  const double root = std::sqrt(std::sqrt(over / under));
+  const double growth = x * ((1 + x) / over - (2 + x) / under);  // d ln q / d ln x
+  return {depth * root, root * (1 + 0.25 * growth)};
+}
+
+double chain_force(const Chain& chain, const Tip& tip, double depth, double guess) {
+  return force_of_depth(chain, disc_depth(tip, depth).depth / tip.scale, guess);
+}
+
+double depth_of_tip(const Chain& chain, const Tip& tip, double force) {
+  if (!(force > 0)) return 0;
+  if (tip.radius == 0) return depth_of_force(chain, force).depth;
+  double low = 0, high = tip.radius;
+  while (force_of_tip(chain, tip, high) < force && high < 1) low = high, high *= 2;
+  for (int i = 0; i < 40; i++) {
+    const double middle = 0.5 * (low + high);
+    (force_of_tip(chain, tip, middle) < force ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace turgor::rhombus
