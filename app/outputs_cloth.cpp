@@ -11,8 +11,7 @@ constexpr Rgb kCloth{92, 134, 176}, kObstacle{188, 180, 168};
 
 std::vector<float> displacements(const ClothBody& body) {
   std::vector<float> lengths;
-  for (std::size_t v = 0; v < std::size_t(body.model.count); v++)
-    lengths.push_back(norm(body.state.x[v] - body.model.x_rest[v]));
+  for (const Vec3 u : cloth::displacements(body.model, body.state)) lengths.push_back(norm(u));
   return lengths;
 }
 
@@ -37,7 +36,7 @@ void add_clothes(const World& world, SkinColor color, const ColorScale* scale, P
   const bool known = color == SkinColor::kDisplacement && world.lattice_bodies.empty() &&
                      world.sfem_bodies.empty() && world.rhombus_bodies.empty();
   for (const ClothBody& body : world.cloth_bodies) {
-    TriMesh mesh = cloth::surface(body.model, body.state);
+    TriMesh mesh = cloth::surface(body.model, body.state, body.triangles);
     if (known) mesh.scalars = displacements(body);
     parts.add(two_sided(std::move(mesh)), kCloth, known ? scale : nullptr);
     for (const ClothObstacle& obstacle : body.obstacles)
@@ -49,7 +48,7 @@ Status write_cloth_meshes(const World& world, Outputs& outputs) {
   for (const ClothBody& body : world.cloth_bodies) {
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, world.frame);
     const Status status =
-        write_vtu(outputs.folder / file, cloth::surface(body.model, body.state),
+        write_vtu(outputs.folder / file, cloth::surface(body.model, body.state, body.triangles),
                   {length_field("displacement", displacements(body))}, outputs.scene->output.mesh_space);
     if (!status) return status;
     outputs.series.push_back({time_of(world), file, body.name});
@@ -60,7 +59,7 @@ Status write_cloth_meshes(const World& world, Outputs& outputs) {
 Status write_cloth_objs(const World& world, Outputs& outputs) {
   for (const ClothBody& body : world.cloth_bodies) {
     const std::string file = body.name + ".obj";
-    const TriMesh mesh = cloth::surface(body.model, body.state);
+    const TriMesh mesh = cloth::surface(body.model, body.state, body.triangles);
     if (const Status s = write_obj(outputs.folder / file, mesh, outputs.scene->output.mesh_space); !s)
       return s;
     outputs.facts.files.push_back(file);

@@ -194,10 +194,12 @@ Status write_touched_meshes(const World& world, Outputs& outputs) {
   return try_each_touched(world, [&](BodyId id, const TouchedBody& body) -> Status {
     if (id.kind == BodyKind::kLattice) return Done{};  // outputs_skin.cpp
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, world.frame);
+    std::vector<VertexField> fields{length_field("displacement", body.shown.displacement),
+                                    vertex_field("pressure [Pa]", body.shown.pressure)};
+    const std::vector<float> numbers(body.shown.mesh_vertex.begin(), body.shown.mesh_vertex.end());
+    if (!numbers.empty()) fields.push_back(vertex_field("mesh vertex", numbers));
     const Status status = write_vtu(outputs.folder / file, deformed_mesh(body.shown, SkinColor::kNone),
-                                    {length_field("displacement", body.shown.displacement),
-                                     vertex_field("pressure [Pa]", body.shown.pressure)},
-                                    outputs.scene->output.mesh_space);
+                                    fields, outputs.scene->output.mesh_space);
     if (status) outputs.series.push_back({time_of(world), file, body.name});
     return status;
   });

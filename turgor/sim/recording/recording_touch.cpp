@@ -12,7 +12,9 @@ namespace turgor {
 namespace {
 
 constexpr std::size_t kMostVertices = std::size_t(1) << 24, kMostTicks = std::size_t(1) << 22;
-constexpr std::size_t kPose = 16;    // numbers of a shown tool: position, axes, force, opening
+constexpr std::size_t kPose = 16;  // numbers of a shown tool: position, axes, force, opening
+constexpr const char *kPoseUnits = "m, m, m, 1, 1, 1, 1, 1, 1, 1, 1, 1, N, N, N, m",
+                     *kSampleUnits = "s, m, m, m, N, N, N, N m, N m, N m, 1, m, m, s, 1, 1";
 constexpr std::size_t kSample = 16;  // numbers of a tick, in the order of sample_row
 
 std::vector<float> flat(const std::vector<Vec3>& points) {
@@ -82,12 +84,13 @@ Status write_shown(Hdf5File& file, const std::string& group, const ShownSurface&
   std::vector<std::int32_t> triangles;
   for (const Int3 t : surface.triangles) triangles.insert(triangles.end(), {t.x, t.y, t.z});
   return Writing(file, group)
-      .array<double>("time", {surface.time})
-      .array("rest", flat(surface.rest), 3)
-      .array("displacement", flat(surface.displacement), 3)
-      .array("pressure", surface.pressure)
+      .array<double>("time", {surface.time}, 1, "s")
+      .array("rest", flat(surface.rest), 3, "m")
+      .array("displacement", flat(surface.displacement), 3, "m")
+      .array("pressure", surface.pressure, 1, "Pa")
       .array("triangles", triangles, 3)
-      .array("tools", tool_rows(surface.tools), kPose)
+      .array<std::int32_t>("mesh_vertex", {surface.mesh_vertex.begin(), surface.mesh_vertex.end()})
+      .array("tools", tool_rows(surface.tools), kPose, kPoseUnits)
       .status();
 }
 
@@ -102,12 +105,17 @@ Result<ShownSurface> read_shown(const Hdf5File& file, const std::string& group, 
   const std::size_t corners = reading.count("triangles", 3 * 3 * kMostVertices);
   const auto triangles = reading.array<std::int32_t>("triangles", corners);
   const auto tools = reading.array<double>("tools", kPose * tool_count);
+  // Files of earlier versions do not have it.
+  const std::size_t numbers = reading.has("mesh_vertex") ? reading.count("mesh_vertex", count) : 0;
+  std::vector<std::int32_t> mesh_vertex;
+  if (numbers > 0) mesh_vertex = reading.array<std::int32_t>("mesh_vertex", count);
   if (!reading.status()) return reading.status().error();
   const bool sound = std::all_of(triangles.begin(), triangles.end(),
                                  [count](int v) { return v >= 0 && std::size_t(v) < count; }) &&
                      corners % 3 == 0 && is_finite(rest) && is_finite(displacement);
   if (!sound) return Error{fmt::format("{}: the surface is damaged", group)};
   surface.time = time[0];
+  surface.mesh_vertex.assign(mesh_vertex.begin(), mesh_vertex.end());
   surface.rest = vectors(rest), surface.displacement = vectors(displacement);
   for (std::size_t i = 0; i < corners; i += 3)
     surface.triangles.push_back({triangles[i], triangles[i + 1], triangles[i + 2]});
@@ -126,7 +134,7 @@ Status for_kept_surfaces(AnyWorld& world, const Do& act) {
 Status write_deepest(Hdf5File& file, const TouchedBody& body) {
   const std::string group = fmt::format("/deepest/{}/", body.name);
   const Status status = write_shown(file, group, body.largest_force > 0 ? body.deepest : body.shown);
-  return status ? Writing(file, group).array<double>("force", {body.largest_force}).status() : status;
+  return status ? Writing(file, group).array<double>("force", {body.largest_force}, 1, "N").status() : status;
 }
 
 Status read_deepest(const Hdf5File& file, TouchedBody& body) {
@@ -165,8 +173,9 @@ Status write_touch(Hdf5File& file, const World& world) {
   for (const TouchingTool& tool : world.tools) {
     std::vector<double> rows;
     for (const ForceSample& sample : tool.samples) append(rows, sample);
-    const Status status =
-        Writing(file, fmt::format("/tools/{}/", tool.name)).array("ticks", rows, kSample).status();
+    const Status status = Writing(file, fmt::format("/tools/{}/", tool.name))
+                              .array("ticks", rows, kSample, kSampleUnits)
+                              .status();
     if (!status) return status;
   }
   return for_kept_surfaces(world, [&](const TouchedBody& body) { return write_deepest(file, body); });

@@ -1,24 +1,49 @@
 #include "turgor/sim/report/forces_csv.hpp"
 
-#include <iterator>
-
 #include <fmt/format.h>
 
 #include "turgor/io/file.hpp"
+#include "turgor/sim/report/quantity.hpp"
 
 namespace turgor {
 
+namespace {
+
+using namespace units;
+using F = ForceSample;
+
+const Quantity<F> kColumns[] = {
+    {"time", kSeconds, "", [](const F& s) -> Json { return s.time; }},
+    {"x", kMetres, "", [](const F& s) -> Json { return s.position.x; }},
+    {"y", kMetres, "", [](const F& s) -> Json { return s.position.y; }},
+    {"z", kMetres, "", [](const F& s) -> Json { return s.position.z; }},
+    {"force_x", kNewtons, "", [](const F& s) -> Json { return s.force.x; }},
+    {"force_y", kNewtons, "", [](const F& s) -> Json { return s.force.y; }},
+    {"force_z", kNewtons, "", [](const F& s) -> Json { return s.force.z; }},
+    {"torque_x", kTorque, "", [](const F& s) -> Json { return s.torque.x; }},
+    {"torque_y", kTorque, "", [](const F& s) -> Json { return s.torque.y; }},
+    {"torque_z", kTorque, "", [](const F& s) -> Json { return s.torque.z; }},
+    {"contacts", kCount, "", [](const F& s) -> Json { return s.contacts; }},
+    {"depth", kMetres, "", [](const F& s) -> Json { return s.depth; }},
+    {"path", kMetres, "", [](const F& s) -> Json { return s.path; }},
+};
+
+std::string cell(const Json& value) {
+  return value.is_number_float() ? fmt::format("{:.9g}", value.get<double>()) : value.dump();
+}
+
+}  // namespace
+
 Status write_forces(const std::filesystem::path& path, const std::vector<TouchingTool>& tools) {
-  std::string text =
-      "tool,time_s,x_m,y_m,z_m,force_x_N,force_y_N,force_z_N,torque_x_Nm,torque_y_Nm,torque_z_Nm,contacts,"
-      "depth_m,path_m\n";
+  std::string text = "tool";
+  for (const Quantity<F>& column : kColumns) text += "," + full_key(column.key, column.unit);
+  text += "\n";
   for (const TouchingTool& tool : tools)
-    for (const ForceSample& s : tool.samples)
-      fmt::format_to(
-          std::back_inserter(text),
-          "{},{:.6g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},{:.9g},{:.9g}\n",
-          tool.name, s.time, s.position.x, s.position.y, s.position.z, s.force.x, s.force.y, s.force.z,
-          s.torque.x, s.torque.y, s.torque.z, s.contacts, s.depth, s.path);
+    for (const ForceSample& sample : tool.samples) {
+      text += tool.name;
+      for (const Quantity<F>& column : kColumns) text += "," + cell(column.of(sample));
+      text += "\n";
+    }
   return write_file(path, text);
 }
 

@@ -12,10 +12,8 @@ std::vector<std::string> cloth_warnings(const World& world);
 std::uint64_t cloth_hash(const World& world, std::uint64_t seed);
 
 namespace page {
-/// Key figures, curves and tables of cloths; empty when there are none.
-std::string cloth_figures(const Json& report);
+/// Empty when there is no cloth.
 std::string cloth_curves(const Json& report);
-std::string cloth_tables(const Json& report);
 }  // namespace page
 
 }  // namespace turgor

@@ -68,6 +68,7 @@ struct ShownSurface {
   std::vector<float> pressure;     // of the contact [Pa]
   std::vector<Int3> triangles;     // counter-clockwise seen from outside
   std::vector<ShownTool> tools;    // those that touch this body
+  std::vector<int> mesh_vertex;    // which of the body's mesh each vertex is, -1 = none; empty = its number
 };
 
 /// What bodies of all models that tools touch have in common.

@@ -25,14 +25,19 @@ rhombus::Body body_of(const TriMesh& mesh) {
   return body;
 }
 
-/// Vertices that the triangles use, in their order.
-rhombus::Body used_part(const std::vector<Vec3d>& vertices, const std::vector<Int3>& triangles) {
+/// Vertices that the triangles use, in their order; `mesh_vertex` gets their numbers in the mesh.
+rhombus::Body used_part(const std::vector<Vec3d>& vertices, const std::vector<Int3>& triangles,
+                        std::vector<int>& mesh_vertex) {
   std::vector<int> number(vertices.size(), -1);
   rhombus::Body body;
   for (Int3 t : triangles) {
     for (int corner = 0; corner < 3; corner++) {
       int& n = number[std::size_t(t[corner])];
-      if (n < 0) n = int(body.vertices.size()), body.vertices.push_back(vertices[std::size_t(t[corner])]);
+      if (n < 0) {
+        n = int(body.vertices.size());
+        body.vertices.push_back(vertices[std::size_t(t[corner])]);
+        mesh_vertex.push_back(t[corner]);
+      }
       t[corner] = n;
     }
     body.triangles.push_back(t);
@@ -41,17 +46,17 @@ rhombus::Body used_part(const std::vector<Vec3d>& vertices, const std::vector<In
 }
 
 Result<rhombus::Body> load_body(const RhombusSource& source, const std::vector<SfemBody>& bodies,
-                                std::vector<std::string>& notes) {
+                                RhombusBody& made) {
   if (const auto* liver = std::get_if<PhantomLiverSurface>(&source))
     return body_of(phantom_liver(liver->detail));
   if (const auto* other = std::get_if<SurfaceOfBody>(&source)) {
     const sfem::Model& model = bodies[std::size_t(other->body)].model;
-    return used_part(model.body.mesh.vertices, model.surface.triangles);
+    return used_part(model.body.mesh.vertices, model.surface.triangles, made.mesh_vertex);
   }
   const SurfaceFile& file = std::get<SurfaceFile>(source);
   Result<ReadSurface> read = read_surface(file.file, file.scale);
   if (!read) return read.error();
-  notes = read->notes;
+  made.notes = read->notes;
   turn_up(read->mesh.vertices, file.up);
   return body_of(read->mesh);
 }
@@ -145,7 +150,7 @@ Result<RhombusBody> load_rhombus(const Exec& exec, const RhombusScene& scene,
                                  const std::vector<SfemBody>& bodies, const BeginWork& begin) {
   RhombusBody body;
   body.name = scene.name;
-  Result<rhombus::Body> shape = load_body(scene.source, bodies, body.notes);
+  Result<rhombus::Body> shape = load_body(scene.source, bodies, body);
   if (!shape) return Error{fmt::format("{}: {}", scene.place, shape.error().message)};
   const Timer building;
   Result<rhombus::Model> model = rhombus::build(*shape, scene.params);
@@ -198,6 +203,7 @@ ShownSurface shown_surface(const Exec& exec, RhombusBody& body, const std::vecto
   body.pressed_volume = std::max(body.pressed_volume, report.pressed_volume);
   ShownSurface surface{.time = time};
   surface.triangles = body.model.surface.triangles;
+  surface.mesh_vertex = body.mesh_vertex;
   for (const Vec3d x : body.model.surface.vertices) surface.rest.push_back(Vec3(x));
   for (const Vec3d u : body.state.displacement) surface.displacement.push_back(Vec3(u));
   surface.pressure.resize(surface.rest.size());  // the model knows forces, not how they are spread

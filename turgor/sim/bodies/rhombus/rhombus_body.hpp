@@ -16,6 +16,8 @@ struct RhombusBody : TouchedBody {
   rhombus::State state;
   std::vector<rhombus::TouchInput> inputs;  // one for each of tool_indices, as the next
   std::vector<rhombus::TouchForce> forces;
+  std::vector<int>
+      mesh_vertex;  // of each vertex, in the mesh of the body whose surface it is; empty = its own
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
   double pressed_volume = 0;       // the most that was pressed in at a picture [m³]

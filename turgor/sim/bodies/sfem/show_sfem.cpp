@@ -35,36 +35,46 @@ std::vector<int> vertices_of_points(const SfemBody& body) {
   return vertices;
 }
 
-/// Vertices of a surface in the making, by where they come from.
-class SurfaceBuilder {
- public:
-  int add(Vec3d rest, Vec3d displacement, float pressure) {
-    surface.rest.push_back(Vec3(rest));
-    surface.displacement.push_back(Vec3(displacement));
-    surface.pressure.push_back(pressure);
-    return int(surface.rest.size()) - 1;
-  }
-  ShownSurface surface;
-};
+int add_vertex(ShownSurface& surface, Vec3d rest, int mesh_vertex) {
+  surface.rest.push_back(Vec3(rest));
+  surface.mesh_vertex.push_back(mesh_vertex);
+  return int(surface.rest.size()) - 1;
+}
 
-/// The coarse surface with the patch in place of the triangles it covers.
+/// Vertices of the mesh's surface, ascending; returns the place of each vertex of the mesh, -1 = inside.
+std::vector<int> add_mesh_vertices(const sfem::Model& model, ShownSurface& surface) {
+  const std::vector<Vec3d>& x = model.body.mesh.vertices;
+  std::vector<int> place(x.size(), -1);
+  for (const Int3 t : model.surface.triangles)
+    for (const int v : {t.x, t.y, t.z}) place[std::size_t(v)] = 0;
+  for (std::size_t v = 0; v < x.size(); v++)
+    if (place[v] == 0) place[v] = add_vertex(surface, x[v], int(v));
+  return place;
+}
+
+/// The coarse surface with the patch in place of the triangles it covers. First come the vertices of the
+/// mesh, the same at every moment, then those that the patch has besides.
 ShownSurface joined_surface(const SfemBody& body, const std::vector<Vec3d>& coarse,
                             const std::vector<float>& pressure) {
   const SolidMesh& mesh = body.model.body.mesh;
-  SurfaceBuilder builder;
-  std::vector<int> shown_vertex(mesh.vertices.size(), -1), shown_point(body.patch.points.size(), -1);
+  ShownSurface surface;
+  const std::vector<int> shown_vertex = add_mesh_vertices(body.model, surface);
+  std::vector<int> shown_point(body.patch.points.size(), -1);
+  for (const int v : surface.mesh_vertex) surface.displacement.push_back(Vec3(coarse[std::size_t(v)]));
+  surface.pressure.resize(surface.rest.size());
   std::vector<bool> covered(mesh.vertices.size(), false), in_patch(element_count(mesh), false);
   for (const int e : body.patch.elements) in_patch[std::size_t(e)] = true;
   const std::vector<int> vertices = vertices_of_points(body);
   for (std::size_t p = 0; p < body.patch.points.size(); p++) {
     const Vec3d rest = body.patch.points[p].x;
-    shown_point[p] = builder.add(rest, body.touch.x[p] - rest, pressure[p]);
-    if (vertices[p] < 0) continue;
-    shown_vertex[std::size_t(vertices[p])] = shown_point[p];
-    covered[std::size_t(vertices[p])] = true;
+    const int known = vertices[p] < 0 ? -1 : shown_vertex[std::size_t(vertices[p])];
+    const auto n = std::size_t(shown_point[p] = known < 0 ? add_vertex(surface, rest, -1) : known);
+    surface.displacement.resize(surface.rest.size()), surface.pressure.resize(surface.rest.size());
+    surface.displacement[n] = Vec3(body.touch.x[p] - rest), surface.pressure[n] = pressure[p];
+    if (vertices[p] >= 0) covered[std::size_t(vertices[p])] = true;
   }
   for (const Int3 t : body.patch.triangles)
-    builder.surface.triangles.push_back(
+    surface.triangles.push_back(
         {shown_point[std::size_t(t.x)], shown_point[std::size_t(t.y)], shown_point[std::size_t(t.z)]});
   const SolidSurface& outer = body.model.surface;
   for (std::size_t i = 0; i < outer.triangles.size(); i++) {
@@ -72,15 +82,10 @@ ShownSurface joined_surface(const SfemBody& body, const std::vector<Vec3d>& coar
     const bool is_covered = in_patch[std::size_t(outer.element[i])] && covered[std::size_t(t.x)] &&
                             covered[std::size_t(t.y)] && covered[std::size_t(t.z)];
     if (is_covered) continue;
-    Int3 shown;
-    for (int corner = 0; corner < 3; corner++) {
-      const auto v = std::size_t(t[corner]);
-      if (shown_vertex[v] < 0) shown_vertex[v] = builder.add(mesh.vertices[v], coarse[v], 0);
-      shown[corner] = shown_vertex[v];
-    }
-    builder.surface.triangles.push_back(shown);
+    surface.triangles.push_back(
+        {shown_vertex[std::size_t(t.x)], shown_vertex[std::size_t(t.y)], shown_vertex[std::size_t(t.z)]});
   }
-  return std::move(builder.surface);
+  return surface;
 }
 
 /// What a place near the patch has that the coarse functions do not say: the nearest point of the patch's
