@@ -71,8 +71,8 @@ TriMesh vtu_points(const fs::path& file) {
   const std::size_t count = std::stoul(bytes.substr(bytes.find("NumberOfPoints=\"") + 16));
   TriMesh mesh;
   mesh.vertices.resize(count);
-  // Raw appended data: the points come first, behind their size.
-  const std::size_t begin = bytes.find('_', bytes.find("<AppendedData")) + 1 + sizeof(std::uint64_t);
+  const std::size_t offset = std::stoul(bytes.substr(bytes.find("offset=\"", bytes.find("<Points>")) + 8));
+  const std::size_t begin = bytes.find('_', bytes.find("<AppendedData")) + 1 + offset + sizeof(std::uint64_t);
   std::memcpy(mesh.vertices.data(), bytes.data() + begin, count * sizeof(Vec3));
   return mesh;
 }
@@ -108,7 +108,7 @@ TEST(Numbering, seams_that_are_welded_keep_their_vertices_and_triangles) {
   const std::size_t triangles = two.triangles.size();
   for (int v = 0; v < count; v++) {
     const Vec3 x = two.vertices[std::size_t(v)];
-    two.vertices.push_back({-x.x, x.y, x.z});
+    two.vertices.push_back({-x.x - 1e-3f, x.y, x.z});
   }
   for (std::size_t t = 0; t < triangles; t++) {
     const Int3 tri = two.triangles[t];
@@ -116,11 +116,22 @@ TEST(Numbering, seams_that_are_welded_keep_their_vertices_and_triangles) {
   }
   ASSERT_TRUE(write_obj(folder / "two.obj", two));
   write(folder / "s.toml",
-        std::string(kStill) + "[body.sheet]\nmodel = \"cloth\"\nmesh = \"two.obj\"\nweld = 1e-5\n");
+        std::string(kStill) + "[body.sheet]\nmodel = \"cloth\"\nmesh = \"two.obj\"\nweld = 2e-3\n");
   const Ended ended = run_program("run s.toml --out out", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   EXPECT_NE(ended.printed.find("7 vertices closer than"), std::string::npos) << ended.printed;
-  expect_same_places(two, read_surface(folder / "out" / "sheet.obj")->mesh, 3e-6f);
+  std::ifstream obj(folder / "out" / "sheet.obj");  // a reader would join what now lies together
+  std::size_t v = 0, faces = 0;
+  for (std::string line; std::getline(obj, line);) {
+    faces += line.starts_with("f ");
+    if (!line.starts_with("v ")) continue;
+    Vec3 x;
+    ASSERT_EQ(std::sscanf(line.c_str(), "v %f %f %f", &x.x, &x.y, &x.z), 3);
+    ASSERT_LT(v, two.vertices.size());
+    ASSERT_LT(norm(x - two.vertices[v++]), 1.1e-3f) << v;
+  }
+  EXPECT_EQ(v, two.vertices.size());
+  EXPECT_EQ(faces, two.triangles.size());
 }
 
 TEST(Numbering, vertex_i_of_a_body_of_chains_is_vertex_i_of_its_surface) {
