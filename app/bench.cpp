@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/bench_cloth.hpp"
+#include "app/bench_haptics.hpp"
 #include "app/bench_rhombus.hpp"
 #include "app/bench_sfem.hpp"
 #include "app/bench_skin_tension.hpp"
@@ -88,12 +89,12 @@ void print(const SkinTensionBench& bench) {
       bench.bar_tets, bench.bar_frame_one, bench.bar_frame, bench.threads);
 }
 
-void check_json(const std::string& path) {
+void check_file(const std::string& path) {
   if (path.empty()) return;
   if (Status goal = check_file_goal(path); !goal) throw Failure{2, goal.error().message};
 }
 
-void write_json(const std::string& path, const std::string& text) {
+void write_text(const std::string& path, const std::string& text) {
   if (path.empty()) return;
   if (Status written = write_file(path, text); !written) throw Failure{2, written.error().message};
 }
@@ -111,14 +112,14 @@ void add_cloth_bench(CLI::App& bench, Global& global) {
   cloth->add_option("--json", options->json, "Write the figures to a file too");
   cloth->footer("Example:\n  turgor bench cloth --largest 1000000 --json cloth.json");
   cloth->callback([options, &global] {
-    check_json(options->json);
+    check_file(options->json);
     ClothBench result;
     {
       ProgressBar bar("measuring");
       result = bench_cloth(Exec(global.threads), options->largest, bar.callback());
     }
     print(result);
-    write_json(options->json, to_json_text(result));
+    write_text(options->json, to_json_text(result));
   });
 }
 
@@ -135,14 +136,14 @@ void add_sfem_bench(CLI::App& bench, Global& global) {
   sfem->add_option("--json", options->json, "Write the figures to a file too");
   sfem->footer("Example:\n  turgor bench sfem --largest 3000\n10000 nodes need 4 GB of memory.");
   sfem->callback([options, &global] {
-    check_json(options->json);
+    check_file(options->json);
     SfemBench result;
     {
       ProgressBar bar("measuring");
       result = bench_sfem(Exec(global.threads), options->largest, bar.callback());
     }
     print(result);
-    write_json(options->json, to_json_text(result));
+    write_text(options->json, to_json_text(result));
   });
 }
 
@@ -152,14 +153,43 @@ void add_rhombus_bench(CLI::App& bench) {
   rhombus->add_option("--json", *json, "Write the figures to a file too");
   rhombus->footer("Example:\n  turgor bench rhombus");
   rhombus->callback([json] {
-    check_json(*json);
+    check_file(*json);
     std::vector<RhombusRow> rows;
     {
       ProgressBar bar("measuring");
       rows = bench_rhombus(bar.callback());
     }
     print(rows);
-    write_json(*json, to_json_text(rows));
+    write_text(*json, to_json_text(rows));
+  });
+}
+
+void add_haptics_bench(CLI::App& bench, Global& global) {
+  CLI::App* haptics =
+      bench.add_subcommand("haptics", "The haptic loop's time, and how stiff a wall it can make felt");
+  struct Options {
+    double seconds = 1.5;
+    std::string json, picture;
+  };
+  auto options = std::make_shared<Options>();
+  haptics->add_option("--seconds", options->seconds, "Of each of the four loops; 0: none")
+      ->check(number_within(0, 3600, "s"));
+  haptics->add_option("--json", options->json, "Write the figures to a file too");
+  haptics->add_option("--picture", options->picture, "Write the map of walls to this file (.svg)");
+  haptics->footer("Example:\n  turgor bench haptics --picture z-width.svg");
+  haptics->callback([options, &global] {
+    check_file(options->json);
+    check_file(options->picture);
+    if (!options->json.empty() && options->json == options->picture)
+      throw Failure{2, options->json + ": --json and --picture name the same file"};
+    HapticsBench result;
+    {
+      ProgressBar bar("measuring");
+      result = bench_haptics(Exec(global.threads), options->seconds, bar.callback());
+    }
+    print(result);
+    write_text(options->json, to_json_text(result));
+    write_text(options->picture, z_width_svg(result));
   });
 }
 
@@ -183,17 +213,18 @@ void add_bench_command(CLI::App& program, Global& global) {
         "Example:\n  turgor bench skin-tension --only A --json a.json\nData C needs 4 GB of memory; all "
         "three take minutes.");
   table->callback([options, &global] {
-    check_json(options->json);
+    check_file(options->json);
     const Exec exec(global.threads);
     ProgressBar bar("measuring");
     const auto only = options->only.empty() ? std::nullopt : std::optional(options->only);
     const SkinTensionBench result = bench_skin_tension(exec, options->shrink, only, bar.callback());
     print(result);
-    write_json(options->json, to_json(result).dump(2) + "\n");
+    write_text(options->json, to_json(result).dump(2) + "\n");
   });
   add_sfem_bench(*bench, global);
   add_cloth_bench(*bench, global);
   add_rhombus_bench(*bench);
+  add_haptics_bench(*bench, global);
 }
 
 }  // namespace turgor

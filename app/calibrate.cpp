@@ -38,7 +38,7 @@ T required(Result<T> result) {
 
 /// What the scene's first tool felt while it went in.
 std::vector<CurvePoint> felt_curve(const World& world, const fs::path& scene) {
-  const std::vector<ForceSample>& samples = world.tools[0].samples;
+  const TouchLog& samples = world.tools[0].samples;
   const auto deepest =
       std::max_element(samples.begin(), samples.end(), [](auto& a, auto& b) { return a.depth < b.depth; });
   std::vector<CurvePoint> curve{{0, 0}};

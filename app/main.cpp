@@ -89,6 +89,7 @@ int run(int argc, char** argv) {
   turgor::add_validate_command(program, global);
   turgor::add_calibrate_command(program, global);
   turgor::add_cache_command(program);
+  turgor::add_devices_command(program);
   if (argc < 2) return fmt::print("{}", program.help()), 0;
   if (const std::string message = unknown_command(program, argc, argv); !message.empty())
     return fail(message);

@@ -1,5 +1,5 @@
 // `turgor run`: simulates a scene, or draws a recording again, into a folder that appears when it is
-// complete.
+// complete. The work is the library's (pictures/run_scene.hpp); here are its options, bars and summary.
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -7,16 +7,11 @@
 #include <fmt/format.h>
 
 #include "app/commands.hpp"
-#include "app/outputs.hpp"
 #include "app/result_folder.hpp"
 #include "turgor/core/progress.hpp"
-#include "turgor/core/timing.hpp"
-#include "turgor/io/file.hpp"
-#include "turgor/sim/recording/recording.hpp"
-#include "turgor/sim/report/report_cloth.hpp"
-#include "turgor/sim/report/report_touch.hpp"
+#include "turgor/pictures/run_scene.hpp"
+#include "turgor/sim/report/require.hpp"
 #include "turgor/sim/report/summary.hpp"
-#include "turgor/view/video.hpp"
 
 namespace turgor {
 
@@ -24,10 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct RunOptions {
+struct CommandOptions {
   fs::path scene, out, replay;
-  std::vector<std::string> overrides;
-  bool quiet = false, force = false;
+  std::vector<std::string> overrides, required;
+  bool quiet = false, force = false, real_time = false;
+  LiveOptions live;
 };
 
 /// The value, or the end of the command.
@@ -37,164 +33,52 @@ T required(Result<T> result) {
   return std::move(*result);
 }
 
-/// A bar that a quiet run does not show.
-class OptionalBar {
- public:
-  OptionalBar(const RunOptions& options, const char* label) {
-    if (!options.quiet) bar_.emplace(label);
-  }
-  Progress callback() { return bar_ ? bar_->callback() : Progress(); }
-  void update(double fraction) {
-    if (bar_) bar_->update(fraction);
-  }
-
- private:
-  std::optional<ProgressBar> bar_;
-};
-
-/// Work that takes long is announced by a sentence and gets a bar of its own.
-World load(const Exec& exec, const Scene& scene, const RunOptions& options,
-           Purpose purpose = Purpose::kSimulate) {
-  std::optional<OptionalBar> bar;
-  const BeginWork begin = [&](const std::string& label, const std::string& sentence) {
+/// Work that takes long is announced by a sentence and gets a bar of its own, unless the run is quiet.
+RunCallbacks make_callbacks(bool quiet, std::optional<ProgressBar>& bar) {
+  RunCallbacks callbacks;
+  callbacks.note = [](const std::string& sentence) { note(sentence); };
+  if (quiet) return callbacks;
+  callbacks.begin = [&bar](const std::string& label, const std::string& sentence) {
     bar.reset();
-    if (!options.quiet && !sentence.empty()) fmt::print("{}\n", sentence);
-    bar.emplace(options, label.c_str());
+    if (!sentence.empty()) fmt::print("{}\n", sentence);
+    bar.emplace(label);
     return bar->callback();
   };
-  return required(load_world(exec, scene, begin, purpose));
+  return callbacks;
 }
 
-/// A snapshot goes into pictures and meshes, and into the recording when there is one.
-void snapshot(World& world, Outputs& outputs, std::optional<RecordingWriter>& recording) {
-  show_touched(*outputs.exec, world);
-  required(add_snapshot(world, outputs));
-  if (recording) required(recording->add_snapshot(world));
+/// Where the results are.
+fs::path goal_of(const CommandOptions& options, const Json& report) {
+  const fs::path scene = report.at("scene").at("file").get<std::string>();
+  return required(
+      resolved_goal(options.out.empty() ? default_folder(scene, !options.replay.empty()) : options.out));
 }
 
-/// Returns the seconds spent in the frames themselves.
-Measures simulate(const Exec& exec, const Scene& scene, World& world, Outputs& outputs,
-                  std::optional<RecordingWriter>& recording, const RunOptions& options) {
-  Measures measures = make_measures(world);
-  OptionalBar bar(options, "simulating");
-  const int frames = frame_count(scene), interval = video_interval(outputs);
-  snapshot(world, outputs, recording);
-  for (int frame = 1; frame <= frames; frame++) {
-    const bool shown = is_snapshot(scene, frame);
-    const FrameReport report = required(step(exec, world, shown));
-    measure_frame(exec, world, report, shown || !report.finite, measures);
-    if (!report.finite) {
-      outputs.facts.stopped = fmt::format(
-          "stopped after {:.3f} s of {} s: the numbers of the next step were not finite, the state before it "
-          "was kept; a smaller skin tension or a higher frame rate may help",
-          time_of(world), scene.duration);
-      outputs.facts.warnings.push_back(outputs.facts.stopped);
-      snapshot(world, outputs, recording);
-      break;
-    }
-    if (interval > 0 && frame % interval == 0) {
-      show_touched(exec, world);
-      required(add_video_frame(world, outputs));
-    }
-    if (shown) snapshot(world, outputs, recording);
-    bar.update(double(frame) / frames);
-  }
-  return measures;
-}
-
-void write_report(const Json& report, const fs::path& folder) {
-  required(write_file(folder / "report.html", report_html(report, folder)));
-  required(write_file(folder / kReportFile, json_text(report) + "\n"));
-}
-
-void finish(const Timer& total, const Timer& output, const World& world, Outputs& outputs, Json& report,
-            OutputFolder& folder, const RunOptions& options) {
-  required(finish_outputs(world, outputs));
-  outputs.facts.output_seconds = output.seconds();
-  outputs.facts.total_seconds = total.seconds();
-  add_outputs(report, outputs.facts);
-  write_report(report, folder.path());
-  commit_results(folder);
-  if (!options.quiet) fmt::print("{}", summary_text(report, folder.goal()));
-}
-
-fs::path default_folder(const Scene& scene, const char* ending) {
-  return fs::path("out") / (scene.file.stem().string() + ending);
-}
-
-void run(const Exec& exec, const RunOptions& options) {
-  const Timer total;
-  const Scene scene = required(read_scene(options.scene, options.overrides));
-  OutputFolder folder =
-      open_result_folder(options.out.empty() ? default_folder(scene, "") : options.out, options.force);
-  for (const LatticeScene& body : scene.lattice_bodies)
-    for (const fs::path& input : {body.ct.file, body.labels, body.direction_field})
-      required(folder.check_input(input));
-  World world = load(exec, scene, options);
-  show_touched(exec, world);
-  Outputs outputs = required(make_outputs(exec, scene, world, folder.path()));
-  outputs.facts.load_seconds = total.seconds();
-  for (const LatticeBody& body : world.lattice_bodies)
-    for (const std::string& note : body.notes) outputs.facts.warnings.push_back(body.name + ": " + note);
-  for (const SfemBody& body : world.sfem_bodies)
-    for (const std::string& note : body.facts.notes)
-      outputs.facts.warnings.push_back(body.name + ": " + note);
-
-  for (const RhombusBody& body : world.rhombus_bodies)
-    for (const std::string& note : body.notes) outputs.facts.warnings.push_back(body.name + ": " + note);
-  for (const ClothBody& body : world.cloth_bodies)
-    for (const std::string& note : body.notes) outputs.facts.warnings.push_back(body.name + ": " + note);
-
-  if (scene.output.video && !has_ffmpeg())
-    outputs.facts.warnings.push_back("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)");
-  std::optional<RecordingWriter> recording;
-  if (scene.output.recording)
-    recording.emplace(required(RecordingWriter::create(folder.path() / "recording.h5", scene, world)));
-  const Timer simulation;
-  const Measures measures = simulate(exec, scene, world, outputs, recording, options);
-  outputs.facts.simulation_seconds = simulation.seconds();
-  for (std::string& warning : cloth_warnings(world)) outputs.facts.warnings.push_back(std::move(warning));
-  for (std::string& warning : touch_warnings(world)) outputs.facts.warnings.push_back(std::move(warning));
-  Json report = simulation_report(exec, scene, world, measures, outputs.facts);
-  if (recording) {
-    required(recording->finish(world, json_text(report, -1)));
-    recording.reset();
-    outputs.facts.files.push_back("recording.h5");
-  }
-  finish(total, Timer(), world, outputs, report, folder, options);
-  if (!outputs.facts.stopped.empty())
-    throw Failure{kNotFinite, fmt::format("{}: {}", options.scene.string(), outputs.facts.stopped)};
-}
-
-void replay(const Exec& exec, const RunOptions& options) {
-  const Timer total;
-  const Recording recording = required(Recording::open(options.replay));
-  const Scene scene = required(recording.scene(options.overrides));
-  OutputFolder folder =
-      open_result_folder(options.out.empty() ? default_folder(scene, "-replay") : options.out, options.force);
-  required(folder.check_input(options.replay));
-  World world = load(exec, scene, options, Purpose::kDraw);
-  required(recording.check_world(world));
-  required(recording.restore(0, world));
-  required(recording.restore_touch(world));
-  Json report = Json::parse(recording.report(), nullptr, false);
-  if (!report.is_object() || !report.contains("timing"))
-    throw Failure{2, options.replay.string() + ": the recorded report is damaged"};
-  Outputs outputs = required(make_outputs(exec, scene, world, folder.path()));
-  OptionalBar bar(options, "drawing");
-  for (int s = 0; s < recording.snapshot_count(); s++) {
-    required(recording.restore(s, world));
-    required(add_snapshot(world, outputs));
-    bar.update(double(s + 1) / recording.snapshot_count());
-  }
-  report["replayed_from"] = options.replay.string();
-  finish(total, Timer(), world, outputs, report, folder, options);
+void run(const Exec& exec, const CommandOptions& options) {
+  RunOptions goal{.out = options.out, .foreign = options.force ? Foreign::kRemove : Foreign::kRefuse};
+  if (options.real_time) goal.live = options.live;
+  std::vector<Requirement> requirements;
+  for (const std::string& text : options.required) requirements.push_back(required(read_requirement(text)));
+  std::optional<ProgressBar> bar;
+  const RunCallbacks callbacks = make_callbacks(options.quiet, bar);
+  const Json report =
+      options.replay.empty()
+          ? required(run_scene(exec, required(read_scene(options.scene, options.overrides)), goal, callbacks))
+          : required(replay_recording(exec, options.replay, options.overrides, goal, callbacks));
+  bar.reset();
+  if (!options.quiet) fmt::print("{}", summary_text(report, goal_of(options, report)));
+  if (options.replay.empty() && !report.value("finite", true))
+    throw Failure{kNotFinite,
+                  fmt::format("{}: {}", options.scene.string(), report.at("stopped").get<std::string>())};
+  for (const Requirement& requirement : requirements)
+    if (const std::string missed = required(missed_by(report, requirement)); !missed.empty())
+      throw Failure{kNotFinite, missed};
 }
 
 }  // namespace
 
 void add_run_command(CLI::App& program, Global& global) {
-  auto options = std::make_shared<RunOptions>();
+  auto options = std::make_shared<CommandOptions>();
   CLI::App* command =
       program.add_subcommand("run", "Simulate a scene without a window: pictures, measures, a report");
   command->footer(
@@ -203,6 +87,7 @@ void add_run_command(CLI::App& program, Global& global) {
       "  turgor run scenes/incision.toml --set body.torso.ct=patient.nii.gz --set "
       "body.torso.skin.tension=60\n"
       "  turgor run --replay out/incision/recording.h5 --set output.color=stretch --out out/again\n"
+      "  turgor run scenes/palpation.toml --real-time --require \"haptics.missed<0.001\"\n"
       "All keys of a scene are listed in docs/scene.md.");
   command->add_option("scene", options->scene, "The scene, a TOML file");
   command->add_option("-o,--out", options->out, "Folder for the results (default: out/SCENE)");
@@ -212,13 +97,32 @@ void add_run_command(CLI::App& program, Global& global) {
       ->type_size(1)
       ->allow_extra_args(false);
   command->add_option("--replay", options->replay, "Draw this recording.h5 again instead of simulating");
+  command->add_flag("--real-time", options->real_time,
+                    "A haptic loop beside the frames, by the clock: a hand holds a tool of the scene");
+  CLI::Option* device = command->add_option(
+      "--device", options->live.device,
+      "With --real-time: what the hand holds, one of turgor devices; virtual (default) needs no hardware");
+  CLI::Option* tool = command->add_option("--tool", options->live.tool,
+                                          "With --real-time: the tool in the hand (default: the first)");
+  CLI::Option* rate = command->add_option(
+      "--rate", options->live.rate, "With --real-time: ticks of the haptic loop a second (default: 1000)");
+  rate->check(number_within(100, 10000, "Hz"));
+  for (CLI::Option* option : {device, tool, rate}) option->needs(command->get_option("--real-time"));
+  command
+      ->add_option(
+          "--require", options->required,
+          "A number of report.json that must hold, as \"haptics.missed<0.001\": else exit code 3; may "
+          "be repeated")
+      ->type_size(1)
+      ->allow_extra_args(false);
   add_force_option(*command, options->force);
   command->add_flag("-q,--quiet", options->quiet, "No progress bar and no table");
   command->callback([options, &global] {
     if (options->scene.empty() == options->replay.empty())
       throw Failure{2, "run: expected either a scene or --replay FILE; see turgor run --help"};
-    const Exec exec(global.threads);
-    options->replay.empty() ? run(exec, *options) : replay(exec, *options);
+    if (options->real_time && options->scene.empty())
+      throw Failure{2, "run: --real-time needs a scene; a recording has no bodies that answer"};
+    run(Exec(global.threads), *options);
   });
 }
 

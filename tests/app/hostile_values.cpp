@@ -34,15 +34,7 @@ const std::string kMemory = "ulimit -v 8000000 && ";  // [kB]
 
 /// Seconds and kilobytes that no tiny scene needs.
 Ended run_bounded(const std::string& arguments, const fs::path& folder) {
-  const std::string command = "cd " + quoted(folder.string()) + " && " + kMemory +
-                              "timeout -s KILL 60 '" TURGOR_PROGRAM "' " + arguments + " 2>&1 </dev/null";
-  FILE* pipe = popen(command.c_str(), "r");
-  Ended ended;
-  char buffer[4096];
-  while (const std::size_t size = fread(buffer, 1, sizeof buffer, pipe)) ended.printed.append(buffer, size);
-  const int status = pclose(pipe);
-  ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return ended;
+  return run_shell(kMemory + "timeout -s KILL 60 '" TURGOR_PROGRAM "' " + arguments + " </dev/null", folder);
 }
 
 void expect_answer(const std::string& arguments, const fs::path& folder) {

@@ -23,18 +23,24 @@ struct Ended {
   std::string printed;  // standard output and standard error together
 };
 
-/// Arguments as a shell reads them; `before` is a shell's command, as "ulimit -f 8".
-inline Ended run_program(const std::string& arguments, const std::filesystem::path& folder,
-                         const std::string& before = "true") {
-  const std::string command =
-      "cd '" + folder.string() + "' && " + before + " && '" TURGOR_PROGRAM "' " + arguments + " 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
+/// A shell's command, run in a folder. Green's functions are kept for this test program alone.
+inline Ended run_shell(const std::string& command, const fs::path& folder) {
+  static const fs::path cache = fresh_folder();
+  const std::string line = "cd '" + folder.string() + "' && export XDG_CACHE_HOME='" + cache.string() +
+                           "' && " + command + " 2>&1";
+  FILE* pipe = popen(line.c_str(), "r");
   Ended ended;
   char buffer[4096];
   while (const std::size_t size = fread(buffer, 1, sizeof buffer, pipe)) ended.printed.append(buffer, size);
   const int status = pclose(pipe);
   ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return ended;
+}
+
+/// Arguments as a shell reads them; `before` is a shell's command, as "ulimit -f 8".
+inline Ended run_program(const std::string& arguments, const fs::path& folder,
+                         const std::string& before = "true") {
+  return run_shell(before + " && '" TURGOR_PROGRAM "' " + arguments, folder);
 }
 
 inline nlohmann::json read_json(const fs::path& file) { return nlohmann::json::parse(std::ifstream(file)); }

@@ -29,12 +29,21 @@ struct Moving {
     for (int i = 0; i < 30; i++) press(at);
   }
   Handover take(sfem::Patch next) {
-    const std::vector<Vec3d> history(state.history.v.empty() ? 0 : next.points.size());
+    HandedHistory history;
+    if (!state.history.v.empty())
+      history = {std::vector<Vec3d>(next.points.size()), coarse_history(state.history, patch)};
     const Handover handover = take_patch(state, patch, next, kBall, history);
     patch = std::move(next);
     return handover;
   }
 };
+
+std::vector<Vec3d> places_of(const sfem::Model& model, const sfem::Patch& patch, const TouchState& state,
+                             std::span<const ToolPose> poses, std::span<const Vec3d> before = {}) {
+  std::vector<ContactMiddle> middles(poses.size());
+  find_middles(patch, state, middles);
+  return touched_places(model, middles, poses, before);
+}
 
 Vec3d at(double x, double depth) { return {x, 0, kRadius - depth}; }
 
@@ -120,13 +129,13 @@ TEST(Follow, the_touched_place_is_the_middle_of_the_contacts) {
   model.body.mesh.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}};
   model.surface.triangles = {{0, 1, 2}};
   const std::vector<ToolPose> touching{{{at(2e-3, 0.5e-3), {}}, false}};
-  EXPECT_LT(norm(touched_places(model, m.patch, m.state, touching)[0] - Vec3d{2e-3, 0, 0}), 0.2e-3);
+  EXPECT_LT(norm(places_of(model, m.patch, m.state, touching)[0] - Vec3d{2e-3, 0, 0}), 0.2e-3);
   m.press({0.03, 0.02, 0.05});
   const std::vector<ToolPose> away{{{{0.03, 0.02, 0.05}, {}}, false}};
-  EXPECT_LT(norm(touched_places(model, m.patch, m.state, away)[0] - Vec3d{0.03, 0.02, 0}), 1e-12);
+  EXPECT_LT(norm(places_of(model, m.patch, m.state, away)[0] - Vec3d{0.03, 0.02, 0}), 1e-12);
   const std::vector<ToolPose> bad{{{{NAN, 0, 0}, {}}, false}};
   const std::vector<Vec3d> before{{1, 2, 3}};
-  EXPECT_EQ(touched_places(model, m.patch, m.state, bad, before)[0], before[0]);
+  EXPECT_EQ(places_of(model, m.patch, m.state, bad, before)[0], before[0]);
 }
 
 TEST(Follow, a_viscous_material_remembers_across_patches) {
@@ -180,12 +189,11 @@ SlideReport slide_over(Block& block) {
   for (int i = 0; i <= 3300; i++) {  // 300 ticks down, then 30 mm at 10 µm a tick
     const double depth = 2e-3 * std::min(1.0, i / 300.0), x = -15e-3 + 1e-5 * std::max(0, i - 300);
     const std::vector<ToolPose> poses{{{{x, 1e-3, kRadius - depth}, {}}, false}};
-    const std::vector<Vec3d> places = touched_places(block.model, patch, state, poses, block.centres);
+    const std::vector<Vec3d> places = places_of(block.model, patch, state, poses, block.centres);
     if (must_follow(block.params, block.centres, places)) {
       sfem::Patch next = block.patch_at(places);
-      std::vector<Vec3d> history;
-      if (block.viscosity.stiffening > 0)
-        history = displacements(block.model, coarse_history(state.history, patch), next);
+      HandedHistory history;
+      if (block.viscosity.stiffening > 0) history = handed_history(block.model, state.history, patch, next);
       const Handover handover = take_patch(state, patch, next, kBall, history);
       EXPECT_GT(handover.kept_points, 20);
       report.largest_jump = std::max(report.largest_jump, handover.force_jump);

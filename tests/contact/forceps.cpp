@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turgor/contact/rhombus_touch.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
 
 namespace turgor::contact {
@@ -71,7 +72,7 @@ TEST(Forceps, they_press_close_on_a_fold_pull_it_and_let_go_without_a_step) {
   for (const Vec3 x : mesh.vertices) body.vertices.push_back(Vec3d(x));
   const rhombus::Model model = *rhombus::build(std::move(body), {.bulge = 0.5});
   rhombus::State state = rhombus::make_state(model, 1);
-  const Forceps forceps = phantom();
+  const RhombusTip forceps = rhombus_tip({}, phantom());
   const rhombus::Foot foot = rhombus::find_foot(model.surface, model.tree, {-0.04, 0.01, 0.2});
   const Vec3d across = normalized(cross(Vec3d{0, 1, 0}, foot.normal));
   const Mat3d axes{{across, cross(foot.normal, across), foot.normal}};

@@ -1,6 +1,5 @@
 #include "turgor/contact/touch.hpp"
 
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -9,11 +8,13 @@
 
 #include <gtest/gtest.h>
 
+#include "contact/allocations.hpp"
 #include "contact/touched_half_space.hpp"
 
-namespace {
-std::atomic<std::size_t> allocations = 0;
+namespace turgor::test {
+thread_local std::size_t allocations = 0;
 }
+using turgor::test::allocations;
 #pragma GCC diagnostic ignored "-Wmismatched-new-delete"  // GCC 12 sees malloc through the replaced operator
 void* operator new(std::size_t size) {
   allocations++;
@@ -129,7 +130,7 @@ TEST(Touch, force_and_pressure_sum_to_the_same) {
   Touched scene({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
   const ToolForce felt = scene.settle(above(0, 0, 1e-3));
   std::vector<double> pressure(scene.state.x.size());
-  contact_pressure(scene.state, pressure);
+  contact_pressure(scene.state.surface, scene.state.force, pressure);
   double sum = 0;
   for (std::size_t i = 0; i < pressure.size(); i++) sum += pressure[i] * scene.state.surface.area[i];
   EXPECT_NEAR(sum, felt.force.z, 1e-12);

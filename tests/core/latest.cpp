@@ -2,6 +2,7 @@
 
 #include <array>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -44,6 +45,22 @@ TEST(latest, values_arrive_whole_and_in_order_between_two_threads) {
   writer.join();
   EXPECT_EQ(torn, 0);
   EXPECT_EQ(backwards, 0);
+}
+
+TEST(latest, filled_in_place_it_keeps_its_memory_and_says_when_it_is_new) {
+  latest<std::vector<int>> values;
+  std::vector<const int*> memory;
+  for (int i = 0; i < 9; i++) {
+    values.writing().assign(100, i);
+    memory.push_back(values.writing().data());
+    EXPECT_FALSE(values.has_news()) << "not before it is published";
+    values.publish();
+    EXPECT_TRUE(values.has_news());
+    EXPECT_EQ(values.read(), std::vector<int>(100, i));
+    EXPECT_FALSE(values.has_news());
+  }
+  for (std::size_t i = 3; i < memory.size(); i++)
+    EXPECT_EQ(memory[i], memory[i - 3]) << "three slots in turn";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Any bytes as the two tables that people bring, a measured force–depth curve and a tool's path: an error
-// that names the file, or rows of finite numbers in order, never a crash.
+// Any bytes as the tables that people bring, a measured force–depth curve, a tool's path and a recorded hand:
+// an error that names the file, or rows of finite numbers in order, never a crash.
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -7,6 +7,7 @@
 #include "folders.hpp"
 #include "fuzz_input.hpp"
 #include "turgor/sim/tools/force_curve.hpp"
+#include "turgor/sim/tools/hand.hpp"
 #include "turgor/sim/tools/tool_path.hpp"
 
 namespace {
@@ -30,6 +31,14 @@ void check(const std::vector<turgor::PathRow>& rows) {
   }
 }
 
+void check(const std::vector<turgor::HandRow>& hand) {
+  require(!hand.empty());
+  for (const auto& [time, command] : hand)
+    require(std::isfinite(time) && turgor::contact::is_valid(command.pose) && command.grip >= 0 &&
+            command.grip <= 1);
+  check(turgor::path_of(hand).rows);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
@@ -40,5 +49,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   curve ? check(*curve) : require(curve.error().message.find("/table.csv") != std::string::npos);
   const auto rows = turgor::read_path_rows(file);
   rows ? check(*rows) : require(rows.error().message.find("/table.csv") != std::string::npos);
+  const auto hand = turgor::read_hand(file, "finger");
+  hand ? check(*hand) : require(hand.error().message.find("/table.csv") != std::string::npos);
   return 0;
 }

@@ -6,7 +6,8 @@ namespace turgor::haptics {
 
 TEST(device, a_limited_force_keeps_its_direction) {
   const DeviceSpec spec{.force = 5};
-  const DeviceOutput felt = within_limits(spec, {.force = {30, -40, 0}, .torque = {1, 0, 0}, .grip_force = 3});
+  const DeviceOutput felt =
+      within_limits(spec, {.force = {30, -40, 0}, .torque = {1, 0, 0}, .grip_force = 3});
   EXPECT_NEAR(felt.force.x, 3, 1e-12);
   EXPECT_NEAR(felt.force.y, -4, 1e-12);
   EXPECT_EQ(norm(felt.torque), 0);  // it has no such axis

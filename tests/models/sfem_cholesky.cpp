@@ -1,5 +1,6 @@
 #include <Eigen/Dense>
 #include <numeric>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -24,9 +25,7 @@ Model body(int corners, Formulation formulation, Int3 cells = {9, 7, 6}) {
 }
 
 Elimination plan(const Model& model) {
-  std::vector<Vec3d> x;
-  for (const int v : model.vertex) x.push_back(model.body.mesh.vertices[std::size_t(v)]);
-  return plan_elimination(model.stiffness, nested_dissection(model.stiffness, x));
+  return plan_elimination(model.stiffness, nested_dissection(model.stiffness));
 }
 
 Eigen::VectorXd loads(Eigen::Index n) {
@@ -59,6 +58,29 @@ TEST(SfemCholesky, nested_dissection_more_than_halves_the_work_of_the_order_of_n
   std::vector<int> numbering(model.vertex.size());
   std::iota(numbering.begin(), numbering.end(), 0);
   EXPECT_LT(plan(model).flops, 0.5 * plan_elimination(model.stiffness, numbering).flops);
+}
+
+TEST(SfemCholesky, nested_dissection_is_the_same_from_several_threads_at_once) {
+  const Model model = body(4, Formulation::kStandard, {12, 12, 12});
+  const std::vector<int> expected = nested_dissection(model.stiffness);
+  std::vector<std::vector<int>> found(4);
+  std::vector<std::thread> threads;
+  for (std::vector<int>& order : found)
+    threads.emplace_back([&] { order = nested_dissection(model.stiffness); });
+  for (std::thread& thread : threads) thread.join();
+  for (const std::vector<int>& order : found) EXPECT_EQ(order, expected);
+}
+
+TEST(SfemCholesky, rows_that_nothing_joins_are_ordered_too) {
+  BlockMatrix k;
+  k.row_begin = {0, 1, 2, 3};
+  k.column = {0, 1, 2};
+  EXPECT_EQ(nested_dissection(k), (std::vector<int>{0, 1, 2}));
+  k.row_begin = {0, 2, 4, 5};  // 0 and 1, and 2 by itself
+  k.column = {0, 1, 0, 1, 2};
+  std::vector<int> order = nested_dissection(k);
+  std::sort(order.begin(), order.end());
+  EXPECT_EQ(order, (std::vector<int>{0, 1, 2}));
 }
 
 TEST(SfemCholesky, solutions_equal_those_of_a_dense_factor) {

@@ -58,7 +58,7 @@ TEST(World, FractionsOfTheBodysBoxFindItsSurface) {
   const Exec exec(1);
   const World world = block_world(exec, block_scene(fresh_folder()));
   const lattice::Model& model = world.lattice_bodies[0].model;
-  const BodyBox box = body_box(model);
+  const Box box = body_box(model);
   lattice::Incision fractions;
   fractions.from = {0.5, 0, 0.25}, fractions.to = {0.5, 0, 0.75};
   const lattice::Incision blade = placed_blade(model, fractions);

@@ -11,8 +11,7 @@ namespace turgor::contact {
 
 namespace {
 
-/// The middle of what a tool touches, on the body at rest, weighted by force; false when it touches nothing.
-bool middle_of_contacts(const sfem::Patch& patch, const TouchState& state, int tool, Vec3d& place) {
+ContactMiddle middle_of_contacts(const sfem::Patch& patch, const TouchState& state, int tool) {
   double sum = 0;
   Vec3d middle;
   for (const Site& site : state.sites) {
@@ -21,8 +20,7 @@ bool middle_of_contacts(const sfem::Patch& patch, const TouchState& state, int t
     sum += force;
     visit_points(patch, site, [&](std::size_t p, double w) { middle += force * w * patch.points[p].x; });
   }
-  if (sum > 0) place = middle / sum;
-  return sum > 0;
+  return sum > 0 ? ContactMiddle{middle / sum, true} : ContactMiddle{};
 }
 
 /// The nearest place of the coarse surface at rest.
@@ -117,17 +115,18 @@ void move_site(const sfem::Patch& from, const sfem::Patch& to, TouchState& state
 
 /// What the material remembers: at points that are in both patches as it was, elsewhere as the forces on the
 /// coarse body tell.
-void move_history(const sfem::Patch& from, std::span<const Vec3d> coarse, TouchState& state) {
+void move_history(const HandedHistory& handed, TouchState& state) {
   ViscousHistory& h = state.history;
   if (h.v.empty()) return;
-  TURGOR_ASSERT(coarse.size() == state.match.old_point.size(), "a viscous material hands over its history");
-  h.far = coarse_history(h, from);
+  TURGOR_ASSERT(handed.v.size() == state.match.old_point.size(), "a viscous material hands over its history");
+  h.far.assign(handed.far.begin(), handed.far.end());
   h.far_fraction = 1;
-  std::vector<Vec3d> v(coarse.begin(), coarse.end());
-  for (std::size_t i = 0; i < v.size(); i++)
-    if (const int old = state.match.old_point[i]; old >= 0) v[i] = h.v[std::size_t(old)];
-  h.v = std::move(v);
-  h.phi.assign(coarse.size(), {});
+  std::vector<Vec3d>& next = state.match.history;
+  next.assign(handed.v.begin(), handed.v.end());
+  for (std::size_t i = 0; i < next.size(); i++)
+    if (const int old = state.match.old_point[i]; old >= 0) next[i] = h.v[std::size_t(old)];
+  std::swap(h.v, next);
+  h.phi.assign(h.v.size(), {});
 }
 
 void move_offset(TouchState& state) {
@@ -156,13 +155,17 @@ void move_sites(const sfem::Patch& from, const sfem::Patch& to, const ViscousTic
 
 }  // namespace
 
-std::vector<Vec3d> touched_places(const sfem::Model& model, const sfem::Patch& patch, const TouchState& state,
+void find_middles(const sfem::Patch& patch, const TouchState& state, std::span<ContactMiddle> middles) {
+  for (std::size_t t = 0; t < middles.size(); t++) middles[t] = middle_of_contacts(patch, state, int(t));
+}
+
+std::vector<Vec3d> touched_places(const sfem::Model& model, std::span<const ContactMiddle> middles,
                                   std::span<const ToolPose> poses, std::span<const Vec3d> before) {
   std::vector<Vec3d> places;
   for (std::size_t i = 0; i < poses.size(); i++) {
     Vec3d place = i < before.size() ? before[i] : model.body.mesh.vertices[0];
-    if (is_valid(poses[i].pose) && !middle_of_contacts(patch, state, int(i), place))
-      place = nearest_on_surface(model, poses[i].pose.position);
+    if (is_valid(poses[i].pose))
+      place = middles[i].touches ? middles[i].place : nearest_on_surface(model, poses[i].pose.position);
     places.push_back(place);
   }
   return places;
@@ -175,8 +178,16 @@ bool must_follow(const FollowParams& params, std::span<const Vec3d> centres, std
   return false;
 }
 
+HandedHistory handed_history(const sfem::Model& model, const ViscousHistory& history, const sfem::Patch& from,
+                             const sfem::Patch& to) {
+  if (history.v.empty()) return {};
+  HandedHistory handed{.v = {}, .far = coarse_history(history, from)};
+  handed.v = displacements(model, handed.far, to);
+  return handed;
+}
+
 Handover take_patch(TouchState& state, const sfem::Patch& from, const sfem::Patch& to,
-                    std::span<const Tool> tools, std::span<const Vec3d> history) {
+                    std::span<const Tool> tools, const HandedHistory& history) {
   TURGOR_ASSERT(state.x.size() == from.points.size(), "the state of a touch belongs to its patch");
   Handover handover;
   handover.kept_points = match_points(from, to, state.match);
@@ -186,7 +197,7 @@ Handover take_patch(TouchState& state, const sfem::Patch& from, const sfem::Patc
     state.rests[t].torque += state.forces[t].torque;
   }
   measure_surface(to, state.surface);
-  move_history(from, history, state);
+  move_history(history, state);
   move_offset(state);
   move_sites(from, to, viscous_tick(state.params.viscosity, 0), state);
   constexpr int kLooks = 2;  // at the tools, as the new surface lies

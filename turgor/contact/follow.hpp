@@ -17,9 +17,17 @@ struct FollowParams {
   double largest_step = 0.02;  // and by at most this much a tick [N]
 };
 
+/// The middle of what a tool touches, on the body at rest, weighted by force.
+struct ContactMiddle {
+  Vec3d place;  // [m]
+  bool touches = false;
+};
+/// One a tool; allocates nothing.
+void find_middles(const sfem::Patch& patch, const TouchState& state, std::span<ContactMiddle> middles);
+
 /// Where every tool touches the body at rest, or would: the middle of its contacts, or the nearest place of
 /// the coarse surface. A tool without a valid pose has its entry of `before`, or the body's first vertex.
-std::vector<Vec3d> touched_places(const sfem::Model& model, const sfem::Patch& patch, const TouchState& state,
+std::vector<Vec3d> touched_places(const sfem::Model& model, std::span<const ContactMiddle> middles,
                                   std::span<const ToolPose> poses, std::span<const Vec3d> before = {});
 
 /// Has a touch wandered from where the present patch was centred?
@@ -32,12 +40,20 @@ struct Handover {
   int kept_points = 0;     // in both patches
 };
 
+/// What viscous material remembers beyond the patch, for one that is to be taken. Both are empty when it is
+/// elastic.
+struct HandedHistory {
+  std::vector<Vec3d> v;          // displacements of the new points by `far` (viscosity.hpp) [m]
+  std::vector<VertexForce> far;  // coarse_history of the patch before
+};
+HandedHistory handed_history(const sfem::Model& model, const ViscousHistory& history, const sfem::Patch& from,
+                             const sfem::Patch& to);
+
 /// Carries the state from one patch to the next: forces stay at points that are in both, the others move to
-/// the nearest; held points stay where they are held. `history`: displacements of the new points by
-/// coarse_history(state.history, from), needed when the material is viscous. Allocates nothing when it is not
-/// and the new patch is within make_touch_state's `largest_patch`.
+/// the nearest; held points stay where they are held. Allocates nothing when the new patch is within
+/// make_touch_state's `largest_patch`, and the history within what the state has reserved.
 Handover take_patch(TouchState& state, const sfem::Patch& from, const sfem::Patch& to,
-                    std::span<const Tool> tools, std::span<const Vec3d> history = {});
+                    std::span<const Tool> tools, const HandedHistory& history = {});
 
 /// Adds what is left of the jumps to this tick's forces, and lets it shrink.
 void blend(const FollowParams& params, TouchState& state, double dt, std::span<ToolForce> forces);

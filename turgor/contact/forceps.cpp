@@ -140,12 +140,4 @@ TriMesh forceps_mesh(const Forceps& forceps, double opening) {
   return both;
 }
 
-rhombus::TouchInput touch_input(const Forceps& forceps, const Pose& pose, double grip) {
-  return {.position = to_world(pose, {0, 0, forceps.tip_radius}),
-          .axes = pose.axes,
-          .radius = forceps.tip_radius,
-          .grip = grip,
-          .opening = forceps.opening * (1 - grip)};
-}
-
 }  // namespace turgor::contact

@@ -4,10 +4,8 @@
 
 #include <array>
 
-#include "turgor/contact/tool.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
-#include "turgor/models/rhombus/rhombus.hpp"
 
 namespace turgor::contact {
 
@@ -28,8 +26,5 @@ Result<Forceps> build_forceps(const TriMesh& both, double opening);
 
 /// Both jaws, their tips `opening` apart [m].
 TriMesh forceps_mesh(const Forceps& forceps, double opening);
-
-/// What an organ feels of them. `grip` is 0 when they are open and 1 when they are closed.
-rhombus::TouchInput touch_input(const Forceps& forceps, const Pose& pose, double grip);
 
 }  // namespace turgor::contact

@@ -92,7 +92,11 @@ TouchState make_touch_state(const sfem::Patch& patch, std::size_t tool_count, co
   measure_surface(patch, state.surface);
   state.offset.assign(n, {});
   move_points(patch, {}, state);
-  if (params.viscosity.stiffening > 0) state.history.v = state.history.phi = state.u;
+  if (params.viscosity.stiffening > 0) {
+    for (auto* points : {&state.history.v, &state.history.phi, &state.match.history}) points->reserve(room);
+    state.history.v.assign(n, {});
+    state.history.phi.assign(n, {});
+  }
   state.tools.resize(tool_count);
   state.rests.resize(tool_count);
   const Vec3d nowhere = Vec3d{1, 1, 1} * std::numeric_limits<double>::quiet_NaN();
@@ -149,11 +153,11 @@ void move_points(const sfem::Patch& patch, const ViscousTick& viscous, TouchStat
   find_outward(patch, state.x, state.outward);
 }
 
-void contact_pressure(const TouchState& state, std::span<double> pressure) {
-  TURGOR_ASSERT(pressure.size() == state.x.size(), "one pressure a point");
+void contact_pressure(const PatchSurface& surface, std::span<const Vec3d> force, std::span<double> pressure) {
+  TURGOR_ASSERT(pressure.size() == force.size(), "one pressure a point");
   for (std::size_t i = 0; i < pressure.size(); i++) {
-    const double area = state.surface.area[i];
-    pressure[i] = area > 0 ? -dot(state.force[i], state.surface.normal[i]) / area : 0;
+    const double area = surface.area[i];
+    pressure[i] = area > 0 ? -dot(force[i], surface.normal[i]) / area : 0;
   }
 }
 

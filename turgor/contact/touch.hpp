@@ -74,7 +74,7 @@ struct ForceRest {
 struct PatchMatch {
   std::vector<int> from_order, to_order;  // points by key
   std::vector<int> new_point, old_point;  // the same point of the other patch; -1 = none
-  std::vector<Vec3d> offset;              // [m]
+  std::vector<Vec3d> offset, history;     // [m]
   std::vector<ToolForce> forces;          // on the old patch
 };
 
@@ -114,6 +114,10 @@ void touch(const sfem::Patch& patch, TouchState& state, std::span<const Tool> to
 void move_points(const sfem::Patch& patch, const ViscousTick& viscous, TouchState& state);
 
 /// Contact pressure at every point: force along its normal at rest / area around it [Pa].
-void contact_pressure(const TouchState& state, std::span<double> pressure);
+void contact_pressure(const PatchSurface& surface, std::span<const Vec3d> force, std::span<double> pressure);
+
+/// How far the deepest point of a tool is below the surface of a patch at rest; 0 = it does not touch [m].
+double depth_at_rest(const sfem::Patch& patch, const PatchSurface& surface, const Shape& shape,
+                     const Pose& pose);
 
 }  // namespace turgor::contact

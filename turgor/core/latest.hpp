@@ -16,17 +16,24 @@ class latest {  // NOLINT(readability-identifier-naming): reads as a word in dec
 
   /// Writer's thread only.
   void write(const T& value) {
-    slots_[writing_] = value;
+    writing() = value;
+    publish();
+  }
+  /// The same in place, for values that keep their memory: fill all of writing(), which holds some value of
+  /// before, and publish it.
+  T& writing() { return slots_[writing_]; }
+  void publish() {
     writing_ =
         middle_.exchange(static_cast<std::uint8_t>(writing_ | kFresh), std::memory_order_acq_rel) & kSlot;
   }
 
   /// Reader's thread only: the newest value. The reference stays valid until the next read.
   const T& read() {
-    if (middle_.load(std::memory_order_relaxed) & kFresh)
-      reading_ = middle_.exchange(reading_, std::memory_order_acq_rel) & kSlot;
+    if (has_news()) reading_ = middle_.exchange(reading_, std::memory_order_acq_rel) & kSlot;
     return slots_[reading_];
   }
+  /// Has a value come since the last read?
+  bool has_news() const { return (middle_.load(std::memory_order_relaxed) & kFresh) != 0; }
 
  private:
   static constexpr std::uint8_t kSlot = 3, kFresh = 4;

@@ -15,10 +15,10 @@ namespace turgor::haptics {
 /// What a device says at one moment. Its frame: right-handed, origin in the middle of its workspace, x to the
 /// right, y away from the user, z up.
 struct DeviceInput {
-  contact::Pose pose;      // of the grip [m]
-  Vec3d velocity;          // of its origin [m/s]
-  Vec3d angular_velocity;  // [rad/s]
-  double grip = 0;         // how far its gripper is closed: 0 open, 1 closed
+  contact::Pose pose;         // of the grip [m]
+  Vec3d velocity;             // of its origin [m/s]
+  Vec3d angular_velocity;     // [rad/s]
+  double grip = 0;            // how far its gripper is closed: 0 open, 1 closed
   std::uint32_t buttons = 0;  // a bit each, the first one is bit 0
   double time = 0;            // when this was read, on the machine's steady clock [s]
 };
@@ -80,6 +80,9 @@ class Device {
 
   /// Why it is lost, in a sentence; empty while it is not. Not for the haptic thread.
   virtual std::string trouble() const { return {}; }
+  /// What it warned of while it worked, counted (warm motors, …); empty when of nothing. Not for that thread
+  /// either.
+  virtual std::string remarks() const { return {}; }
 };
 
 }  // namespace turgor::haptics

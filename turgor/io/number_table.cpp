@@ -18,13 +18,19 @@ bool is_blank(const std::string& line) {
   return first == std::string::npos || line[first] == '#';
 }
 
-/// The numbers of a line; empty when there is something else in it.
-std::vector<double> numbers_of(std::string line) {
+std::vector<std::string> words_of(std::string line) {
   std::replace_if(
       line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
-  std::istringstream words(line);
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+/// The numbers of a line; empty when there is something else in it.
+std::vector<double> numbers_of(const std::string& line) {
   std::vector<double> numbers;
-  for (std::string word; words >> word;) {
+  for (const std::string& word : words_of(line)) {
     char* end = nullptr;
     numbers.push_back(std::strtod(word.c_str(), &end));
     if (*end != '\0' || !std::isfinite(numbers.back())) return {};
@@ -57,6 +63,15 @@ Result<std::vector<NumberRow>> read_number_table(const std::filesystem::path& fi
   if (rows.empty())
     return Error{fmt::format("{}: expected lines of {}, found none", file.string(), expected)};
   return rows;
+}
+
+Result<std::vector<std::string>> read_column_names(const std::filesystem::path& file) {
+  const Result<std::string> text = read_file(file);
+  if (!text) return text.error();
+  std::istringstream lines(*text);
+  for (std::string line; std::getline(lines, line);)
+    if (!is_blank(line)) return numbers_of(line).empty() ? words_of(line) : std::vector<std::string>();
+  return std::vector<std::string>();
 }
 
 }  // namespace turgor

@@ -19,5 +19,7 @@ struct NumberRow {
 /// Error: names file and line of what is no row of finite numbers; `expected` says what one is made of.
 Result<std::vector<NumberRow>> read_number_table(const std::filesystem::path& file,
                                                  const std::string& expected);
+/// What its first line calls the columns; none where that is a row of numbers.
+Result<std::vector<std::string>> read_column_names(const std::filesystem::path& file);
 
 }  // namespace turgor

@@ -11,7 +11,8 @@ namespace turgor {
 
 namespace {
 
-constexpr Rgb kFlesh{158, 68, 56}, kTool{176, 190, 204}, kArrow{250, 204, 70};
+constexpr Rgb kFlesh{158, 68, 56}, kSkin{224, 172, 145}, kWall{166, 58, 50}, kCloth{92, 134, 176},
+    kObstacle{188, 180, 168}, kTool{176, 190, 204}, kArrow{250, 204, 70};
 
 TriMesh placed(const TriMesh& tool, const contact::Pose& pose) {
   TriMesh mesh = tool;
@@ -42,27 +43,73 @@ void add_arrow(const ShownTool& tool, const TriMesh& mesh, ArrowScale arrows, Pi
   parts.labels.push_back({end, newtons(force)});
 }
 
-}  // namespace
-
-TriMesh deformed_mesh(const ShownSurface& surface, SkinColor color) {
-  TriMesh mesh;
-  mesh.triangles = surface.triangles;
-  for (std::size_t v = 0; v < surface.rest.size(); v++)
-    mesh.vertices.push_back(surface.rest[v] + surface.displacement[v]);
-  if (color == SkinColor::kPressure) mesh.scalars = surface.pressure;
-  if (color == SkinColor::kDisplacement)
-    for (const Vec3 u : surface.displacement) mesh.scalars.push_back(norm(u));
-  mesh.normals = vertex_normals(mesh);
+/// Both sides, for light that only knows one.
+TriMesh two_sided(TriMesh mesh) {
+  const int count = int(mesh.vertices.size());
+  const std::size_t triangles = mesh.triangles.size();
+  mesh.vertices.insert(mesh.vertices.end(), mesh.vertices.begin(), mesh.vertices.begin() + count);
+  mesh.scalars.insert(mesh.scalars.end(), mesh.scalars.begin(), mesh.scalars.end());
+  for (int v = 0; v < count; v++) mesh.normals.push_back(-mesh.normals[std::size_t(v)]);
+  for (std::size_t t = 0; t < triangles; t++) {
+    const auto [a, b, c] = mesh.triangles[t];
+    mesh.triangles.push_back({a + count, c + count, b + count});
+  }
   return mesh;
 }
 
-void add_body(const ShownSurface& surface, const std::vector<TriMesh>& tools, ArrowScale arrows,
-              SkinColor color, const ColorScale* scale, PictureParts& parts) {
-  if (!surface.triangles.empty()) parts.add(deformed_mesh(surface, color), kFlesh, scale);
-  for (std::size_t t = 0; t < std::min(tools.size(), surface.tools.size()); t++) {
-    const TriMesh& mesh = parts.add(placed(tools[t], surface.tools[t].pose), kTool);
-    add_arrow(surface.tools[t], mesh, arrows, parts);
+Rgb color_of(Look look) { return look == Look::kSkin ? kSkin : look == Look::kCloth ? kCloth : kFlesh; }
+
+/// Beside tissue, which moves by millimetres, cloth is drawn as cloth.
+bool is_beside_tissue(const ShownBody& body, const ShownWorld& shown) {
+  return body.look == Look::kCloth &&
+         std::any_of(shown.bodies.begin(), shown.bodies.end(),
+                     [](const ShownBody& other) { return other.look != Look::kCloth; });
+}
+
+}  // namespace
+
+std::vector<float> shown_values(const ShownBody& body, SkinColor color) {
+  if (color == SkinColor::kStretch) return body.stretch;
+  if (color == SkinColor::kPressure) return body.pressure;
+  std::vector<float> lengths;
+  if (color == SkinColor::kDisplacement)
+    for (const Vec3 u : body.displacement) lengths.push_back(norm(u));
+  return lengths;
+}
+
+TriMesh shown_mesh(const ShownBody& body) {
+  return {.vertices = body.x, .triangles = body.triangles, .normals = body.normals, .scalars = {}};
+}
+
+void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, PictureParts& parts) {
+  if (body.triangles.empty()) return;
+  TriMesh surface = shown_mesh(body);
+  surface.scalars = shown_values(body, color);
+  if (surface.scalars.empty()) scale = nullptr;
+  if (body.wall_begin < body.triangles.size()) {
+    const auto split = std::ptrdiff_t(body.wall_begin);
+    TriMesh walls = surface;
+    walls.triangles.erase(walls.triangles.begin(), walls.triangles.begin() + split);
+    surface.triangles.resize(body.wall_begin);
+    parts.add(std::move(walls), kWall);
   }
+  if (body.look == Look::kCloth) surface = two_sided(std::move(surface));
+  parts.add(std::move(surface), color_of(body.look), scale);
+}
+
+void add_tool(const ShownTool& tool, ArrowScale arrows, PictureParts& parts) {
+  add_arrow(tool, parts.add(placed(tool.mesh, tool.pose), kTool), arrows, parts);
+}
+
+void add_world(const ShownWorld& shown, SkinColor color, const ColorScale* scale, PictureParts& parts) {
+  for (const ShownBody& body : shown.bodies)
+    is_beside_tissue(body, shown) ? add_body(body, SkinColor::kNone, nullptr, parts)
+                                  : add_body(body, color, scale, parts);
+  for (const ShownTool& tool : shown.tools) {
+    const ShownBody& body = shown_body(shown, tool.body);
+    add_tool(tool, {body.usual_force, 0.2 * norm(body.box.high - body.box.low)}, parts);
+  }
+  for (const TriMesh& obstacle : shown.obstacles) parts.add(obstacle, kObstacle);
 }
 
 void draw_labels(const std::vector<PictureLabel>& labels, const Camera& camera, Image& image) {

@@ -1,12 +1,13 @@
-// What one picture shows: meshes with their colours, and words at places. Bodies of every model add their
-// part; outputs.cpp draws it.
+// What one picture shows: meshes with their colours, and words at places. Everything comes from a ShownWorld;
+// outputs.cpp draws it.
 #pragma once
 
 #include <deque>
 #include <string>
 #include <vector>
 
-#include "turgor/sim/world.hpp"
+#include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/shown.hpp"
 #include "turgor/view/draw.hpp"
 
 namespace turgor {
@@ -35,13 +36,18 @@ struct ArrowScale {
   double length = 0;  // [m]; the longest is three times, the shortest a quarter of it
 };
 
-/// A body's surface, if it has one, with the tools on it as they are, and an arrow for the force on each,
-/// with its newtons.
-void add_body(const ShownSurface& surface, const std::vector<TriMesh>& tools, ArrowScale arrows,
-              SkinColor color, const ColorScale* scale, PictureParts& parts);
+/// The quantity at every vertex that a colour shows: displacement [m], stretch [1] or pressure [Pa]. Empty:
+/// the body knows none.
+std::vector<float> shown_values(const ShownBody& body, SkinColor color);
+/// A body's surface with its normals.
+TriMesh shown_mesh(const ShownBody& body);
 
-/// The deformed surface with the quantity that colours it: displacement [m] or pressure [Pa].
-TriMesh deformed_mesh(const ShownSurface& surface, SkinColor color);
+/// A surface as its look is, or coloured by the scale where the body knows the quantity.
+void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, PictureParts& parts);
+/// A tool, and an arrow for the force on it, with its newtons.
+void add_tool(const ShownTool& tool, ArrowScale arrows, PictureParts& parts);
+/// All bodies, their tools, and what cloth lies on.
+void add_world(const ShownWorld& shown, SkinColor color, const ColorScale* scale, PictureParts& parts);
 
 /// Writes the labels where the camera sees their places.
 void draw_labels(const std::vector<PictureLabel>& labels, const Camera& camera, Image& image);

@@ -170,4 +170,16 @@ Status OutputFolder::commit() {
   return status ? moved : status;
 }
 
+std::string doomed_note(const OutputFolder& folder) {
+  if (folder.doomed().empty()) return {};
+  return fmt::format("{}: --force removes, with the earlier results: {}", folder.goal().string(),
+                     fmt::join(folder.doomed(), ", "));
+}
+
+std::string kept_note(const OutputFolder& folder) {
+  if (folder.kept().empty()) return {};
+  return fmt::format("{}: files that turgor did not write had come there; they are in {} now",
+                     folder.goal().string(), folder.kept().string());
+}
+
 }  // namespace turgor

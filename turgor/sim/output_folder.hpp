@@ -46,4 +46,9 @@ class OutputFolder {
   Unfinished partial_;
 };
 
+/// What a person should know of others' files in the goal: those that commit will remove, and where those
+/// are that came meanwhile. Empty when there are none.
+std::string doomed_note(const OutputFolder& folder);
+std::string kept_note(const OutputFolder& folder);
+
 }  // namespace turgor

@@ -17,10 +17,13 @@ World record_block(const fs::path& folder, const Scene& scene) {
   World world = test::block_world(exec, scene);
   Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
   EXPECT_TRUE(writer) << writer.error().message;
-  EXPECT_TRUE(writer->add_snapshot(world));
+  ShownWorld shown;
+  show(exec, world, shown);
+  EXPECT_TRUE(writer->add_snapshot(world, shown));
   for (int frame = 0; frame < 10; frame++) EXPECT_TRUE(step(exec, world));
-  EXPECT_TRUE(writer->add_snapshot(world));
-  EXPECT_TRUE(writer->finish(world, "{\"a\": 1}"));
+  show(exec, world, shown);
+  EXPECT_TRUE(writer->add_snapshot(world, shown));
+  EXPECT_TRUE(writer->finish(world, shown, make_pressed(world), "{\"a\": 1}"));
   return world;
 }
 
@@ -38,7 +41,8 @@ TEST(Recording, RestoresPositionsCutsAndPathsToTheBit) {
 
   World drawn = test::block_world(Exec(1), *again);
   ASSERT_TRUE(recording->check_world(drawn));
-  ASSERT_TRUE(recording->restore(1, drawn));
+  ShownWorld shown;
+  ASSERT_TRUE(recording->restore(Exec(1), 1, drawn, shown));
   const lattice::State &a = world.lattice_bodies[0].state, &b = drawn.lattice_bodies[0].state;
   EXPECT_EQ(drawn.frame, 10);
   EXPECT_EQ(a.u.x, b.u.x);
@@ -53,7 +57,7 @@ TEST(Recording, RestoresPositionsCutsAndPathsToTheBit) {
   const double gape =
       lattice::measure_wound(world.lattice_bodies[0].model, a, *world.cuts[0].path, 0).gape_max;
   EXPECT_EQ(lattice::measure_wound(drawn.lattice_bodies[0].model, b, *drawn.cuts[0].path, 0).gape_max, gape);
-  ASSERT_TRUE(recording->restore(0, drawn));
+  ASSERT_TRUE(recording->restore(Exec(1), 0, drawn, shown));
   EXPECT_TRUE(drawn.lattice_bodies[0].state.cut_edges.empty());
   EXPECT_FALSE(drawn.cuts[0].path);
 }
@@ -65,7 +69,8 @@ TEST(Recording, RestoresRegionsThatLeftTheBody) {
   const Result<Recording> recording = Recording::open(folder / "r.h5");
   ASSERT_TRUE(recording) << recording.error().message;
   World drawn = test::block_world(Exec(1), scene);
-  const Status restored = recording->restore(1, drawn);
+  ShownWorld shown;
+  const Status restored = recording->restore(Exec(1), 1, drawn, shown);
   ASSERT_TRUE(restored) << restored.error().message;
   const lattice::State &a = world.lattice_bodies[0].state, &b = drawn.lattice_bodies[0].state;
   EXPECT_GT(std::count(a.removed.begin(), a.removed.end(), 1), 0);
@@ -120,12 +125,12 @@ TEST(Recording, FilesThatAreNoneAreNamed) {
   }
   EXPECT_EQ(error(),
             path +
-                ": expected \"turgor recording 3\", found \"turgor recording 0\", of another version of this "
+                ": expected \"turgor recording 4\", found \"turgor recording 0\", of another version of this "
                 "program");
   {
     Result<Hdf5File> half = Hdf5File::create(path);
     ASSERT_TRUE(half);
-    ASSERT_TRUE(half->write_text("/format", "turgor recording 3"));
+    ASSERT_TRUE(half->write_text("/format", "turgor recording 4"));
   }
   EXPECT_EQ(error(), path + ": the recording was never finished");
 }
@@ -141,8 +146,9 @@ TEST(Recording, DamagedFilesAreErrorsAndNeverCrashes) {
     if (!recording) return false;
     const Result<Scene> again = recording->scene({});
     if (!again || !recording->check_world(world)) return false;
+    ShownWorld shown;
     for (int s = 0; s < std::min(recording->snapshot_count(), 4); s++)
-      if (!recording->restore(s, world)) return false;
+      if (!recording->restore(Exec(1), s, world, shown)) return false;
     return true;
   };
   EXPECT_TRUE(read_all());

@@ -62,8 +62,10 @@ TEST(RecordingDocument, NamesEveryDatasetOfARecordingAndItsUnitAndNoOther) {
   {
     Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", *scene, world);
     ASSERT_TRUE(writer);
-    ASSERT_TRUE(writer->add_snapshot(world));
-    ASSERT_TRUE(writer->finish(world, "{}"));
+    ShownWorld shown;
+    show(Exec(2), world, shown);
+    ASSERT_TRUE(writer->add_snapshot(world, shown));
+    ASSERT_TRUE(writer->finish(world, shown, make_pressed(world), "{}"));
   }
   const Result<Hdf5File> file = Hdf5File::open(folder / "r.h5");
   ASSERT_TRUE(file) << file.error().message;

@@ -52,6 +52,10 @@ shape = { sphere = 1 }
 body = "a"
 path = [[0, 0, 0, 0]]
 shape = { capsule = [1, 1] }
+[tool.e]
+body = "a"
+hand = "f"
+shape = { sphere = 1 }
 )",
     R"([body.a]
 model = "sfem"
@@ -120,7 +124,9 @@ TEST(SceneDocument, ItsTablesAreWhatTheReadersAskFor) {
     else
       EXPECT_EQ(document.substr(at, to - at), table_of(keys)) << "run scripts/scene-docs";
   }
-  if (writes) ASSERT_TRUE(write_file(file, document));
+  if (writes) {
+    ASSERT_TRUE(write_file(file, document));
+  }
 }
 
 TEST(SceneDocument, NoReaderKnowsAKeyThatNoTableHas) {

@@ -119,9 +119,14 @@ struct State {
 /// At rest. At most kMaxTouches tools.
 State make_state(const Model& model, std::size_t tool_count);
 
-/// One tick of `dt` seconds: inputs and forces one a tool. Allocates nothing.
-void touch(const Model& model, State& state, std::span<const TouchInput> inputs, double dt,
+/// One tick of `dt` seconds: inputs and forces one a tool. Allocates nothing, and changes of a state its
+/// touches alone: a haptic thread may have those to itself.
+void touch(const Model& model, std::span<Touching> touches, std::span<const TouchInput> inputs, double dt,
            std::span<TouchForce> forces);
+inline void touch(const Model& model, State& state, std::span<const TouchInput> inputs, double dt,
+                  std::span<TouchForce> forces) {
+  touch(model, std::span(state.touches), inputs, dt, forces);
+}
 
 struct StepReport {
   bool finite = true;

@@ -206,16 +206,16 @@ TouchForce answer(const Model& model, Touching& t, const TouchInput& in, double 
 
 }  // namespace
 
-void touch(const Model& model, State& state, std::span<const TouchInput> inputs, double dt,
+void touch(const Model& model, std::span<Touching> touches, std::span<const TouchInput> inputs, double dt,
            std::span<TouchForce> forces) {
-  TURGOR_ASSERT(inputs.size() == state.touches.size() && forces.size() == inputs.size(), "one input a tool");
+  TURGOR_ASSERT(inputs.size() == touches.size() && forces.size() == inputs.size(), "one input a tool");
   std::array<Touching*, kMaxTouches> valid{};
   std::array<std::size_t, kMaxTouches> number{};
   std::size_t count = 0;
   for (std::size_t k = 0; k < inputs.size(); k++) {
     forces[k] = {.invalid_input = !is_valid(inputs[k])};
     if (forces[k].invalid_input) continue;
-    Touching& t = state.touches[k];
+    Touching& t = touches[k];
     set_demand(model, t, inputs[k], dt);
     number[count] = k, valid[count++] = &t;
   }

@@ -11,6 +11,11 @@ namespace {
 using Matrix = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 using Eigen::Index;
 
+#ifdef TURGOR_SAME_BITS
+/// Eigen cuts its sums into blocks that fit the caches of the processor it runs on, unless it is told some.
+[[maybe_unused]] const bool kSameBlocks = (Eigen::setCpuCacheSizes(32 << 10, 1 << 20, 8 << 20), true);
+#endif
+
 constexpr Index kBlock = 128;  // columns that are eliminated together
 constexpr Index kTile = 192;   // rows or columns that one thread updates
 

@@ -1,6 +1,5 @@
-// The order in which unknowns are eliminated: nested dissection by place. A body is cut in two where few
-// vertices hold the halves together; those are eliminated last, and the halves in the same way before.
-// [George 1973]
+// The order in which unknowns are eliminated: nested dissection. A body is cut in two where few nodes hold
+// the halves together; those are eliminated last, and the halves in the same way before. [George 1973]
 #pragma once
 
 #include <span>
@@ -10,7 +9,13 @@
 
 namespace turgor::sfem {
 
-/// Rows of K in the order of elimination; `x` is the place of each row's node [m].
-std::vector<int> nested_dissection(const BlockMatrix& k, std::span<const Vec3d> x);
+inline std::span<const int> neighbours(const BlockMatrix& k, int row) {
+  const std::size_t begin = k.row_begin[std::size_t(row)], end = k.row_begin[std::size_t(row) + 1];
+  return {k.column.data() + begin, end - begin};
+}
+
+/// Rows of K in the order of elimination, by METIS. The same for the same K, from whatever thread.
+/// [Karypis, Kumar 1998]
+std::vector<int> nested_dissection(const BlockMatrix& k);
 
 }  // namespace turgor::sfem

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "turgor/models/sfem/separator.hpp"
+#include "turgor/models/sfem/dissection.hpp"
 
 namespace turgor::sfem {
 

@@ -16,9 +16,7 @@ namespace {
 constexpr std::size_t kUnits = 32;  // nodes whose columns are solved together
 
 Elimination make_plan(const Model& model) {
-  std::vector<Vec3d> x;
-  for (const int v : model.vertex) x.push_back(model.body.mesh.vertices[std::size_t(v)]);
-  return plan_elimination(model.stiffness, nested_dissection(model.stiffness, x));
+  return plan_elimination(model.stiffness, nested_dissection(model.stiffness));
 }
 
 /// Slots of the kept nodes by place of elimination.

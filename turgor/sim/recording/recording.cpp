@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "turgor recording 3";
+constexpr const char* kFormat = "turgor recording 4";
 constexpr std::size_t kMostSnapshots = 1000000, kMostPathPoints = 1 << 24;
 
 std::vector<int> body_slots(const lattice::Model& model) {
@@ -67,10 +67,10 @@ Status write_body(Hdf5File& file, const LatticeBody& body) {
       .status();
 }
 
-Status write_state(Hdf5File& file, const std::string& group, const LatticeBody& body) {
-  Writing writing(file, fmt::format("{}/bodies/{}/", group, body.name));
+Status write_state(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
+  Writing writing(out.file, fmt::format("{}/bodies/{}/", out.group, body.name));
   write_fields(writing, body.state, {Axis::kSlot, body_slots(body.model)});
-  return writing.status();
+  return writing.status() ? write_tools(out, body, id) : writing.status();
 }
 
 Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
@@ -89,6 +89,28 @@ bool is_edge(const World& world, const lattice::Model& model, const lattice::Cut
   const Int3 node = slot_node(model.lattice, edge.slot);
   return contains(model.lattice, node) && node_slot(model.lattice, node) == edge.slot &&
          contains(model.lattice, node + kFamilies[edge.family]);
+}
+
+Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
+  const std::vector<int> slots = body_slots(body.model);
+  lattice::State state = lattice::make_state(body.model);
+  Reading reading(in.file, fmt::format("{}/bodies/{}/", in.group, body.name));
+  read_fields(reading, state, {Axis::kSlot, slots}, kFamilyCount * slots.size());
+  if (!reading.status()) return reading.status();
+  state.u_before = state.u;
+  for (const lattice::CutEdge& edge : state.cut_edges) {
+    if (!is_edge(in.world, body.model, edge))
+      return Error{fmt::format("{}: {}: a cut edge is not one of the body's", in.path, in.group)};
+    state.cut[std::size_t(edge.slot)] |=
+        std::uint8_t(1u << edge.family);  // also where the lower end is outside the body
+  }
+  body.state = std::move(state);
+  body.state.time = time_of(in.world);
+  ShownBody none;
+  if (!body.tool_indices.empty())
+    if (const Status tools = read_tools(in, body, none); !tools) return tools;
+  show(in.exec, body, shown_body(in.shown, id));
+  return Done{};
 }
 
 std::string snapshot_group(int snapshot) { return fmt::format("/snapshots/{:05}", snapshot); }
@@ -113,7 +135,7 @@ Result<RecordingWriter> RecordingWriter::create(const fs::path& path, const Scen
   return RecordingWriter(std::move(*file));
 }
 
-Status RecordingWriter::add_snapshot(const World& world) {
+Status RecordingWriter::add_snapshot(const World& world, const ShownWorld& shown) {
   const std::string group = snapshot_group(snapshots_++);
   if (const Status status = Writing(file_, group + "/")
                                 .array<double>("time", {time_of(world)}, 1, "s")
@@ -121,20 +143,18 @@ Status RecordingWriter::add_snapshot(const World& world) {
                                 .status();
       !status)
     return status;
-  for (const LatticeBody& body : world.lattice_bodies)
-    if (const Status status = write_state(file_, group, body); !status) return status;
+  const SnapshotOut out{file_, group, shown};
+  const Status bodies =
+      try_each_body(world, [&](BodyId id, const auto& body) { return write_state(out, body, id); });
+  if (!bodies) return bodies;
   for (const Cut& cut : world.cuts)
     if (const Status status = write_cut(file_, group, cut); !status) return status;
-  if (const Status status = write_surfaces(file_, group, world); !status) return status;
-  for (const ClothBody& body : world.cloth_bodies)
-    if (const Status status = write_cloth(file_, fmt::format("{}/bodies/{}/", group, body.name), body);
-        !status)
-      return status;
   return file_.flush();
 }
 
-Status RecordingWriter::finish(const World& world, const std::string& report) {
-  if (const Status status = write_touch(file_, world); !status) return status;
+Status RecordingWriter::finish(const World& world, const ShownWorld& shown,
+                               const std::vector<Pressed>& pressed, const std::string& report) {
+  if (const Status status = write_touch(file_, world, shown, pressed); !status) return status;
   const Status status =
       Writing(file_, "/").array<std::int32_t>("snapshot_count", {snapshots_}).text("report", report).status();
   return status ? file_.close() : status;
@@ -207,23 +227,6 @@ Status Recording::check_world(const World& world) const {
   return Done{};
 }
 
-Status Recording::restore_body(const std::string& group, const World& world, LatticeBody& body) const {
-  const std::vector<int> slots = body_slots(body.model);
-  lattice::State state = lattice::make_state(body.model);
-  Reading reading(file_, fmt::format("{}/bodies/{}/", group, body.name));
-  read_fields(reading, state, {Axis::kSlot, slots}, kFamilyCount * slots.size());
-  if (!reading.status()) return reading.status();
-  state.u_before = state.u;
-  for (const lattice::CutEdge& edge : state.cut_edges) {
-    if (!is_edge(world, body.model, edge))
-      return Error{fmt::format("{}: {}: a cut edge is not one of the body's", path_.string(), group)};
-    state.cut[std::size_t(edge.slot)] |=
-        std::uint8_t(1u << edge.family);  // also where the lower end is outside the body
-  }
-  body.state = std::move(state);
-  return Done{};
-}
-
 Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   Reading reading(file_, fmt::format("{}/cuts/{}/", group, cut.blade.name));
   const std::size_t values = reading.count("path", kMostPathPoints);
@@ -244,25 +247,20 @@ Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   return Done{};
 }
 
-Status Recording::restore(int snapshot, World& world) const {
+Status Recording::restore(const Exec& exec, int snapshot, World& world, ShownWorld& shown) const {
   const std::string group = snapshot_group(snapshot);
   const Result<std::vector<std::int32_t>> frame = file_.read<std::int32_t>(group + "/frame", 1);
   if (!frame) return frame.error();
   world.frame = (*frame)[0];
-  for (LatticeBody& body : world.lattice_bodies) {
-    if (const Status status = restore_body(group, world, body); !status) return status;
-    body.state.time = time_of(world);
-  }
+  show_names(world, shown);
   for (Cut& cut : world.cuts)
     if (const Status status = restore_cut(group, cut); !status) return status;
-  if (const Status status = read_surfaces(file_, group, world); !status) return status;
-  for (ClothBody& body : world.cloth_bodies)
-    if (const Status status = read_cloth(file_, fmt::format("{}/bodies/{}/", group, body.name), body);
-        !status)
-      return status;
-  return Done{};
+  const SnapshotIn in{file_, path_.string(), group, exec, world, shown};
+  return try_each_body(world, [&](BodyId id, auto& body) { return read_state(in, body, id); });
 }
 
-Status Recording::restore_touch(World& world) const { return read_touch(file_, world); }
+Status Recording::restore_touch(World& world, std::vector<Pressed>& pressed) const {
+  return read_touch(file_, world, pressed);
+}
 
 }  // namespace turgor

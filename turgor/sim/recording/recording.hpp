@@ -9,7 +9,9 @@
 
 #include "turgor/core/result.hpp"
 #include "turgor/io/hdf5_file.hpp"
+#include "turgor/sim/pressed.hpp"
 #include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/shown.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -19,9 +21,11 @@ class RecordingWriter {
  public:
   static Result<RecordingWriter> create(const std::filesystem::path& path, const Scene& scene,
                                         const World& world);
-  Status add_snapshot(const World& world);
+  /// `shown`: the world as it looks now.
+  Status add_snapshot(const World& world, const ShownWorld& shown);
   /// What every tool felt, bodies when they were pressed most, and the run's report, as JSON; last.
-  Status finish(const World& world, const std::string& report);
+  Status finish(const World& world, const ShownWorld& shown, const std::vector<Pressed>& pressed,
+                const std::string& report);
 
  private:
   explicit RecordingWriter(Hdf5File file) : file_(std::move(file)) {}
@@ -41,16 +45,16 @@ class Recording {
   /// Error: the world is made of other CTs, or of other parameters, than the recording.
   Status check_world(const World& world) const;
   int snapshot_count() const { return snapshots_; }
-  /// Puts the world into the state of a snapshot: bodies show the recorded surface.
-  Status restore(int snapshot, World& world) const;
+  /// Puts the world into the state of a snapshot, and shows it as it was recorded.
+  Status restore(const Exec& exec, int snapshot, World& world, ShownWorld& shown) const;
   /// What every tool felt in the whole run, and bodies when they were pressed most.
-  Status restore_touch(World& world) const;
+  Status restore_touch(World& world, std::vector<Pressed>& pressed) const;
   const std::string& report() const { return report_; }
+  const std::filesystem::path& path() const { return path_; }
 
  private:
   explicit Recording(Hdf5File file, std::filesystem::path path)
       : file_(std::move(file)), path_(std::move(path)) {}
-  Status restore_body(const std::string& group, const World& world, LatticeBody& body) const;
   Status restore_cut(const std::string& group, Cut& cut) const;
 
   Hdf5File file_;

@@ -6,8 +6,25 @@
 #include <vector>
 
 #include "turgor/io/hdf5_file.hpp"
+#include "turgor/sim/shown.hpp"
 
 namespace turgor {
+
+/// A snapshot that is written: every model has a write_state(out, body, id).
+struct SnapshotOut {
+  Hdf5File& file;
+  std::string group;  // without a slash at its end
+  const ShownWorld& shown;
+};
+/// A snapshot that is read, into the world and into how it looks: every model has a read_state(in, body, id).
+struct SnapshotIn {
+  const Hdf5File& file;
+  std::string path;   // of the file, for errors
+  std::string group;  // without a slash at its end
+  const Exec& exec;
+  const World& world;
+  ShownWorld& shown;
+};
 
 /// Writes one thing after another until one cannot be written.
 class Writing {
@@ -46,7 +63,6 @@ class Reading {
     if (!values) status_ = values.error();
     return values ? std::move(*values) : std::vector<T>();
   }
-  bool has(const std::string& name) const { return file_.has(group_ + name); }
   std::size_t count(const std::string& name, std::size_t most) {
     if (!status_) return 0;
     const Result<std::size_t> found = file_.count(group_ + name, most);

@@ -5,17 +5,17 @@
 
 #include <fmt/format.h>
 
-#include "turgor/sim/recording/recording_arrays.hpp"
-
 namespace turgor {
 
 namespace {
 
-constexpr std::size_t kMostVertices = std::size_t(1) << 24, kMostTicks = std::size_t(1) << 22;
-constexpr std::size_t kPose = 16;  // numbers of a shown tool: position, axes, force, opening
+constexpr std::size_t kMostVertices = std::size_t(1) << 24, kMostRows = kMostTicks + 1;
+constexpr std::size_t kPose = 16;    // numbers of a shown tool: position, axes, force, opening
+constexpr std::size_t kSample = 27;  // numbers of a tick, in the order of append
 constexpr const char *kPoseUnits = "m, m, m, 1, 1, 1, 1, 1, 1, 1, 1, 1, N, N, N, m",
-                     *kSampleUnits = "s, m, m, m, N, N, N, N m, N m, N m, 1, m, m, s, 1, 1";
-constexpr std::size_t kSample = 16;  // numbers of a tick, in the order of sample_row
+                     *kSampleUnits =
+                         "s, m, m, m, N, N, N, N m, N m, N m, 1, m, m, s, 1, 1, 1, 1, 1, 1, 1, 1, "
+                         "1, 1, 1, 1, 1";
 
 std::vector<float> flat(const std::vector<Vec3>& points) {
   std::vector<float> values;
@@ -46,12 +46,11 @@ std::vector<double> tool_rows(const std::vector<ShownTool>& tools) {
   return values;
 }
 
-ShownTool tool_of(const std::vector<double>& values, std::size_t row) {
+void show_row(const std::vector<double>& values, std::size_t row, const TouchingTool& tool, ShownTool& out) {
   const std::size_t i = kPose * row;
-  return {{vector_at(values, i),
-           {{vector_at(values, i + 3), vector_at(values, i + 6), vector_at(values, i + 9)}}},
-          vector_at(values, i + 12),
-          values[i + 15]};
+  const contact::Pose pose{vector_at(values, i),
+                           {{vector_at(values, i + 3), vector_at(values, i + 6), vector_at(values, i + 9)}}};
+  show_tool(tool, pose, vector_at(values, i + 12), values[i + 15], out);
 }
 
 void append(std::vector<double>& values, const ForceSample& s) {
@@ -61,6 +60,8 @@ void append(std::vector<double>& values, const ForceSample& s) {
   append(values, s.torque);
   values.insert(values.end(), {double(s.contacts), s.depth, s.path, s.tick_seconds, double(s.new_patch),
                                double(s.beyond_patch)});
+  for (const Vec3d axis : s.axes.column) append(values, axis);
+  values.insert(values.end(), {s.grip, double(s.hold)});
 }
 
 ForceSample sample_of(const std::vector<double>& values, std::size_t row) {
@@ -73,6 +74,8 @@ ForceSample sample_of(const std::vector<double>& values, std::size_t row) {
   s.contacts = int(std::clamp(values[i + 10], 0.0, 1e6));
   s.depth = values[i + 11], s.path = values[i + 12], s.tick_seconds = float(values[i + 13]);
   s.new_patch = values[i + 14] != 0, s.beyond_patch = values[i + 15] != 0;
+  for (std::size_t a = 0; a < 3; a++) s.axes.column[a] = vector_at(values, i + 16 + 3 * a);
+  s.grip = values[i + 25], s.hold = values[i + 26] != 0;
   return s;
 }
 
@@ -80,71 +83,76 @@ bool is_finite(const std::vector<float>& values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
-Status write_shown(Hdf5File& file, const std::string& group, const ShownSurface& surface) {
+Status write_shown(Hdf5File& file, const std::string& group, double time, const ShownBody& surface,
+                   const std::vector<ShownTool>& tools) {
   std::vector<std::int32_t> triangles;
   for (const Int3 t : surface.triangles) triangles.insert(triangles.end(), {t.x, t.y, t.z});
   return Writing(file, group)
-      .array<double>("time", {surface.time}, 1, "s")
+      .array<double>("time", {time}, 1, "s")
       .array("rest", flat(surface.rest), 3, "m")
       .array("displacement", flat(surface.displacement), 3, "m")
       .array("pressure", surface.pressure, 1, "Pa")
       .array("triangles", triangles, 3)
       .array<std::int32_t>("mesh_vertex", {surface.mesh_vertex.begin(), surface.mesh_vertex.end()})
-      .array("tools", tool_rows(surface.tools), kPose, kPoseUnits)
+      .array("tools", tool_rows(tools), kPose, kPoseUnits)
       .status();
 }
 
-Result<ShownSurface> read_shown(const Hdf5File& file, const std::string& group, std::size_t tool_count) {
+/// What a group holds besides the surface.
+struct ReadRows {
+  double time = 0;            // [s]
+  std::vector<double> tools;  // of every tool kPose numbers
+};
+Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std::size_t tool_count,
+                            ShownBody& surface) {
   Reading reading(file, group);
-  ShownSurface surface;
   const auto time = reading.array<double>("time", 1);
-  const std::size_t count = reading.count("pressure", kMostVertices);
-  surface.pressure = reading.array<float>("pressure", count);
+  const std::size_t count = reading.count("rest", 3 * kMostVertices) / 3,
+                    known = reading.count("pressure", kMostVertices);
+  surface.pressure = reading.array<float>("pressure", known);
   const auto rest = reading.array<float>("rest", 3 * count),
              displacement = reading.array<float>("displacement", 3 * count);
   const std::size_t corners = reading.count("triangles", 3 * 3 * kMostVertices);
   const auto triangles = reading.array<std::int32_t>("triangles", corners);
   const auto tools = reading.array<double>("tools", kPose * tool_count);
-  // Files of earlier versions do not have it.
-  const std::size_t numbers = reading.has("mesh_vertex") ? reading.count("mesh_vertex", count) : 0;
-  std::vector<std::int32_t> mesh_vertex;
-  if (numbers > 0) mesh_vertex = reading.array<std::int32_t>("mesh_vertex", count);
+  const std::size_t numbers = reading.count("mesh_vertex", count);
+  const auto mesh_vertex = reading.array<std::int32_t>("mesh_vertex", numbers);
   if (!reading.status()) return reading.status().error();
   const bool sound = std::all_of(triangles.begin(), triangles.end(),
                                  [count](int v) { return v >= 0 && std::size_t(v) < count; }) &&
-                     corners % 3 == 0 && is_finite(rest) && is_finite(displacement);
+                     corners % 3 == 0 && (known == 0 || known == count) &&
+                     (numbers == 0 || numbers == count) && is_finite(rest) && is_finite(displacement);
   if (!sound) return Error{fmt::format("{}: the surface is damaged", group)};
-  surface.time = time[0];
   surface.mesh_vertex.assign(mesh_vertex.begin(), mesh_vertex.end());
   surface.rest = vectors(rest), surface.displacement = vectors(displacement);
+  surface.triangles.clear();
   for (std::size_t i = 0; i < corners; i += 3)
     surface.triangles.push_back({triangles[i], triangles[i + 1], triangles[i + 2]});
-  for (std::size_t t = 0; t < tool_count; t++) surface.tools.push_back(tool_of(tools, t));
-  return surface;
+  surface.wall_begin = surface.triangles.size();
+  place_vertices(surface);
+  return ReadRows{time[0], tools};
 }
 
-/// For every body whose surface is kept.
-template <class AnyWorld, class Do>
-Status for_kept_surfaces(AnyWorld& world, const Do& act) {
-  return try_each_touched(world, [&](BodyId id, auto& body) -> Status {
-    return keeps_surface(id, body) ? act(body) : Status(Done{});
-  });
-}
-
-Status write_deepest(Hdf5File& file, const TouchedBody& body) {
+Status write_deepest(Hdf5File& file, const ShownWorld& shown, const Pressed& pressed) {
+  const bool touched = pressed.force > 0;
+  const ShownBody& body = touched ? pressed.body : shown_body(shown, pressed.id);
   const std::string group = fmt::format("/deepest/{}/", body.name);
-  const Status status = write_shown(file, group, body.largest_force > 0 ? body.deepest : body.shown);
-  return status ? Writing(file, group).array<double>("force", {body.largest_force}, 1, "N").status() : status;
+  const Status status = write_shown(file, group, touched ? pressed.time : shown.time, body,
+                                    touched ? pressed.tools : tools_on(shown, pressed.id));
+  return status ? Writing(file, group).array<double>("force", {pressed.force}, 1, "N").status() : status;
 }
 
-Status read_deepest(const Hdf5File& file, TouchedBody& body) {
+Status read_deepest(const Hdf5File& file, const World& world, const TouchedBody& body, Pressed& pressed) {
   const std::string group = fmt::format("/deepest/{}/", body.name);
-  Result<ShownSurface> deepest = read_shown(file, group, body.tool_indices.size());
-  if (!deepest) return deepest.error();
+  const Result<ReadRows> rows = read_shown(file, group, body.tool_indices.size(), pressed.body);
+  if (!rows) return rows.error();
   Reading reading(file, group);
   const auto force = reading.array<double>("force", 1);
   if (!reading.status()) return reading.status();
-  body.deepest = std::move(*deepest), body.largest_force = force[0];
+  pressed.time = rows->time, pressed.force = force[0];
+  pressed.tools.resize(body.tool_indices.size());
+  for (std::size_t t = 0; t < pressed.tools.size(); t++)
+    show_row(rows->tools, t, world.tools[std::size_t(body.tool_indices[t])], pressed.tools[t]);
   return Done{};
 }
 
@@ -152,44 +160,87 @@ std::string surface_group(const std::string& snapshot, const TouchedBody& body) 
   return fmt::format("{}/surfaces/{}/", snapshot, body.name);
 }
 
+/// Its surface as it is shown, with its tools.
+Status write_surface(const SnapshotOut& out, const TouchedBody& body, BodyId id) {
+  return write_shown(out.file, surface_group(out.group, body), out.shown.time, shown_body(out.shown, id),
+                     tools_on(out.shown, id));
+}
+
+/// Are its tools kept? A body that none touches has them nowhere; a lattice is drawn from its state then.
+template <class Body>
+bool keeps_surface(const Body& body) {
+  return !std::is_same_v<Body, LatticeBody> || !body.tool_indices.empty();
+}
+
 }  // namespace
 
-Status write_surfaces(Hdf5File& file, const std::string& snapshot, const World& world) {
-  return for_kept_surfaces(world, [&](const TouchedBody& body) {
-    return write_shown(file, surface_group(snapshot, body), body.shown);
-  });
+Status write_tools(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
+  if (!keeps_surface(body)) return Done{};
+  return write_shown(out.file, surface_group(out.group, body), out.shown.time, ShownBody(),
+                     tools_on(out.shown, id));
 }
 
-Status read_surfaces(const Hdf5File& file, const std::string& snapshot, World& world) {
-  return for_kept_surfaces(world, [&](TouchedBody& body) -> Status {
-    Result<ShownSurface> surface = read_shown(file, surface_group(snapshot, body), body.tool_indices.size());
-    if (!surface) return surface.error();
-    body.shown = std::move(*surface);
-    return Done{};
-  });
+Status read_tools(const SnapshotIn& in, const TouchedBody& body, ShownBody& surface) {
+  const Result<ReadRows> rows =
+      read_shown(in.file, surface_group(in.group, body), body.tool_indices.size(), surface);
+  if (!rows) return rows.error();
+  for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
+    const auto n = std::size_t(body.tool_indices[t]);
+    show_row(rows->tools, t, in.world.tools[n], in.shown.tools[n]);
+  }
+  return Done{};
 }
 
-Status write_touch(Hdf5File& file, const World& world) {
+Status write_state(const SnapshotOut& out, const SfemBody& body, BodyId id) {
+  return write_surface(out, body, id);
+}
+Status write_state(const SnapshotOut& out, const RhombusBody& body, BodyId id) {
+  return write_surface(out, body, id);
+}
+Status read_state(const SnapshotIn& in, SfemBody& body, BodyId id) {
+  return read_tools(in, body, shown_body(in.shown, id));
+}
+Status read_state(const SnapshotIn& in, RhombusBody& body, BodyId id) {
+  return read_tools(in, body, shown_body(in.shown, id));
+}
+
+Status write_touch(Hdf5File& file, const World& world, const ShownWorld& shown,
+                   const std::vector<Pressed>& pressed) {
   for (const TouchingTool& tool : world.tools) {
     std::vector<double> rows;
+    append(rows, tool.samples.start());
     for (const ForceSample& sample : tool.samples) append(rows, sample);
     const Status status = Writing(file, fmt::format("/tools/{}/", tool.name))
                               .array("ticks", rows, kSample, kSampleUnits)
                               .status();
     if (!status) return status;
   }
-  return for_kept_surfaces(world, [&](const TouchedBody& body) { return write_deepest(file, body); });
+  Status status = Done{};
+  for_each_touched(world, [&](BodyId id, const auto& body) {
+    if (status && keeps_surface(body)) status = write_deepest(file, shown, pressed_body(pressed, id));
+  });
+  return status;
 }
 
-Status read_touch(const Hdf5File& file, World& world) {
+Status read_touch(const Hdf5File& file, World& world, std::vector<Pressed>& pressed) {
   for (TouchingTool& tool : world.tools) {
     Reading reading(file, fmt::format("/tools/{}/", tool.name));
-    const std::size_t count = reading.count("ticks", kSample * kMostTicks);
+    const std::size_t count = reading.count("ticks", kSample * kMostRows);
     const auto rows = reading.array<double>("ticks", count);
     if (!reading.status()) return reading.status();
-    for (std::size_t r = 0; r < count / kSample; r++) tool.samples.push_back(sample_of(rows, r));
+    if (count >= kSample) tool.samples.start(command_of(sample_of(rows, 0)));
+    for (std::size_t r = 1; r < count / kSample; r++) tool.samples.append(sample_of(rows, r));
   }
-  return for_kept_surfaces(world, [&](TouchedBody& body) { return read_deepest(file, body); });
+  pressed = make_pressed(world);
+  Status status = Done{};
+  std::size_t next = 0;
+  for_each_touched(world, [&](BodyId id, const auto& body) {
+    Pressed& one = pressed[next++];
+    if (!status || !keeps_surface(body)) return;
+    show_name(id, body, one.body);
+    status = read_deepest(file, world, body, one);
+  });
+  return status;
 }
 
 }  // namespace turgor

@@ -2,20 +2,29 @@
 // Enough to draw and to plot a run again without its Green's functions.
 #pragma once
 
-#include <string>
+#include <vector>
 
-#include "turgor/io/hdf5_file.hpp"
+#include "turgor/sim/pressed.hpp"
+#include "turgor/sim/recording/recording_arrays.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
 
-/// Of all bodies whose surface is kept, as they are shown; `snapshot` is the group of a snapshot.
-Status write_surfaces(Hdf5File& file, const std::string& snapshot, const World& world);
+/// The surface as it is shown, with the tools on it.
+Status write_state(const SnapshotOut& out, const SfemBody& body, BodyId id);
+Status write_state(const SnapshotOut& out, const RhombusBody& body, BodyId id);
 /// Error: arrays are missing or of other sizes, or a triangle has a corner that is not there.
-Status read_surfaces(const Hdf5File& file, const std::string& snapshot, World& world);
+Status read_state(const SnapshotIn& in, SfemBody& body, BodyId id);
+Status read_state(const SnapshotIn& in, RhombusBody& body, BodyId id);
+
+/// The tools on a lattice, if there are any: its surface comes from its state.
+Status write_tools(const SnapshotOut& out, const LatticeBody& body, BodyId id);
+/// The tools on a body, with the surface that was recorded.
+Status read_tools(const SnapshotIn& in, const TouchedBody& body, ShownBody& surface);
 
 /// Samples of all tools, and every body when it was pressed most.
-Status write_touch(Hdf5File& file, const World& world);
-Status read_touch(const Hdf5File& file, World& world);
+Status write_touch(Hdf5File& file, const World& world, const ShownWorld& shown,
+                   const std::vector<Pressed>& pressed);
+Status read_touch(const Hdf5File& file, World& world, std::vector<Pressed>& pressed);
 
 }  // namespace turgor

@@ -1,5 +1,7 @@
 #include "turgor/sim/report/forces_csv.hpp"
 
+#include <iterator>
+
 #include <fmt/format.h>
 
 #include "turgor/io/file.hpp"
@@ -12,11 +14,8 @@ namespace {
 using namespace units;
 using F = ForceSample;
 
-const Quantity<F> kColumns[] = {
-    {"time", kSeconds, "", [](const F& s) -> Json { return s.time; }},
-    {"x", kMetres, "", [](const F& s) -> Json { return s.position.x; }},
-    {"y", kMetres, "", [](const F& s) -> Json { return s.position.y; }},
-    {"z", kMetres, "", [](const F& s) -> Json { return s.position.z; }},
+/// What the tool felt; what it did stands before, in the columns of a hand.
+const Quantity<F> kFelt[] = {
     {"force_x", kNewtons, "", [](const F& s) -> Json { return s.force.x; }},
     {"force_y", kNewtons, "", [](const F& s) -> Json { return s.force.y; }},
     {"force_z", kNewtons, "", [](const F& s) -> Json { return s.force.z; }},
@@ -32,18 +31,34 @@ std::string cell(const Json& value) {
   return value.is_number_float() ? fmt::format("{:.9g}", value.get<double>()) : value.dump();
 }
 
+/// The columns of a hand, to the last bit: read back, they move the tool in just the same way.
+void append_command(const ForceSample& s, std::string& text) {
+  const auto append = [&text](double value) { fmt::format_to(std::back_inserter(text), ",{}", value); };
+  append(s.time);
+  for (int i = 0; i < 3; i++) append(s.position[i]);
+  for (const Vec3d axis : s.axes.column)
+    for (int i = 0; i < 3; i++) append(axis[i]);
+  append(s.grip);
+  append(s.hold ? 1 : 0);
+}
+
+void append_row(const std::string& tool, const ForceSample& s, std::string& text) {
+  text += tool;
+  append_command(s, text);
+  for (const Quantity<F>& column : kFelt) text += "," + cell(column.of(s));
+  text += "\n";
+}
+
 }  // namespace
 
 Status write_forces(const std::filesystem::path& path, const std::vector<TouchingTool>& tools) {
-  std::string text = "tool";
-  for (const Quantity<F>& column : kColumns) text += "," + full_key(column.key, column.unit);
+  std::string text = fmt::format("tool,{}", fmt::join(hand_columns(), ","));
+  for (const Quantity<F>& column : kFelt) text += "," + full_key(column.key, column.unit);
   text += "\n";
-  for (const TouchingTool& tool : tools)
-    for (const ForceSample& sample : tool.samples) {
-      text += tool.name;
-      for (const Quantity<F>& column : kColumns) text += "," + cell(column.of(sample));
-      text += "\n";
-    }
+  for (const TouchingTool& tool : tools) {
+    append_row(tool.name, tool.samples.start(), text);
+    for (const ForceSample& s : tool.samples) append_row(tool.name, s, text);
+  }
   return write_file(path, text);
 }
 

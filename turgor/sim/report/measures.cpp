@@ -79,6 +79,7 @@ SkinPull skin_pull(const lattice::Model& model, const lattice::BladePath& path) 
 
 Measures make_measures(const World& world) {
   Measures measures;
+  measures.pressed = make_pressed(world);
   for (const Cut& cut : world.cuts) {
     CutMeasures m;
     m.name = cut.blade.name, m.body = world.lattice_bodies[std::size_t(cut.body)].name;
@@ -91,6 +92,7 @@ Measures make_measures(const World& world) {
 void measure_frame(const Exec& exec, const World& world, const FrameReport& frame, bool snapshot,
                    Measures& measures) {
   measures.frame_seconds.push_back(frame.seconds);
+  look_at_pressed(exec, world, measures.pressed);
   for (std::size_t c = 0; c < world.cuts.size(); c++) {
     const Cut& cut = world.cuts[c];
     if (!cut.path) continue;

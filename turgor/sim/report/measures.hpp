@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "turgor/sim/pressed.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -42,6 +43,7 @@ struct SolverSample {
 
 struct Measures {
   std::vector<CutMeasures> cuts;
+  std::vector<Pressed> pressed;  // one for every body that tools can touch
   std::vector<SolverSample> solver;
   std::vector<double> frame_seconds;  // wall time
 };

@@ -80,9 +80,9 @@ Json values_of(const Quantity<T> (&quantities)[N], const T& item) {
 }
 
 /// A table of rows, every `stride`-th of `items`, and the keys of its columns.
-template <class T, std::size_t N>
+template <class T, std::size_t N, class List>
 void add_rows(Json& json, const char* columns_key, const char* rows_key, const Quantity<T> (&columns)[N],
-              const std::vector<T>& items, std::size_t stride = 1) {
+              const List& items, std::size_t stride = 1) {
   Json keys = Json::array(), rows = Json::array();
   for (const Quantity<T>& c : columns) keys.push_back(full_key(c.key, c.unit));
   for (std::size_t i = 0; i < items.size(); i += stride) {

@@ -44,14 +44,16 @@ struct Timing {
 };
 using T = Timing;
 
+double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 double mean(const std::vector<double>& values) {
-  return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+  return values.empty() ? 0 : sum(values) / double(values.size());
 }
 
 const Quantity<T> kTiming[] = {
     {"load", kSeconds, "reading and building", [](const T& t) -> Json { return t.facts.load_seconds; },
      kInSummary},
-    {"simulation", kSeconds, "simulating", [](const T& t) -> Json { return t.facts.simulation_seconds; },
+    {"simulation", kSeconds, "", [](const T& t) -> Json { return t.facts.simulation_seconds; }, kInReport},
+    {"physics", kSeconds, "physics", [](const T& t) -> Json { return sum(t.measures.frame_seconds); },
      kInSummary},
     {"frames", kCount, "", [](const T& t) -> Json { return t.measures.frame_seconds.size(); }, kInReport},
     {"frame_mean", kMilliseconds, "", [](const T& t) -> Json { return mean(t.measures.frame_seconds); },
@@ -67,8 +69,10 @@ const Quantity<T> kTiming[] = {
 };
 /// Known when everything is written.
 const Quantity<RunFacts> kOutputTiming[] = {
-    {"output", kSeconds, "pictures and files", [](const RunFacts& f) -> Json { return f.output_seconds; },
+    {"drawing", kSeconds, "drawing", [](const RunFacts& f) -> Json { return f.drawing_seconds; }, kInSummary},
+    {"files", kSeconds, "writing files", [](const RunFacts& f) -> Json { return f.file_seconds; },
      kInSummary},
+    {"output", kSeconds, "", [](const RunFacts& f) -> Json { return f.output_seconds; }, kInReport},
     {"total", kSeconds, "in all", [](const RunFacts& f) -> Json { return f.total_seconds; }, kInSummary},
 };
 
@@ -78,20 +82,6 @@ Json timing_report(const Measures& measures, const RunFacts& facts) {
     series.push_back(rounded(seconds * kMilliseconds.scale));
   json["frame_ms"] = series;
   return json;
-}
-
-std::uint64_t hash_of(const World& world) {
-  if (world.lattice_bodies.size() == 1 && world.sfem_bodies.empty() && world.rhombus_bodies.empty() &&
-      world.tools.empty())
-    return lattice::state_hash(world.lattice_bodies[0].model, world.lattice_bodies[0].state);
-  std::uint64_t hash = kHashSeed;
-  for (const LatticeBody& body : world.lattice_bodies) {
-    const std::uint64_t one = lattice::state_hash(body.model, body.state);
-    hash = hash_bytes(&one, sizeof one, hash);
-  }
-  if (!world.rhombus_bodies.empty()) hash = hash_bytes(&hash, sizeof hash, rhombus_hash(world));
-  const std::uint64_t touched = touch_hash(world);
-  return world.tools.empty() && world.sfem_bodies.empty() ? hash : hash_bytes(&touched, sizeof touched, hash);
 }
 
 Json scene_report(const Scene& scene) {
@@ -108,13 +98,11 @@ std::string program_version() { return TURGOR_VERSION; }
 Json simulation_report(const Exec& exec, const Scene& scene, const World& world, const Measures& measures,
                        const RunFacts& facts) {
   Json bodies = Json::array(), wounds = Json::array(), tools = Json::array();
-  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++)
-    bodies.push_back(lattice_report(scene.lattice_bodies[b], world.lattice_bodies[b]));
-  for (std::size_t b = 0; b < world.sfem_bodies.size(); b++)
-    bodies.push_back(sfem_report(scene.sfem_bodies[b], world.sfem_bodies[b]));
-  for (std::size_t b = 0; b < world.rhombus_bodies.size(); b++)
-    bodies.push_back(rhombus_report(scene.rhombus_bodies[b], world.rhombus_bodies[b]));
-  for (const ClothBody& body : world.cloth_bodies) bodies.push_back(cloth_report(exec, world, body));
+  const ReportInput input{exec, world, measures};
+  for_each_kind(scene, world, [&](BodyKind kind, const auto& scenes, const auto& of_kind) {
+    for (std::size_t b = 0; b < of_kind.size(); b++)
+      bodies.push_back(report_body(input, scenes[b], of_kind[b], BodyId{kind, int(b)}));
+  });
   for (const CutMeasures& cut : measures.cuts) wounds.push_back(wound_report(cut));
   for (std::size_t t = 0; t < world.tools.size(); t++)
     tools.push_back(tool_report(scene.tools[t], world.tools[t], world));
@@ -125,12 +113,12 @@ Json simulation_report(const Exec& exec, const Scene& scene, const World& world,
           {"bodies", bodies},
           {"wounds", wounds},
           {"tools", tools},
-          {"profiles", profile_report(world)},
-          {"costs", cost_report(world)},
+          {"profiles", profile_report(measures)},
+          {"costs", cost_report(world, measures)},
           {"solver", solver_report(measures)},
           {"timing", timing_report(measures, facts)},
           {"simulated_s", rounded(time_of(world))},
-          {"state_hash", hash_text(cloth_hash(world, hash_of(world)))},
+          {"state_hash", hash_text(state_hash(world))},
           {"scene_text", scene.text}};
 }
 

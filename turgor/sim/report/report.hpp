@@ -36,11 +36,19 @@ struct DeformedCtReport {
 /// What a run knows besides scene, world and measures.
 struct RunFacts {
   double load_seconds = 0, simulation_seconds = 0, output_seconds = 0, total_seconds = 0;
+  double drawing_seconds = 0;  // of the last three: making pictures, and what is resampled for them
+  double file_seconds = 0;     // writing files
   std::vector<ReportPicture> pictures;
   std::vector<std::string> files;  // others that were written
   std::vector<DeformedCtReport> deformed;
   std::vector<std::string> warnings;
-  std::string stopped;  // why the simulation ended early, one of the warnings; empty when it did not
+};
+
+/// What the reports of bodies are made from; every model has a report_body(input, scene, body, id).
+struct ReportInput {
+  const Exec& exec;
+  const World& world;
+  const Measures& measures;
 };
 
 /// The part of the report that the simulation decides.

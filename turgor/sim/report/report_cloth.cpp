@@ -21,8 +21,7 @@ const char* method_name(cloth::Method method) {
 }
 
 const char* kind_name(const ClothObstacle& obstacle) {
-  if (!obstacle.support) return "shape";
-  return model_name(obstacle.support->body.kind);
+  return obstacle.support ? model_name(obstacle.support->body.kind) : "shape";
 }
 
 /// Of the latest half second [N].
@@ -161,10 +160,11 @@ Json parts_of(const Json& report, const char* key) {
 
 }  // namespace
 
-Json cloth_report(const Exec& exec, const World& world, const ClothBody& body) {
+Json report_body(const ReportInput& input, const ClothScene&, const ClothBody& body, BodyId) {
+  const World& world = input.world;
   ClothPart part{.body = body,
                  .bytes = cloth::memory_bytes(body.model, body.state),
-                 .self = cloth::self_distance(exec, body.model, body.state),
+                 .self = cloth::self_distance(input.exec, body.model, body.state),
                  .seconds = {}};
   std::vector<ClothSample> measured;
   for (const ClothSample& s : body.samples) {
@@ -210,14 +210,6 @@ std::vector<std::string> cloth_warnings(const World& world) {
             fmt::format("{}: hold.{}: no vertex of the cloth was in its ball at {} s: it holds nothing; {}",
                         body.name, hold.scene.name, hold.scene.start, hold.missed));
   return warnings;
-}
-
-std::uint64_t cloth_hash(const World& world, std::uint64_t seed) {
-  for (const ClothBody& body : world.cloth_bodies) {
-    const std::uint64_t one = cloth::state_hash(body.model, body.state);
-    seed = hash_bytes(&one, sizeof one, seed);
-  }
-  return seed;
 }
 
 namespace page {

@@ -5,11 +5,9 @@
 
 namespace turgor {
 
-Json cloth_report(const Exec& exec, const World& world, const ClothBody& body);
+Json report_body(const ReportInput& input, const ClothScene& scene, const ClothBody& body, BodyId id);
 /// What the reader of a report should know before believing it.
 std::vector<std::string> cloth_warnings(const World& world);
-/// Of all cloths of a world, one after another.
-std::uint64_t cloth_hash(const World& world, std::uint64_t seed);
 
 namespace page {
 /// Empty when there is no cloth.

@@ -22,7 +22,7 @@ const Quantity<Ring> kRing[] = {
 };
 
 /// Means over rings of a millimetre.
-std::vector<Ring> rings_of(const ShownSurface& surface) {
+std::vector<Ring> rings_of(const ShownBody& surface) {
   constexpr std::size_t kRings = 80;
   constexpr double kWidth = 1e-3;  // [m]
   std::size_t most = 0;
@@ -45,7 +45,7 @@ double build_seconds(const LatticeBody& body) { return body.read_seconds + body.
 
 struct Cost {
   const TouchedBody& body;
-  BodyKind kind;
+  const Pressed& pressed;
   double build, interval;            // [s]
   std::vector<double> tick_seconds;  // of all tools together
   double depth = 0, dent = 0;        // [m]
@@ -53,9 +53,9 @@ struct Cost {
 
 const Quantity<Cost> kCost[] = {
     {"name", kNone, "", [](const Cost& c) -> Json { return c.body.name; }, kInReport},
-    {"model", kNone, "model", [](const Cost& c) -> Json { return model_name(c.kind); }},
-    {"force_max", kNewtons, "largest force", [](const Cost& c) -> Json { return c.body.largest_force; }},
-    {"force_max_at", kSeconds, "… at", [](const Cost& c) -> Json { return c.body.deepest.time; }},
+    {"model", kNone, "model", [](const Cost& c) -> Json { return model_name(c.pressed.id.kind); }},
+    {"force_max", kNewtons, "largest force", [](const Cost& c) -> Json { return c.pressed.force; }},
+    {"force_max_at", kSeconds, "… at", [](const Cost& c) -> Json { return c.pressed.time; }},
     {"depth_max", kMillimetres, "deepest press", [](const Cost& c) -> Json { return c.depth; }},
     {"displacement_max", kMillimetres, "deepest dent", [](const Cost& c) -> Json { return c.dent; }},
     {"build", kSeconds, "reading and building", [](const Cost& c) -> Json { return c.build; }},
@@ -65,22 +65,22 @@ const Quantity<Cost> kCost[] = {
     {"force_p99", kMilliseconds, "… 99 of 100",
      [](const Cost& c) -> Json { return percentile(c.tick_seconds, 0.99); }},
     {"surface_p50", kMilliseconds, "surface for a picture, median",
-     [](const Cost& c) -> Json { return percentile(c.body.surface_seconds, 0.5); }},
+     [](const Cost& c) -> Json { return percentile(c.pressed.surface_seconds, 0.5); }},
 };
 
 template <class Body>
-Cost cost_of(const World& world, BodyId id, const Body& body) {
+Cost cost_of(const World& world, const Pressed& pressed, const Body& body) {
   Cost cost{.body = body,
-            .kind = id.kind,
+            .pressed = pressed,
             .build = build_seconds(body),
-            .interval = force_interval(world, id),
+            .interval = force_interval(world, pressed.id),
             .tick_seconds = {}};
   for (const int t : body.tool_indices)
     for (const ForceSample& s : world.tools[std::size_t(t)].samples) {
       if (t == body.tool_indices[0]) cost.tick_seconds.push_back(s.tick_seconds);
       cost.depth = std::max(cost.depth, s.depth);
     }
-  for (const Vec3 u : body.deepest.displacement) cost.dent = std::max(cost.dent, double(norm(u)));
+  for (const Vec3 u : pressed.body.displacement) cost.dent = std::max(cost.dent, double(norm(u)));
   return cost;
 }
 
@@ -90,21 +90,24 @@ double force_interval(const World& world, BodyId id) {
   return id.kind == BodyKind::kLattice ? world.dt : kTick;
 }
 
-Json profile_report(const World& world) {
+Json profile_report(const Measures& measures) {
   Json profiles = Json::array();
-  for_each_touched(world, [&](BodyId, const TouchedBody& body) {
-    if (!(body.largest_force > 0) || body.deepest.rest.empty()) return;
-    Json profile{{"name", body.name}};
-    add_rows(profile, "columns", "rows", kRing, rings_of(body.deepest));
+  for (const Pressed& pressed : measures.pressed) {
+    if (!(pressed.force > 0) || pressed.body.rest.empty()) continue;
+    Json profile{{"name", pressed.body.name}};
+    add_rows(profile, "columns", "rows", kRing, rings_of(pressed.body));
     profiles.push_back(std::move(profile));
-  });
+  }
   return profiles;
 }
 
-Json cost_report(const World& world) {
+Json cost_report(const World& world, const Measures& measures) {
   Json rows = Json::array();
   for_each_touched(world, [&](BodyId id, const auto& body) {
-    if (!body.tool_indices.empty()) rows.push_back(values_of(kCost, cost_of(world, id, body)));
+    if (!body.tool_indices.empty()) {
+      const Pressed& pressed = pressed_body(measures.pressed, id);
+      rows.push_back(values_of(kCost, cost_of(world, pressed, body)));
+    }
   });
   return rows;
 }

@@ -9,8 +9,8 @@ namespace turgor {
 double force_interval(const World& world, BodyId id);
 
 /// Displacement over distance from the place that moved most, when the force was largest.
-Json profile_report(const World& world);
+Json profile_report(const Measures& measures);
 /// Building, one force, one surface; the largest force and how deep it was.
-Json cost_report(const World& world);
+Json cost_report(const World& world, const Measures& measures);
 
 }  // namespace turgor

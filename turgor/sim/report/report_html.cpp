@@ -108,8 +108,10 @@ std::string key_figures(const Json& report) {
   std::string html = "<div class=\"figures\">";
   for (const Section& section : report_sections())
     html += page::quantity_figures(section.items(report), section.captions);
+  const auto seconds = [&](const char* key) { return shown(report.at("timing").value(key, Json())); };
   html += key_figure(shown(report.at("simulated_s")) + " s",
-                     fmt::format("simulated in {} s", shown(report.at("timing").at("simulation_s"))));
+                     fmt::format("simulated in {} s, drawn in {} s, written in {} s", seconds("physics_s"),
+                                 seconds("drawing_s"), seconds("files_s")));
   return html + "</div>\n";
 }
 

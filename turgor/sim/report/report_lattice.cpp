@@ -125,7 +125,7 @@ const Quantity<D> kDeformed[] = {
 
 }  // namespace
 
-Json lattice_report(const LatticeScene& scene, const LatticeBody& body) {
+Json report_body(const ReportInput&, const LatticeScene& scene, const LatticeBody& body, BodyId) {
   const LatticePart part{scene, body, lattice::memory_bytes(body.model, body.state)};
   return values_of(kLattice, part);
 }

@@ -5,7 +5,7 @@
 
 namespace turgor {
 
-Json lattice_report(const LatticeScene& scene, const LatticeBody& body);
+Json report_body(const ReportInput& input, const LatticeScene& scene, const LatticeBody& body, BodyId id);
 Json wound_report(const CutMeasures& cut);
 Json solver_report(const Measures& measures);
 Json deformed_report(const DeformedCtReport& deformed);

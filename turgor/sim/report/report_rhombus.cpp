@@ -2,7 +2,6 @@
 
 #include <numbers>
 
-#include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/models/rhombus/tissues.hpp"
 #include "turgor/sim/report/section.hpp"
@@ -22,6 +21,7 @@ using namespace units;
 struct RhombusPart {
   const RhombusScene& scene;
   const RhombusBody& body;
+  const Pressed& pressed;
 };
 using R = RhombusPart;
 
@@ -55,11 +55,11 @@ const Quantity<R> kRhombus[] = {
      [](const R& r) -> Json { return rhombus::memory_bytes(r.body.model, r.body.state); }},
     {"build", kSeconds, "building", [](const R& r) -> Json { return r.body.build_seconds; }},
     {"surface_p50", kMilliseconds, "surface for a picture, median",
-     [](const R& r) -> Json { return percentile(r.body.surface_seconds, 0.5); }},
+     [](const R& r) -> Json { return percentile(r.pressed.surface_seconds, 0.5); }},
     {"pressed_volume", kMillilitres, "volume pressed in, most",
      [](const R& r) -> Json { return r.body.pressed_volume; }},
-    {"force_max", kNewtons, "", [](const R& r) -> Json { return r.body.largest_force; }, kInReport},
-    {"force_max_at", kSeconds, "", [](const R& r) -> Json { return r.body.deepest.time; }, kInReport},
+    {"force_max", kNewtons, "", [](const R& r) -> Json { return r.pressed.force; }, kInReport},
+    {"force_max_at", kSeconds, "", [](const R& r) -> Json { return r.pressed.time; }, kInReport},
     {"jump_per_10_um", kNewtons, "largest jump of a force per 10 µm",
      [](const R& r) -> Json { return r.body.jump; }},
     {"jump_at", kSeconds, "… at", [](const R& r) -> Json { return r.body.jump_at; }},
@@ -67,22 +67,13 @@ const Quantity<R> kRhombus[] = {
 
 }  // namespace
 
-Json rhombus_report(const RhombusScene& scene, const RhombusBody& body) {
-  return values_of(kRhombus, RhombusPart{scene, body});
+Json report_body(const ReportInput& input, const RhombusScene& scene, const RhombusBody& body, BodyId id) {
+  return values_of(kRhombus, RhombusPart{scene, body, pressed_body(input.measures.pressed, id)});
 }
 
 Section rhombus_section() {
   return {"Bodies of rhombus chains", "body",
           [](const Json& report) { return bodies_of(report, BodyKind::kRhombus); }, captions_of(kRhombus)};
-}
-
-std::uint64_t rhombus_hash(const World& world) {
-  std::uint64_t hash = kHashSeed;
-  for (const RhombusBody& body : world.rhombus_bodies) {
-    const std::uint64_t one = rhombus::state_hash(body.state);
-    hash = hash_bytes(&one, sizeof one, hash);
-  }
-  return hash;
 }
 
 }  // namespace turgor

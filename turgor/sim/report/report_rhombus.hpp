@@ -5,9 +5,6 @@
 
 namespace turgor {
 
-Json rhombus_report(const RhombusScene& scene, const RhombusBody& body);
-
-/// Of the surfaces as they lie now: equal bits give equal hashes.
-std::uint64_t rhombus_hash(const World& world);
+Json report_body(const ReportInput& input, const RhombusScene& scene, const RhombusBody& body, BodyId id);
 
 }  // namespace turgor

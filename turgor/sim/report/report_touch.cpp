@@ -46,19 +46,21 @@ struct ShapeText {
 struct SfemPart {
   const SfemScene& scene;
   const SfemBody& body;
+  const Pressed& pressed;
   std::vector<double> rebuild_seconds, handover_seconds;
   double jump = 0;  // [N]
   int late = 0;     // patches not ready at the tick that takes them, were a tick to last its millisecond
   int local_nodes = 0, points = 0;
 };
 
-SfemPart sfem_part(const SfemScene& scene, const SfemBody& body) {
+SfemPart sfem_part(const SfemScene& scene, const SfemBody& body, const Pressed& pressed) {
   SfemPart part{.scene = scene,
                 .body = body,
+                .pressed = pressed,
                 .rebuild_seconds = {},
                 .handover_seconds = {},
-                .local_nodes = body.patch.local_nodes,
-                .points = int(body.patch.points.size())};
+                .local_nodes = body.now.patch->local_nodes,
+                .points = int(body.now.patch->points.size())};
   for (const PatchRebuild& r : body.rebuilds) {
     part.rebuild_seconds.push_back(r.seconds);
     part.handover_seconds.push_back(r.handover_seconds);
@@ -155,9 +157,9 @@ const Quantity<B> kSfem[] = {
      [](const B& b) -> Json { return b.jump; }, kEverywhere},
     {"patch.not_followed", kCount, "", [](const B& b) -> Json { return b.body.kept_patches; }, kInReport},
     {"surface_p50", kMilliseconds, "surface for a picture, median",
-     [](const B& b) -> Json { return percentile(b.body.surface_seconds, 0.5); }},
-    {"force_max", kNewtons, "", [](const B& b) -> Json { return b.body.largest_force; }, kInReport},
-    {"force_max_at", kSeconds, "", [](const B& b) -> Json { return b.body.deepest.time; }, kInReport},
+     [](const B& b) -> Json { return percentile(b.pressed.surface_seconds, 0.5); }},
+    {"force_max", kNewtons, "", [](const B& b) -> Json { return b.pressed.force; }, kInReport},
+    {"force_max_at", kSeconds, "", [](const B& b) -> Json { return b.pressed.time; }, kInReport},
     {"rotations.frames", kCount, "frames with large rotations",
      [](const B& b) { return b.body.turning ? Json(b.body.turning->frames) : absent(); }},
     {"rotations.not_converged", kCount, "… not solved to the end",
@@ -268,8 +270,8 @@ void add_limits(const TouchingTool& tool, std::vector<std::string>& warnings) {
 
 }  // namespace
 
-Json sfem_report(const SfemScene& scene, const SfemBody& body) {
-  Json json = values_of(kSfem, sfem_part(scene, body));
+Json report_body(const ReportInput& input, const SfemScene& scene, const SfemBody& body, BodyId id) {
+  Json json = values_of(kSfem, sfem_part(scene, body, pressed_body(input.measures.pressed, id)));
   add_rows(json["patch"], "series_columns", "series", kRebuilds, body.rebuilds);
   return json;
 }
@@ -309,24 +311,18 @@ std::vector<std::string> touch_warnings(const World& world) {
     add_limits(tool, warnings);
   }
   for (const TouchingTool& tool : world.tools)
+    if (tool.samples.missed() > 0)
+      warnings.push_back(
+          fmt::format("{}: its first {} ms were kept, the {} ms behind them were not: a run that long has no "
+                      "room for all",
+                      tool.name, tool.samples.size(), tool.samples.missed()));
+  for (const TouchingTool& tool : world.tools)
     if (std::any_of(tool.samples.begin(), tool.samples.end(), [](const auto& s) { return s.beyond_patch; }))
       warnings.push_back(
           fmt::format("{}: the tool reached beyond the patch, where the body does not feel it; "
                       "patch.radius should be larger than what it presses in",
                       tool.name));
   return warnings;
-}
-
-std::uint64_t touch_hash(const World& world) {
-  std::uint64_t hash = kHashSeed;
-  for (const SfemBody& body : world.sfem_bodies) {
-    hash = hash_values(std::span<const Vec3d>(body.touch.x), hash);
-    hash = hash_values(std::span<const Vec3d>(body.touch.force), hash);
-  }
-  for (const TouchingTool& tool : world.tools)
-    for (const ForceSample& s : tool.samples)
-      hash = hash_bytes(&s.force, sizeof s.force, hash_bytes(&s.torque, sizeof s.torque, hash));
-  return hash;
 }
 
 }  // namespace turgor

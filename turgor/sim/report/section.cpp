@@ -6,7 +6,7 @@ const std::vector<Section>& report_sections() {
   static const std::vector<Section> kSections{wound_section(),   deformed_section(), lattice_section(),
                                               tool_section(),    cost_section(),     sfem_section(),
                                               rhombus_section(), obstacle_section(), hold_section(),
-                                              cloth_section(),   timing_section()};
+                                              cloth_section(),   haptics_section(),  timing_section()};
   return kSections;
 }
 

@@ -28,7 +28,8 @@ Section rhombus_section();   // report_rhombus.cpp
 Section obstacle_section();  // report_cloth.cpp
 Section hold_section();
 Section cloth_section();
-Section timing_section();  // report.cpp
+Section haptics_section();  // sim/live/report_haptics.cpp
+Section timing_section();   // report.cpp
 
 /// All of them, in the order of a report.
 const std::vector<Section>& report_sections();

@@ -1,11 +1,30 @@
 // Which body: its model, and where it is among those of that model, in a scene as in the world made from it.
+// Here, and nowhere else, the models are listed: what is done to every body is an overload of one name for
+// each of them, and a missing one does not compile (docs/adding-a-model.md).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <tuple>
+#include <utility>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/core/result.hpp"
 
 namespace turgor {
 
-enum class BodyKind : std::uint8_t { kLattice, kSfem, kRhombus, kCloth };
+/// In the order in which a frame goes through them: cloth last, for it lies on the others.
+enum class BodyKind : std::uint8_t { kSfem, kRhombus, kLattice, kCloth };
+
+/// As in `model = "lattice"`.
+constexpr const char* kModelNames[] = {"sfem", "rhombus", "lattice", "cloth"};
+constexpr std::size_t kModelCount = std::size(kModelNames);
+
+/// The vectors of bodies, in the order of BodyKind: of a world, or of what a scene says of them.
+template <class AnyWorld>
+auto bodies_by_kind(AnyWorld& world) {
+  return std::tie(world.sfem_bodies, world.rhombus_bodies, world.lattice_bodies, world.cloth_bodies);
+}
 
 struct BodyId {
   BodyKind kind = BodyKind::kLattice;
@@ -13,10 +32,47 @@ struct BodyId {
   bool operator==(const BodyId&) const = default;
 };
 
-/// As in `model = "lattice"`.
-constexpr const char* model_name(BodyKind kind) {
-  constexpr const char* kNames[] = {"lattice", "sfem", "rhombus", "cloth"};
-  return kNames[static_cast<int>(kind)];
+constexpr const char* model_name(BodyKind kind) { return kModelNames[static_cast<std::size_t>(kind)]; }
+
+/// visit(kind, bodies of the one, bodies of the other) for every kind: what a scene says, and what became of
+/// it.
+template <class AnyScene, class AnyWorld, class Visit>
+void for_each_kind(AnyScene& scene, AnyWorld& world, const Visit& visit) {
+  const auto of_scene = bodies_by_kind(scene);
+  const auto of_world = bodies_by_kind(world);
+  static_assert(std::tuple_size_v<decltype(of_world)> == kModelCount, "a name and a vector for every kind");
+  [&]<std::size_t... kKind>(std::index_sequence<kKind...>) {
+    (visit(BodyKind(kKind), std::get<kKind>(of_scene), std::get<kKind>(of_world)), ...);
+  }
+  (std::make_index_sequence<kModelCount>());
+}
+
+/// visit(id, body) for every body.
+template <class AnyWorld, class Visit>
+void for_each_body(AnyWorld& world, const Visit& visit) {
+  for_each_kind(world, world, [&visit](BodyKind kind, auto& bodies, auto&) {
+    for (std::size_t b = 0; b < bodies.size(); b++) visit(BodyId{kind, int(b)}, bodies[b]);
+  });
+}
+/// act(id, body) while it succeeds; the first failure else.
+template <class AnyWorld, class Act>
+Status try_each_body(AnyWorld& world, const Act& act) {
+  Status status = Done{};
+  for_each_body(world, [&](BodyId id, auto& body) {
+    if (status) status = act(id, body);
+  });
+  return status;
+}
+
+/// visit(body), with the body as what it is; what that returns is of the same type for every kind.
+template <std::size_t kKind = 0, class AnyWorld, class Visit>
+decltype(auto) visit_body(AnyWorld& world, BodyId id, const Visit& visit) {
+  auto& bodies = std::get<kKind>(bodies_by_kind(world));
+  if constexpr (kKind + 1 < kModelCount)
+    if (std::size_t(id.kind) != kKind) return visit_body<kKind + 1>(world, id, visit);
+  TURGOR_ASSERT(std::size_t(id.kind) == kKind && std::size_t(id.index) < bodies.size(),
+                "a BodyId names a body of its world");
+  return visit(bodies[std::size_t(id.index)]);
 }
 
 }  // namespace turgor

@@ -8,23 +8,9 @@ namespace {
 
 std::vector<std::string> names_of(const Scene& scene, BodyKind kind) {
   std::vector<std::string> names;
-  const auto collect = [&names](const auto& bodies) {
-    for (const auto& body : bodies) names.push_back(body.name);
-  };
-  switch (kind) {
-    case BodyKind::kLattice:
-      collect(scene.lattice_bodies);
-      break;
-    case BodyKind::kSfem:
-      collect(scene.sfem_bodies);
-      break;
-    case BodyKind::kRhombus:
-      collect(scene.rhombus_bodies);
-      break;
-    case BodyKind::kCloth:
-      collect(scene.cloth_bodies);
-      break;
-  }
+  for_each_body(scene, [&](BodyId id, const auto& body) {
+    if (id.kind == kind) names.push_back(body.name);
+  });
   return names;
 }
 

@@ -158,7 +158,11 @@ struct Grasp {
   double duration = 0.5;  // of the way in, of the pull, and of the way out [s]
   double hold = 0.4;      // at the two ends, while jaws close and open [s]
 };
-using ToolMotion = std::variant<GivenPath, PathFile, Press, Grasp>;
+/// A hand that was recorded, tick by tick: see sim/tools/hand.hpp.
+struct HandFile {
+  std::filesystem::path file;
+};
+using ToolMotion = std::variant<GivenPath, PathFile, Press, Grasp, HandFile>;
 
 struct ToolScene {
   std::string name;

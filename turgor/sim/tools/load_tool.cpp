@@ -1,3 +1,5 @@
+#include "turgor/sim/tools/load_tool.hpp"
+
 #include <algorithm>
 #include <numbers>
 
@@ -7,7 +9,6 @@
 #include "turgor/geometry/phantom_liver.hpp"
 #include "turgor/geometry/where_is.hpp"
 #include "turgor/io/surface_files.hpp"
-#include "turgor/sim/bodies/sfem/load_sfem.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
 
 namespace turgor {
@@ -75,6 +76,7 @@ Result<ToolPath> make_path(const ToolScene& scene, const TouchingTool& tool, con
     return press_path(surface, *press, tip(tool.shown), reach);
   if (const auto* grasp = std::get_if<Grasp>(&scene.motion))
     return grasp_path(surface, *grasp, tip(tool.shown), reach);
+  if (std::holds_alternative<HandFile>(scene.motion)) return path_of(tool.hand);
   const PathFile& file = std::get<PathFile>(scene.motion);
   Result<std::vector<PathRow>> rows = read_path_rows(file.file);
   if (!rows) return rows.error();
@@ -130,9 +132,15 @@ Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, 
         fmt::format("{}: the tool is {:.4g} m wide, the body {} {:.4g} m; expected a tool that is smaller "
                     "than what it touches (are lengths in metres?)",
                     scene.place, tool_width, body, body_width)};
+  if (const auto* recorded = std::get_if<HandFile>(&scene.motion)) {
+    Result<std::vector<HandRow>> hand = read_hand(recorded->file, scene.name);
+    if (!hand) return Error{fmt::format("{}: {}", scene.place, hand.error().message)};
+    tool.hand = std::move(*hand);
+  }
   Result<ToolPath> path = make_path(scene, tool, surface);
   if (!path) return Error{fmt::format("{}: {}", scene.place, path.error().message)};
   tool.path = std::move(*path);
+  tool.samples.start(command_at(tool, 0));
   note_moved_places(scene, body, surface, tool_width, tool.notes);
   return tool;
 }

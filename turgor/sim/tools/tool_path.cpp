@@ -11,8 +11,6 @@ namespace turgor {
 
 namespace {
 
-using Quaternion = std::array<double, 4>;
-
 Error row_error(std::size_t row, const std::string& what) {
   return {fmt::format("row {} of the path: {}", row + 1, what)};
 }
@@ -40,24 +38,6 @@ Vec3d smooth_position(const std::vector<PathRow>& rows, std::size_t r, double s)
         (2 * s3 - 3 * s2 + 1) * rows[r].position[axis] + (s3 - 2 * s2 + s) * h * slope_of_row(rows, r, axis) +
         (3 * s2 - 2 * s3) * rows[r + 1].position[axis] + (s3 - s2) * h * slope_of_row(rows, r + 1, axis);
   return x;
-}
-
-double dot(const Quaternion& a, const Quaternion& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
-}
-
-Quaternion normalized(Quaternion q) {
-  const double length = std::sqrt(dot(q, q));
-  for (double& part : q) part /= length;
-  return q;
-}
-
-/// Between two orientations along the shorter way.
-Quaternion between(const Quaternion& a, const Quaternion& b, double s) {
-  const double sign = dot(a, b) < 0 ? -1 : 1;
-  Quaternion q;
-  for (std::size_t i = 0; i < 4; i++) q[i] = (1 - s) * a[i] + s * sign * b[i];
-  return dot(q, q) > 0 ? normalized(q) : a;
 }
 
 }  // namespace
@@ -116,14 +96,7 @@ PathRow path_at(const ToolPath& path, double time) {
   return now;
 }
 
-Mat3d axes_of(const std::array<double, 4>& q) {
-  const auto [w, x, y, z] = q;
-  return {{{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-           {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-           {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}}};
-}
-
-std::array<double, 4> turned_to(Vec3d z) {
+Quaternion turned_to(Vec3d z) {
   if (z.z <= -1 + 1e-12) return {0, 1, 0, 0};
   return normalized(Quaternion{1 + z.z, -z.y, z.x, 0});
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "turgor/core/result.hpp"
+#include "turgor/geometry/quaternion.hpp"
 #include "turgor/sim/scene/sfem_scene.hpp"
 
 namespace turgor {
@@ -24,9 +25,7 @@ Result<std::vector<PathRow>> read_path_rows(const std::filesystem::path& file);
 /// The tool at a time; `time` of the answer is that time.
 PathRow path_at(const ToolPath& path, double time);
 
-/// Columns are the axes that a unit quaternion turns x, y and z into.
-Mat3d axes_of(const std::array<double, 4>& quaternion);
 /// The quaternion that turns the z axis into `z` (unit) by the shortest way.
-std::array<double, 4> turned_to(Vec3d z);
+Quaternion turned_to(Vec3d z);
 
 }  // namespace turgor

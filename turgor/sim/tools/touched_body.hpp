@@ -1,5 +1,5 @@
 // Tools of the scene on their way, what they feel, and what bodies of every model that tools touch have in
-// common: which tools those are, and the surface as pictures show it.
+// common: which tools those are.
 #pragma once
 
 #include <optional>
@@ -7,27 +7,14 @@
 #include <vector>
 
 #include "turgor/contact/forceps.hpp"
-#include "turgor/contact/tool.hpp"
+#include "turgor/contact/touch.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
 #include "turgor/sim/scene/body_id.hpp"
+#include "turgor/sim/tools/hand.hpp"
 #include "turgor/sim/tools/tool_path.hpp"
+#include "turgor/sim/tools/touch_log.hpp"
 
 namespace turgor {
-
-constexpr double kTick = 1e-3;  // of the haptic loop [s]
-
-/// What a tool felt in one tick.
-struct ForceSample {
-  double time = 0;            // [s]
-  Vec3d position;             // of the tool's origin [m]
-  Vec3d force, torque;        // on the tool, the torque about its origin [N] [N·m]
-  int contacts = 0;           // places that bear force
-  double depth = 0;           // of the tool's deepest point below the surface at rest [m]
-  double path = 0;            // that the tool has gone until now [m]
-  float tick_seconds = 0;     // wall time of the tick, of all tools of its body together
-  bool new_patch = false;     // the patch was rebuilt before this tick
-  bool beyond_patch = false;  // the tool reaches beyond the patch
-};
 
 /// Where a model could not, or would not, bear what a tool asked of it.
 struct ForceLimits {
@@ -48,37 +35,25 @@ struct TouchingTool {
   double closing_time = 0;  // of its jaws [s]
   TriMesh shown;            // about the tool's origin, to be drawn; jaws closed
   ToolPath path;
-  std::vector<ForceSample> samples;
+  std::vector<HandRow> hand;  // a recorded one, tick by tick; empty = the path says where it goes
+  double grip = 0;            // after the last tick
+  TouchLog samples;
   ForceLimits limits;
   std::vector<std::string> notes;  // what a person should know of its path
 };
 
-/// A tool as pictures show it.
-struct ShownTool {
-  contact::Pose pose;
-  Vec3d force;         // on the tool [N]
-  double opening = 0;  // of its jaws [m]
-};
-
-/// The surface at one moment: the coarse one with the patch in it, or the finer one that the scene names.
-struct ShownSurface {
-  double time = 0;                 // [s]
-  std::vector<Vec3> rest;          // [m]
-  std::vector<Vec3> displacement;  // [m]
-  std::vector<float> pressure;     // of the contact [Pa]
-  std::vector<Int3> triangles;     // counter-clockwise seen from outside
-  std::vector<ShownTool> tools;    // those that touch this body
-  std::vector<int> mesh_vertex;    // which of the body's mesh each vertex is, -1 = none; empty = its number
-};
+/// What its path or its hand asks of it at a time, with its jaws as they are.
+contact::ToolCommand command_at(const TouchingTool& tool, double time);
+/// The same in the tick that ends at a time: its jaws move on by that tick.
+contact::ToolCommand next_command(TouchingTool& tool, double time);
+/// In which it takes hold, with jaws or without [s].
+double holding_time(const TouchingTool& tool);
 
 /// What bodies of all models that tools touch have in common.
 struct TouchedBody {
   std::string name;
-  std::vector<int> tool_indices;        // into World::tools
-  std::vector<double> surface_seconds;  // wall times of shown_surface
-  ShownSurface shown;                   // at the latest snapshot
-  ShownSurface deepest;                 // when the force was largest
-  double largest_force = 0;             // then, all tools together [N]
+  std::vector<int> tool_indices;  // into World::tools
+  double usual_force = 1;         // that presses a centimetre of it in by about a centimetre [N]
 };
 
 }  // namespace turgor

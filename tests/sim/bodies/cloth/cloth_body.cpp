@@ -125,7 +125,7 @@ TEST(ClothScene, holds_follow_their_path_and_let_go_and_the_wind_turns) {
   EXPECT_GT(norm(corner() - Vec3{0, 0, 1.1f}), 0.01f);
   EXPECT_EQ(flag.samples.size(), 59u);
   EXPECT_GT(flag.samples[20].energy, 0);
-  const Json report = cloth_report(exec, *world, flag);
+  const Json report = report_body({exec, *world, Measures()}, ClothScene(), flag, {BodyKind::kCloth, 0});
   EXPECT_EQ(report.at("vertices"), 176);
   EXPECT_EQ(report.at("series").size(), 59u);
   EXPECT_EQ(report.at("snapshots").size(), 1u);
@@ -168,7 +168,7 @@ ball = { centre = [1, 1, 1], radius = 0.015 }
       warnings[0],
       "sheet: hold.nothing: no vertex of the cloth was in its ball at 0 s: it holds nothing; the body lies "
       "between (0, 0, 0.01) m and (0.2, 0.2, 0.01) m; its nearest point, (0.2, 0.2, 0.01) m, is 1.5 m away");
-  const Json report = cloth_report(exec, *world, sheet);
+  const Json report = report_body({exec, *world, Measures()}, ClothScene(), sheet, {BodyKind::kCloth, 0});
   EXPECT_NEAR(report.at("holds")[0].at("force_N")[2].get<double>(), weight, 0.02 * weight);
   EXPECT_NE(parse_scene(text + "box = [[0, 0, 0], [1, 1, 1]]\n", "s.toml").error().message.find("either"),
             std::string::npos);

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "sim/block_scene.hpp"
+#include "turgor/sim/pressed.hpp"
 #include "turgor/sim/report/report.hpp"
 
 namespace turgor {
@@ -29,8 +30,12 @@ const char* kPress = "press = { at_fraction = [0.5, 0, 0.5], depth = 0.006, star
 
 TEST(LatticeBody, APressIsFeltOnceAFrameAndPushesTheToolOut) {
   World world = block_world(Exec(2), touched_scene(fresh_folder(), kPress));
-  for (int frame = 0; frame < 50; frame++) ASSERT_TRUE(step(Exec(2), world));
-  const std::vector<ForceSample>& samples = world.tools[0].samples;
+  std::vector<Pressed> all = make_pressed(world);
+  for (int frame = 0; frame < 50; frame++) {
+    ASSERT_TRUE(step(Exec(2), world));
+    look_at_pressed(Exec(2), world, all);
+  }
+  const TouchLog& samples = world.tools[0].samples;
   ASSERT_EQ(samples.size(), 50u);
   const auto at = [&](double time) { return samples[std::size_t(std::lround(time * 50)) - 1]; };
   EXPECT_EQ(norm(at(0.1).force), 0) << "before it touches";
@@ -38,12 +43,12 @@ TEST(LatticeBody, APressIsFeltOnceAFrameAndPushesTheToolOut) {
   EXPECT_NEAR(at(0.5).depth, 0.006, 0.0005) << "m";
   EXPECT_GT(at(0.5).contacts, 3);
   EXPECT_EQ(norm(at(0.98).force), 0) << "after it has gone";
-  const LatticeBody& body = world.lattice_bodies[0];
-  EXPECT_EQ(body.deepest.rest.size(), body.deepest.displacement.size());
+  const Pressed& pressed = pressed_body(all, {BodyKind::kLattice, 0});
+  EXPECT_EQ(pressed.body.rest.size(), pressed.body.displacement.size());
   float deepest = 0;
-  for (const Vec3 u : body.deepest.displacement) deepest = std::max(deepest, u.y);
+  for (const Vec3 u : pressed.body.displacement) deepest = std::max(deepest, u.y);
   EXPECT_NEAR(deepest, 0.006, 0.001) << "m: the surface that is drawn is where the tool is";
-  EXPECT_NEAR(body.largest_force, norm(at(body.deepest.time).force), 1e-12) << "N";
+  EXPECT_NEAR(pressed.force, norm(at(pressed.time).force), 1e-12) << "N";
 }
 
 TEST(LatticeBody, AGraspPullsTheSurfaceOut) {
@@ -120,7 +125,7 @@ TEST(LatticeBody, OneLabelAloneIsHeldAtASideOfItsBox) {
       std::count_if(body.ct.samples.begin(), body.ct.samples.end(), [](auto hu) { return hu > -449; });
   EXPECT_NEAR(double(tissue) * voxel, 1.4e-3, 0.4e-3) << "m³: a liver";
   EXPECT_LT(body.ct.grid.size.x, 50) << "the CT is cut down to it";
-  const BodyBox box = body_box(body.model);
+  const Box box = body_box(body.model);
   const Int3 size = body.model.lattice.size;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)

@@ -36,7 +36,7 @@ World pressed_world(const std::string& body, int refinement, double depth, int c
   return std::move(*world);
 }
 
-double force_of(const World& world) { return norm(world.sfem_bodies[0].forces[0].force); }
+double force_of(const World& world) { return norm(world.sfem_bodies[0].now.forces[0].force); }
 
 /// The default and all points, at every refinement: forces within 3 % of each other. From one refinement to
 /// the next a coarse body softens by some percent, while smaller facets touch more: half is lost by neither.
@@ -44,15 +44,15 @@ void expect_no_force_lost(const std::string& body, double depth, int finest) {
   double before = 0;
   for (int r = 1; r <= finest; r++) {
     const World all = pressed_world(body, r, depth, kAllPoints), few = pressed_world(body, r, depth, 32);
-    const contact::ToolForce &a = all.sfem_bodies[0].forces[0], &f = few.sfem_bodies[0].forces[0];
+    const contact::ToolForce &a = all.sfem_bodies[0].now.forces[0], &f = few.sfem_bodies[0].now.forces[0];
     std::vector<double> ticks;
     for (const ForceSample& s : few.tools[0].samples) ticks.push_back(s.tick_seconds);
     std::printf(
         "%.0f mm, r = %d: %zu points, all %.5f N (%d contacts), clusters %.5f N (%d contacts, level %d), "
         "error %.2f %%, tick p50 %.3f p90 %.3f ms\n",
-        depth * 1e3, r, few.sfem_bodies[0].patch.points.size(), force_of(all), a.contacts, force_of(few),
-        f.contacts, f.level, 100 * (force_of(few) / force_of(all) - 1), percentile(ticks, 0.5) * 1e3,
-        percentile(ticks, 0.9) * 1e3);
+        depth * 1e3, r, few.sfem_bodies[0].touch.patch->points.size(), force_of(all), a.contacts,
+        force_of(few), f.contacts, f.level, 100 * (force_of(few) / force_of(all) - 1),
+        percentile(ticks, 0.5) * 1e3, percentile(ticks, 0.9) * 1e3);
     std::fflush(stdout);
     EXPECT_EQ(a.dropped, 0);
     EXPECT_EQ(a.level, 0) << "all points have room";
@@ -99,8 +99,10 @@ TEST(WideContact, TheForceHasNoStepWhereClustersTakeOver) {
 TEST(WideContact, WhatFindsNoRoomIsCountedAndWarnedOf) {
   World world = pressed_world(kBlock, 2, 0.003, 8);
   SfemBody& body = world.sfem_bodies[0];
-  body.patch.levels.clear();  // as on a patch whose clusters are still too many
-  body.touch = contact::make_touch_state(body.patch, 1, {.capacity = 8});
+  sfem::Patch patch = *body.touch.patch;
+  patch.levels.clear();  // as on a patch whose clusters are still too many
+  body.touch.patch = std::make_shared<const sfem::Patch>(std::move(patch));
+  body.touch.state = contact::make_touch_state(*body.touch.patch, 1, {.capacity = 8});
   touch_body(Exec(1), body, world.tools, 0.06, 0.08);
   EXPECT_GT(world.tools[0].limits.dropped_ticks, 10);
   EXPECT_GT(world.tools[0].limits.dropped_most, 1);

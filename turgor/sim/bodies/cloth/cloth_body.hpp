@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "turgor/contact/tool.hpp"
-#include "turgor/core/progress.hpp"
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/measure.hpp"
 #include "turgor/models/cloth/obstacle.hpp"
 #include "turgor/sim/bodies/cloth/cloth_support.hpp"
+#include "turgor/sim/frame.hpp"
+#include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/cloth_scene.hpp"
+#include "turgor/sim/shown.hpp"
 
 namespace turgor {
 
@@ -68,9 +70,15 @@ struct ClothBody {
 };
 
 /// Error: a file that cannot be read, a mesh that is no cloth, a held vertex that is not there.
-Result<ClothBody> load_cloth(const Exec& exec, const ClothScene& scene);
+Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, const World& world);
+inline const std::vector<std::string>& notes(const ClothBody& body) { return body.notes; }
 
-/// One frame of a cloth, after the bodies it lies on. False: the step was undone.
-bool step_cloth(const Exec& exec, ClothBody& body, World& world, bool measure);
+/// One frame, after the bodies it lies on.
+void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput& input, FrameReport& report);
+std::uint64_t state_hash(const ClothBody& body, std::uint64_t seed);
+
+inline Look look_of(const ClothBody&) { return Look::kCloth; }
+/// In the model's numbering.
+void show(const Exec& exec, const ClothBody& body, ShownBody& out);
 
 }  // namespace turgor

@@ -28,58 +28,28 @@ std::vector<Vec3> displaced(const ClothSupport& support, const std::vector<Vec3d
   return places;
 }
 
-std::vector<Vec3> lattice_places(const LatticeBody& body, ClothSupport& support) {
-  if (!support.skin || !body.state.cut_edges.empty()) {  // cuts make new surfaces
-    support.skin =
-        std::make_shared<const lattice::BodySurface>(lattice::build_surface(body.model, body.state));
-    support.carrier = support.skin->slot, support.triangles = support.skin->triangles;
-  }
-  return lattice::deformed_surface(body.model, body.state, *support.skin, lattice::Shown::kNothing).vertices;
+std::vector<Vec3> places_now(const Exec&, LatticeBody& body, ClothSupport& support) {
+  keep_surface(body);
+  support.carrier = body.surface.slot, support.triangles = body.surface.triangles;
+  return lattice::deformed_surface(body.model, body.state, body.surface, lattice::Shown::kNothing).vertices;
 }
 
-std::vector<Vec3> sfem_places(const Exec& exec, const SfemBody& body, ClothSupport& support) {
+std::vector<Vec3> places_now(const Exec& exec, SfemBody& body, ClothSupport& support) {
   if (support.carrier.empty()) use_vertices(body.model.surface.triangles, support);
   return displaced(support, body.model.body.mesh.vertices, coarse_displacements(exec, body));
 }
 
-std::vector<Vec3> rhombus_places(const Exec& exec, RhombusBody& body, ClothSupport& support) {
+std::vector<Vec3> places_now(const Exec&, RhombusBody& body, ClothSupport& support) {
   if (support.carrier.empty()) use_vertices(body.model.surface.triangles, support);
-  rhombus::step(exec, body.model, body.state);
   return displaced(support, body.model.surface.vertices, body.state.displacement);
 }
 
+/// Bodies that tools can touch can be lain on.
 std::vector<Vec3> places_now(const Exec& exec, ClothSupport& support, World& world) {
-  const auto b = std::size_t(support.body.index);
-  if (support.body.kind == BodyKind::kLattice) return lattice_places(world.lattice_bodies[b], support);
-  if (support.body.kind == BodyKind::kSfem) return sfem_places(exec, world.sfem_bodies[b], support);
-  return rhombus_places(exec, world.rhombus_bodies[b], support);
-}
-
-ClothPush push_on(const World& world, BodyId body) {
-  ClothPush push;
-  for (const ClothBody& cloth : world.cloth_bodies) {
-    bool touches = false;
-    for (const ClothObstacle& obstacle : cloth.obstacles) {
-      if (!obstacle.support || obstacle.support->body != body) continue;
-      const auto& force = obstacle.support->force;
-      push.force.insert(push.force.end(), force.begin(), force.end());
-      touches = touches || !force.empty();
-    }
-    if (touches) push.mass += cloth.model.total_mass;
-  }
-  return push;
-}
-
-/// A node that a change of the force accelerates moves by w f h² at most: its neighbours hold it back.
-void press_lattice(const ClothPush& push, double dt, LatticeBody& body) {
-  ClothLoad& load = body.cloth;
-  take_over(push, load);
-  double largest = 0;
-  for (const auto& [slot, f] : load.force)
-    largest = std::max(largest, norm(f) * double(body.model.inverse_mass[std::size_t(slot)]));
-  const double sum = sum_of_sizes(load), answer = sum > 0 ? largest * dt * dt / sum : 0;
-  load.answer = {answer, answer, answer};
-  choose_part(push.mass, dt, load);
+  return visit_body(world, support.body, [&](auto& body) -> std::vector<Vec3> {
+    if constexpr (is_touched<decltype(body)>) return places_now(exec, body, support);
+    return {};
+  });
 }
 
 }  // namespace
@@ -107,11 +77,31 @@ void note_force(const cloth::State& state, int obstacle, double dt, ClothSupport
     if (impulse[v] != Vec3d{}) support.force.push_back({support.carrier[v], impulse[v] / dt});
 }
 
-void load_bodies(const Exec& exec, World& world) {
-  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++)
-    press_lattice(push_on(world, {BodyKind::kLattice, int(b)}), world.dt, world.lattice_bodies[b]);
-  for (std::size_t b = 0; b < world.sfem_bodies.size(); b++)
-    press_body(exec, world.sfem_bodies[b], push_on(world, {BodyKind::kSfem, int(b)}), world.dt);
+ClothPush push_on(const World& world, BodyId body) {
+  ClothPush push;
+  for (const ClothBody& cloth : world.cloth_bodies) {
+    bool touches = false;
+    for (const ClothObstacle& obstacle : cloth.obstacles) {
+      if (!obstacle.support || obstacle.support->body != body) continue;
+      const auto& force = obstacle.support->force;
+      push.force.insert(push.force.end(), force.begin(), force.end());
+      touches = touches || !force.empty();
+    }
+    if (touches) push.mass += cloth.model.total_mass;
+  }
+  return push;
+}
+
+/// A node that a change of the force accelerates moves by w f h² at most: its neighbours hold it back.
+void press_body(const Exec&, LatticeBody& body, const ClothPush& push, double dt) {
+  ClothLoad& load = body.cloth;
+  take_over(push, load);
+  double largest = 0;
+  for (const auto& [slot, f] : load.force)
+    largest = std::max(largest, norm(f) * double(body.model.inverse_mass[std::size_t(slot)]));
+  const double sum = sum_of_sizes(load), answer = sum > 0 ? largest * dt * dt / sum : 0;
+  load.answer = {answer, answer, answer};
+  choose_part(push.mass, dt, load);
 }
 
 }  // namespace turgor

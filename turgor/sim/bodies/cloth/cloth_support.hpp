@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "turgor/models/cloth/obstacle.hpp"
-#include "turgor/models/lattice/surface.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
 #include "turgor/sim/scene/cloth_scene.hpp"
 
@@ -17,7 +17,6 @@ struct LatticeBody;
 
 struct ClothSupport {
   BodyId body;
-  std::shared_ptr<const lattice::BodySurface> skin;  // of a lattice
   std::vector<int> carrier;     // of each vertex of the surface: a lattice's slot, or the body's vertex
   std::vector<Int3> triangles;  // of the surface
   std::vector<Vec3> places;     // of its vertices at the end of the latest frame [m]
@@ -33,7 +32,7 @@ void note_force(const cloth::State& state, int obstacle, double dt, ClothSupport
 /// What cloth does to a lattice in its next step.
 std::vector<lattice::NodeLoad> node_loads(const LatticeBody& body);
 
-/// Hands what all cloths did to the bodies, for the next frame.
-void load_bodies(const Exec& exec, World& world);
+/// What all cloths did to a body in the latest frame.
+ClothPush push_on(const World& world, BodyId body);
 
 }  // namespace turgor

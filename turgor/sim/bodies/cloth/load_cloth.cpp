@@ -97,7 +97,7 @@ Result<ClothHold> load_hold(const HoldScene& scene, const TriMesh& mesh, const c
 
 }  // namespace
 
-Result<ClothBody> load_cloth(const Exec& exec, const ClothScene& scene) {
+Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, const World&) {
   ClothBody body;
   body.name = scene.name, body.air = scene.air, body.turns = scene.turns;
   const auto failed = [&](const Error& error) {
@@ -112,7 +112,7 @@ Result<ClothBody> load_cloth(const Exec& exec, const ClothScene& scene) {
     if (!read) return failed(read.error());
     mesh = std::move(*read);
   }
-  Result<cloth::Model> model = cloth::build(exec, mesh, scene.params);
+  Result<cloth::Model> model = cloth::build(loading.exec, mesh, scene.params);
   if (!model) return failed(model.error());
   body.model = std::move(*model);
   body.state = cloth::make_state(body.model);

@@ -83,8 +83,8 @@ cloth::Obstacle made(const Exec& exec, ClothObstacle& obstacle, World& world) {
 
 }  // namespace
 
-bool step_cloth(const Exec& exec, ClothBody& body, World& world, bool measure) {
-  const double begin = world.frame * world.dt, end = begin + world.dt;
+void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput& input, FrameReport& frame) {
+  const auto [begin, end, measure] = input;
   for (ClothHold& hold : body.holds) follow(body, hold, end);
   for (const WindTurn& turn : body.turns)
     if (turn.time <= begin) body.air.velocity = turn.velocity;
@@ -112,7 +112,8 @@ bool step_cloth(const Exec& exec, ClothBody& body, World& world, bool measure) {
     sample.stretch = cloth::largest_stretch(body.model, body.state);
   }
   body.samples.push_back(sample);
-  return report.finite;
+  frame.finite = frame.finite && report.finite;
+  frame.largest_speed = std::max(frame.largest_speed, double(report.largest_speed));
 }
 
 }  // namespace turgor

@@ -6,12 +6,15 @@
 #include <fmt/format.h>
 
 #include "turgor/contact/tick.hpp"
+#include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/body_nodes.hpp"
 #include "turgor/sim/bodies/lattice/keep_label.hpp"
 #include "turgor/sim/bodies/lattice/load_ct.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
+#include "turgor/sim/live/exchanges.hpp"
+#include "turgor/sim/world.hpp"
 
 namespace turgor {
 
@@ -103,13 +106,15 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   body.model = std::move(*model);
   body.state = lattice::make_state(body.model);
   body.build_seconds = building.seconds();
+  body.box = body_box(body.model);
+  body.usual_force = scene.params.tissue.muscle * 1e-4;
   return body;
 }
 
 void set_poses(LatticeBody& body, const std::vector<TouchingTool>& tools, double time) {
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
-    const PathRow row = path_at(tools[std::size_t(body.tool_indices[t])].path, time);
-    body.poses[t] = {{row.position, axes_of(row.orientation)}, row.hold};
+    const contact::ToolCommand command = command_at(tools[std::size_t(body.tool_indices[t])], time);
+    body.poses[t] = {command.pose, command.hold};
   }
 }
 
@@ -149,16 +154,11 @@ double depth_at_rest(const LatticeBody& body, const contact::Tool& tool, const c
 void record_step(const LatticeBody& body, std::vector<TouchingTool>& tools, double time, double seconds) {
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
     const contact::ToolForce& felt = body.forces[t];
-    ForceSample sample{.time = time,
-                       .position = body.poses[t].pose.position,
-                       .force = felt.force,
-                       .torque = felt.torque,
-                       .contacts = felt.contacts,
-                       .tick_seconds = float(seconds)};
-    if (felt.contacts > 0) sample.depth = depth_at_rest(body, body.tools[t], body.poses[t].pose);
-    std::vector<ForceSample>& samples = tools[std::size_t(body.tool_indices[t])].samples;
-    if (!samples.empty()) sample.path = samples.back().path + norm(sample.position - samples.back().position);
-    samples.push_back(sample);
+    contact::ToolReading reading{.force = felt.force, .torque = felt.torque, .contacts = felt.contacts};
+    if (felt.contacts > 0) reading.depth = depth_at_rest(body, body.tools[t], body.poses[t].pose);
+    ForceSample sample = sample_of(time, {.pose = body.poses[t].pose, .hold = body.poses[t].hold}, reading);
+    sample.tick_seconds = float(seconds);
+    tools[std::size_t(body.tool_indices[t])].samples.append(sample);
   }
 }
 
@@ -168,39 +168,68 @@ void make_surface(LatticeBody& body) {
   body.surface_cuts = body.state.cut_edges.size();
 }
 
-/// Blades have been at work: the walls they left can be touched.
-void follow_cuts(LatticeBody& body) {
-  if (body.state.cut_edges.size() == body.surface_cuts) return;
-  make_surface(body);
-  contact::take_surface(body.touch, body.model, body.surface);
-}
-
 }  // namespace
 
-Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, const BeginWork& begin) {
-  Result<LatticeBody> body = load(exec, scene, begin ? begin("reading", "") : Progress());
+Result<LatticeBody> load_body(const Loading& loading, const LatticeScene& scene, const World&) {
+  Result<LatticeBody> body = load(loading.exec, scene, begin_work(loading.begin, "reading"));
   if (!body) return Error{fmt::format("{}: {}", scene.place, body.error().message)};
   return body;
 }
 
-void make_rest_surface(LatticeBody& body) {
-  if (body.rest.empty()) make_surface(body);
+void keep_surface(LatticeBody& body) {
+  const bool made = !body.rest.empty();
+  if (made && body.state.cut_edges.size() == body.surface_cuts) return;
+  make_surface(body);
+  if (made && !body.tools.empty()) contact::take_surface(body.touch, body.model, body.surface);
 }
 
-void begin_touch(LatticeBody& body, const std::vector<TouchingTool>& tools) {
+Status begin_body(const Exec&, LatticeBody& body, const LatticeScene&, const World& world) {
+  const std::vector<TouchingTool>& tools = world.tools;
   for (const int t : body.tool_indices) body.tools.push_back(tools[std::size_t(t)].tool);
-  if (body.tools.empty()) return;
+  if (body.tools.empty()) return Done{};
   body.poses.resize(body.tools.size());
   body.forces.resize(body.tools.size());
   set_poses(body, tools, 0);
   body.touch = contact::make_lattice_touch(body.model, body.surface, body.poses);
+  return Done{};
 }
 
+namespace {
+
+/// The way of its tools in this frame: from where they were to where the haptic thread has them now.
+void take_commands(const LatticeBody& body, Exchanges& felt, double from, double to,
+                   std::vector<TouchingTool>& tools) {
+  constexpr int kRows = 16;
+  for (const int t : body.tool_indices) {
+    LocalExchange& exchange = *felt.local[std::size_t(t)];
+    const contact::ToolCommand before = exchange.before, now = exchange.command.read();
+    std::vector<HandRow>& hand = tools[std::size_t(t)].hand;
+    hand.resize(kRows + 1);
+    for (int row = 0; row <= kRows; row++) {
+      const double part = double(row) / kRows;
+      hand[std::size_t(row)] = {from + (to - from) * part, now};
+      hand[std::size_t(row)].command.pose.position =
+          before.pose.position * (1 - part) + now.pose.position * part;
+    }
+    exchange.before = now;
+  }
+}
+
+/// What ticks feel until the next frame.
+void leave_planes(const LatticeBody& body, Exchanges& felt) {
+  for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
+    LocalExchange& exchange = *felt.local[std::size_t(body.tool_indices[t])];
+    exchange.plane.write(contact::local_contact(body.model, body.state, body.touch, int(t), body.tools[t],
+                                                body.poses[t], exchange.memory));
+  }
+}
+
+/// From one time to another [s].
 lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vector<TouchingTool>& tools,
                                  const lattice::Inputs& inputs, double from, double to) {
   if (body.tools.empty()) return lattice::step(exec, body.model, body.state, inputs, to - from);
   const Timer timer;
-  follow_cuts(body);
+  keep_surface(body);
   const int parts = part_count(body, tools, from, to);
   lattice::StepReport report;
   for (int part = 1; part <= parts && report.finite; part++) {
@@ -212,29 +241,28 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
   return report;
 }
 
-ShownSurface shown_tools(const LatticeBody& body, double time) {
-  ShownSurface shown{.time = time};
-  for (std::size_t t = 0; t < body.tools.size(); t++)
-    shown.tools.push_back({body.poses[t].pose, body.forces[t].force});
-  return shown;
+}  // namespace
+
+void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInput& input,
+               FrameReport& report) {
+  // Position-based dynamics has no forces that could be left over.
+  const bool has_forces = body.model.params.solver.method == lattice::Method::kDescent;
+  const std::vector<lattice::NodeLoad> loads = node_loads(body);
+  const lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
+                               .measure_residual = input.measure_residual && has_forces,
+                               .loads = loads};
+  if (world.felt) take_commands(body, *world.felt, input.from, input.to, world.tools);
+  const lattice::StepReport done = step_lattice(exec, body, world.tools, inputs, input.from, input.to);
+  if (world.felt) leave_planes(body, *world.felt);
+  report.finite = report.finite && done.finite;
+  report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));
+  report.residual.largest = std::max(report.residual.largest, done.residual.largest);
+  report.residual.rms = std::max(report.residual.rms, done.residual.rms);
 }
 
-void remember_deepest(LatticeBody& body, double time) {
-  double force = 0;
-  for (const contact::ToolForce& felt : body.forces) force += norm(felt.force);
-  if (force <= body.largest_force) return;
-  body.largest_force = force;
-  const Timer timer;
-  const TriMesh now =
-      lattice::deformed_surface(body.model, body.state, body.surface, lattice::Shown::kNothing);
-  body.deepest = shown_tools(body, time);
-  body.deepest.triangles = body.surface.triangles;
-  for (std::size_t v = 0; v < body.rest.size(); v++) {
-    body.deepest.rest.push_back(Vec3(body.rest[v]));
-    body.deepest.displacement.push_back(now.vertices[v] - body.deepest.rest[v]);
-  }
-  body.deepest.pressure.resize(body.rest.size());  // forces are known at nodes, not how they are spread
-  body.surface_seconds.push_back(timer.seconds());
+std::uint64_t state_hash(const LatticeBody& body, std::uint64_t seed) {
+  const std::uint64_t one = lattice::state_hash(body.model, body.state);
+  return hash_bytes(&one, sizeof one, seed);
 }
 
 }  // namespace turgor

@@ -10,23 +10,29 @@
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/surface.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
-#include "turgor/sim/bodies/sfem/load_sfem.hpp"
-#include "turgor/sim/bodies/sfem/sfem_body.hpp"
+#include "turgor/sim/frame.hpp"
+#include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/shown.hpp"
+#include "turgor/sim/tools/press_path.hpp"
+#include "turgor/sim/tools/touched_body.hpp"
 
 namespace turgor {
+
+struct World;
 
 struct LatticeBody : TouchedBody {
   CtVolume ct;
   std::uint64_t ct_hash = 0;  // of the CT's samples and grid
   lattice::Model model;
   lattice::State state;
+  Box box;  // around its nodes in the CT, along the patient's axes [m]
   double read_seconds = 0, build_seconds = 0;
   std::vector<std::string> notes;  // what was left out while reading
   bool has_gravity = true;
   ClothLoad cloth;  // by slot, along the patient's axes
 
-  // When tools touch it:
+  // When tools touch it or cloth lies on it:
   lattice::BodySurface surface;  // with the cuts that it has now
   std::vector<Vec3d> rest;       // its vertices, patient frame [m]
   std::size_t surface_cuts = 0;  // edges that were cut when it was made
@@ -37,19 +43,28 @@ struct LatticeBody : TouchedBody {
 };
 
 /// Without its tools. Error: names the scene's place.
-Result<LatticeBody> load_lattice(const Exec& exec, const LatticeScene& scene, const BeginWork& begin);
+Result<LatticeBody> load_body(const Loading& loading, const LatticeScene& scene, const World& world);
+inline const std::vector<std::string>& notes(const LatticeBody& body) { return body.notes; }
 
-/// Makes the surface that tools touch, when the first one comes.
-void make_rest_surface(LatticeBody& body);
+/// Makes the surface, or makes it anew where blades have been at work: the walls they left can be touched.
+void keep_surface(LatticeBody& body);
+inline void make_rest_surface(LatticeBody& body) { keep_surface(body); }
 inline RestSurface rest_surface(const LatticeBody& body) { return {body.rest, body.surface.triangles}; }
-void begin_touch(LatticeBody& body, const std::vector<TouchingTool>& tools);
-/// One step from one time to another [s], in parts when a tool is fast. Every tool gets a sample.
-lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vector<TouchingTool>& tools,
-                                 const lattice::Inputs& inputs, double from, double to);
+Status begin_body(const Exec& exec, LatticeBody& body, const LatticeScene& scene, const World& world);
 
-/// The tools as they are now, without the surface: that is drawn as skin.
-ShownSurface shown_tools(const LatticeBody& body, double time);
-/// Keeps the surface when the force on the tools is the largest so far.
-void remember_deepest(LatticeBody& body, double time);
+/// One step, in parts when a tool is fast. Every tool gets a sample.
+void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInput& input,
+               FrameReport& report);
+/// Feels what cloth does to it, from the next frame on.
+void press_body(const Exec& exec, LatticeBody& body, const ClothPush& push, double dt);
+std::uint64_t state_hash(const LatticeBody& body, std::uint64_t seed);
+
+/// Tool `t` of its tool_indices.
+inline ToolNow tool_now(const LatticeBody& body, std::size_t t, const World&) {
+  return {body.poses[t].pose, body.forces[t].force, 0};
+}
+inline Look look_of(const LatticeBody&) { return Look::kSkin; }
+/// Its skin and the walls of its wounds.
+void show(const Exec& exec, const LatticeBody& body, ShownBody& out);
 
 }  // namespace turgor

@@ -4,47 +4,61 @@
 #include <string>
 #include <vector>
 
+#include "turgor/contact/rhombus_touch.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
-#include "turgor/sim/bodies/sfem/load_sfem.hpp"
-#include "turgor/sim/bodies/sfem/sfem_body.hpp"
+#include "turgor/sim/bodies/cloth/cloth_load.hpp"
+#include "turgor/sim/frame.hpp"
+#include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/rhombus_scene.hpp"
+#include "turgor/sim/shown.hpp"
+#include "turgor/sim/tools/press_path.hpp"
+#include "turgor/sim/tools/touched_body.hpp"
 
 namespace turgor {
 
+struct World;
+
 struct RhombusBody : TouchedBody {
   rhombus::Model model;
-  rhombus::State state;
-  std::vector<rhombus::TouchInput> inputs;  // one for each of tool_indices, as the next
-  std::vector<rhombus::TouchForce> forces;
-  std::vector<int>
-      mesh_vertex;  // of each vertex, in the mesh of the body whose surface it is; empty = its own
+  contact::RhombusTouch touch;     // who ticks owns this
+  contact::RhombusTouchedNow now;  // what it left for the frame; one for each of tool_indices
+  rhombus::State state;            // of the frame: the surface as it was shown last
+  std::vector<int> mesh_vertex;    // in the mesh of the body whose surface it is; empty = its own
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
-  double pressed_volume = 0;       // the most that was pressed in at a picture [m³]
+  double pressed_volume = 0;       // the most that was pressed in after a frame [m³]
   std::vector<double> openings;    // of the tools' jaws in the last tick [m]
   double jump = 0;                 // largest of a force per 10 µm that a tool and its jaws move [N]
   double jump_at = 0;              // [s]
   std::vector<std::string> notes;  // what was left out while reading
 };
 
-/// Without its tools; `bodies` are those that its surface may be taken from. Error: names the scene's place.
-Result<RhombusBody> load_rhombus(const Exec& exec, const RhombusScene& scene,
-                                 const std::vector<SfemBody>& bodies, const BeginWork& begin);
+/// Without its tools; its surface may be that of a body that the world has. Error: names the scene's place.
+Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene, const World& world);
+inline const std::vector<std::string>& notes(const RhombusBody& body) { return body.notes; }
 
 /// The surface that tools touch.
 RestSurface rest_surface(const RhombusBody& body);
-void begin_touch(RhombusBody& body);
-/// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick.
+inline void make_rest_surface(RhombusBody&) {}  // it is there
+/// Error: more tools than the model takes.
+Status begin_body(const Exec& exec, RhombusBody& body, const RhombusScene& scene, const World& world);
+
+/// The ticks of a frame, and where that leaves the surface.
+void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input,
+               FrameReport& report);
+inline void press_body(const Exec&, RhombusBody&, const ClothPush&, double) {}  // it feels tools alone
+std::uint64_t state_hash(const RhombusBody& body, std::uint64_t seed);
+/// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick. Ends with
+/// take_touched, as who ticks and who makes frames are one here.
 void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from, double to);
+/// Keeps the last tick of tool `t` of its tool_indices.
+void log_tick(RhombusBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool);
+/// The frame takes what ticks left: body.now was just filled.
+void take_touched(RhombusBody& body);
 
-/// The surface as it lies now; steps the state.
-ShownSurface shown_surface(const Exec& exec, RhombusBody& body, const std::vector<TouchingTool>& tools,
-                           double time);
-/// Keeps the surface when the force on the tools is the largest so far.
-void remember_deepest(const Exec& exec, RhombusBody& body, const std::vector<TouchingTool>& tools,
-                      double time);
-
-/// What a body feels of a tool: its lowest end as a ball, or what is between its jaws.
-rhombus::TouchInput tip_input(const TouchingTool& tool, const contact::Pose& pose, double grip);
+/// Tool `t` of its tool_indices.
+ToolNow tool_now(const RhombusBody& body, std::size_t t, const World& world);
+inline Look look_of(const RhombusBody&) { return Look::kFlesh; }
+void show(const Exec& exec, const RhombusBody& body, ShownBody& out);
 
 }  // namespace turgor

@@ -1,6 +1,8 @@
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 
 #include <algorithm>
+#include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -42,59 +44,103 @@ void keep_patch(SfemBody& body, const Error& why) {
 BuiltPatch build_for(const SfemBody& body, const std::vector<Vec3d>& places) {
   const Timer timer;
   const std::vector<int> elements = sfem::patch_elements(body.model, places, body.follow.radius);
-  BuiltPatch built{.patch =
-                       sfem::build_patch(body.model, elements, body.refinement, places, body.patch_memory)};
-  built.seconds = timer.seconds();
-  return built;
+  Result<sfem::Patch> patch =
+      sfem::build_patch(body.model, elements, body.refinement, places, body.patch_memory);
+  if (!patch) return {patch.error(), timer.seconds()};
+  auto shared = std::make_shared<const sfem::Patch>(std::move(*patch));
+  return {std::move(shared), timer.seconds()};
+}
+
+/// Columns that are needed, and then the patch beside the ticks. False: there is no room for the columns.
+bool begin_patch(const Exec& exec, SfemBody& body, const std::vector<Vec3d>& places) {
+  if (const Status status = fetch_near(exec, body, places); !status) {
+    keep_patch(body, status.error());
+    return false;
+  }
+  if (!body.worker) body.worker = std::make_unique<PatchWorker>();
+  // Of the body it reads what no tick and no frame changes.
+  body.worker->begin([&body, places] { return build_for(body, places); });
+  return true;
+}
+
+PatchRebuild rebuild_of(const sfem::Patch& patch, double time, double seconds) {
+  return {.time = time,
+          .seconds = seconds,
+          .elements = int(patch.elements.size()),
+          .local_nodes = patch.local_nodes,
+          .points = int(patch.points.size())};
+}
+
+/// Patches that nobody else holds any more are let go, here where that may take its time.
+void keep_alive(std::vector<std::shared_ptr<const sfem::Patch>>& patches,
+                const std::shared_ptr<const sfem::Patch>& patch) {
+  std::erase_if(patches, [](const auto& kept) { return kept.use_count() == 1; });
+  patches.push_back(patch);
 }
 
 }  // namespace
 
-Result<sfem::Patch> first_patch(const Exec& exec, SfemBody& body) {
+Result<std::shared_ptr<const sfem::Patch>> first_patch(const Exec& exec, SfemBody& body) {
   if (const Status status = fetch_near(exec, body, body.centres); !status) return status.error();
-  return build_for(body, body.centres).patch;
+  BuiltPatch built = build_for(body, body.centres);
+  if (built.patch) keep_alive(body.patches, *built.patch);
+  return built.patch;
 }
 
-std::optional<NextPatch> follow_tools(const Exec& exec, SfemBody& body, long due) {
-  std::vector<Vec3d> places =
-      contact::touched_places(body.model, body.patch, body.touch, body.poses, body.centres);
+std::optional<NextPatch> follow_tools(const Exec& exec, SfemBody& body,
+                                      std::span<const contact::ToolCommand> commands, long due) {
+  std::vector<contact::ContactMiddle> middles(commands.size());
+  contact::find_middles(*body.touch.patch, body.touch.state, middles);
+  std::vector<contact::ToolPose> poses;
+  for (const contact::ToolCommand& command : commands) poses.push_back({command.pose, command.hold});
+  std::vector<Vec3d> places = contact::touched_places(body.model, middles, poses, body.centres);
   if (!contact::must_follow(body.follow, body.centres, places)) return {};
-  if (const Status status = fetch_near(exec, body, places); !status) {
-    keep_patch(body, status.error());
-    body.centres = std::move(places);
-    return {};
-  }
-  NextPatch next{.built = {}, .centres = std::move(places), .due = due};
-  next.built = std::async(std::launch::async, [&body, centres = next.centres] {
-    return build_for(body, centres);  // of the body it reads the model alone, which no tick changes
-  });
-  return next;
+  if (begin_patch(exec, body, places)) return NextPatch{std::move(places), due};
+  body.centres = std::move(places);
+  return {};
 }
 
 bool take_next_patch(SfemBody& body, NextPatch& next, double time) {
-  BuiltPatch from = next.built.get();
+  const BuiltPatch built = body.worker->finish();
   body.centres = std::move(next.centres);
-  if (!from.patch) {
-    keep_patch(body, from.patch.error());
+  if (!built.patch) {
+    keep_patch(body, built.patch.error());
     return false;
   }
-  sfem::Patch patch = std::move(*from.patch);
-  PatchRebuild rebuild{.time = time,
-                       .seconds = from.seconds,
-                       .elements = int(patch.elements.size()),
-                       .local_nodes = patch.local_nodes,
-                       .points = int(patch.points.size())};
+  const std::shared_ptr<const sfem::Patch>& patch = *built.patch;
+  keep_alive(body.patches, patch);
+  PatchRebuild rebuild = rebuild_of(*patch, time, built.seconds);
   const Timer taking;
-  std::vector<Vec3d> history;
-  if (body.touch.params.viscosity.stiffening > 0)
-    history =
-        contact::displacements(body.model, contact::coarse_history(body.touch.history, body.patch), patch);
-  const contact::Handover handover = contact::take_patch(body.touch, body.patch, patch, body.tools, history);
+  const contact::PatchOffer offer{
+      .patch = patch,
+      .history = contact::handed_history(body.model, body.touch.state.history, *body.touch.patch, *patch),
+      .number = long(body.rebuilds.size()) + 1};
+  rebuild.force_jump = contact::take_patch(body.touch, offer).force_jump;
   rebuild.handover_seconds = taking.seconds();
-  rebuild.force_jump = handover.force_jump;
-  body.patch = std::move(patch);
   body.rebuilds.push_back(rebuild);
   return true;
+}
+
+void offer_patch(const Exec& exec, SfemBody& body, double time, latest<contact::PatchOffer>& offers) {
+  const contact::TouchedNow& now = body.now;
+  if (body.worker && body.worker->is_busy()) {
+    if (!body.worker->is_ready()) return;
+    const BuiltPatch built = body.worker->finish();
+    if (!built.patch) return keep_patch(body, built.patch.error());
+    keep_alive(body.patches, *built.patch);
+    body.rebuilds.push_back(rebuild_of(**built.patch, time, built.seconds));
+    contact::PatchOffer& offer = offers.writing();
+    offer.patch = *built.patch;
+    offer.history = contact::handed_history(body.model, now.history, *now.patch, **built.patch);
+    offer.number = long(body.rebuilds.size());
+    offers.publish();
+    return;
+  }
+  if (now.taken < long(body.rebuilds.size())) return;  // it has not taken the last one yet
+  std::vector<Vec3d> places = contact::touched_places(body.model, now.middles, now.poses, body.centres);
+  if (!contact::must_follow(body.follow, body.centres, places)) return;
+  (void)begin_patch(exec, body, places);
+  body.centres = std::move(places);
 }
 
 }  // namespace turgor

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "turgor Green's functions 1";
+constexpr const char* kFormat = "turgor Green's functions 2";
 constexpr std::size_t kMostChecks = 1 << 10;
 
 template <class T>

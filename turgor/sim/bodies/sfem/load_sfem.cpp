@@ -19,10 +19,6 @@ namespace {
 
 constexpr double kLeastPatchMemory = 0.25;  // a patch may take this, however little a scene allows [GB]
 
-Progress begin_work(const BeginWork& begin, const std::string& label, const std::string& sentence = "") {
-  return begin ? begin(label, sentence) : Progress();
-}
-
 void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
   notes.insert(notes.end(), more.begin(), more.end());
 }
@@ -190,9 +186,12 @@ Status prepare_turning(const Exec& exec, SfemBody& body, const BeginWork& begin)
 
 }  // namespace
 
-Result<SfemBody> load_sfem(const Exec& exec, const SfemScene& scene, const BeginWork& begin) {
+Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const World&) {
+  const auto& [exec, begin, purpose] = loading;
   SfemBody body;
   body.name = scene.name;
+  body.usual_force = scene.material.young * 1e-4;
+  if (purpose == Purpose::kDraw) return body;
   const Timer shaping;
   Result<OrganMesh> shape = load_shape(exec, scene, begin);
   if (!shape) return Error{fmt::format("{}: {}", scene.place, shape.error().message)};

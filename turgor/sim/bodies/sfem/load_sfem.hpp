@@ -2,31 +2,35 @@
 // its Green's functions from the cache or computed; its tools on their paths.
 #pragma once
 
-#include <functional>
 #include <string>
+#include <vector>
 
-#include "turgor/core/exec.hpp"
-#include "turgor/core/progress.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/sim/bodies/sfem/sfem_body.hpp"
-#include "turgor/sim/tools/press_path.hpp"
+#include "turgor/sim/loading.hpp"
 
 namespace turgor {
 
-/// Called before work that takes long: a word for a progress bar, and a sentence that says what it will take
-/// (may be empty). Returns what is told the finished fraction; both may be empty.
-using BeginWork = std::function<Progress(const std::string& label, const std::string& sentence)>;
-
 /// Without its tools. Error: names the scene's place, or the file.
-Result<SfemBody> load_sfem(const Exec& exec, const SfemScene& scene, const BeginWork& begin);
-
-/// A tool by its shape alone, to be drawn. Error: a mesh that is none.
-Result<TouchingTool> load_tool_shape(const ToolScene& scene);
-/// A tool, with its path laid on the surface of the body of that name. Error: a path or a mesh that is none,
-/// a tool wider than the body.
-Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, const RestSurface& surface);
+Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const World& world);
+inline const std::vector<std::string>& notes(const SfemBody& body) { return body.facts.notes; }
 
 /// The surface that tools touch.
 RestSurface rest_surface(const SfemBody& body);
+inline void make_rest_surface(SfemBody&) {}  // it is there
+/// Error: see begin_touch; names the scene's place.
+Status begin_body(const Exec& exec, SfemBody& body, const SfemScene& scene, const World& world);
+
+/// The ticks of a frame, and large rotations after them.
+void step_body(const Exec& exec, SfemBody& body, World& world, const FrameInput& input, FrameReport& report);
+std::uint64_t state_hash(const SfemBody& body, std::uint64_t seed);
+
+/// Tool `t` of its tool_indices.
+inline ToolNow tool_now(const SfemBody& body, std::size_t t, const World&) {
+  return {body.now.poses[t].pose, body.now.forces[t].force, 0};
+}
+inline Look look_of(const SfemBody&) { return Look::kFlesh; }
+/// The coarse surface with the patch in it, or the finer one that the scene names.
+void show(const Exec& exec, const SfemBody& body, ShownBody& out);
 
 }  // namespace turgor

@@ -2,22 +2,28 @@
 // follows the tools, what every haptic tick answered, and its surface as pictures show it.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "turgor/contact/follow.hpp"
-#include "turgor/contact/touch.hpp"
+#include "turgor/contact/sfem_touch.hpp"
 #include "turgor/geometry/embedding.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/models/sfem/patch.hpp"
 #include "turgor/models/sfem/rotation.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
+#include "turgor/sim/bodies/sfem/patch_worker.hpp"
+#include "turgor/sim/frame.hpp"
 #include "turgor/sim/scene/sfem_scene.hpp"
+#include "turgor/sim/shown.hpp"
+#include "turgor/sim/tools/press_path.hpp"
 #include "turgor/sim/tools/touched_body.hpp"
 
 namespace turgor {
+
+struct World;
 
 /// A patch that was built while the tool moved.
 struct PatchRebuild {
@@ -64,7 +70,7 @@ struct ClothPress {
 
 /// How turned elements and cloth move every vertex; ticks go from where that was a frame ago to where it is
 /// now. Empty = nothing does.
-struct FreeMotion {
+struct FreeDisplacement {
   std::vector<Vec3d> before, now;  // [m]
 };
 
@@ -75,34 +81,44 @@ struct SfemBody : TouchedBody {
 
   std::optional<Turning> turning;
   std::optional<ClothPress> press;
-  FreeMotion free;
+  FreeDisplacement free;
 
+  // Of the frame, which wants patches and draws:
   int refinement = 2;
   int contacts = 32;             // contact::TouchParams::capacity
   std::size_t patch_memory = 0;  // that a patch may take [bytes]
   contact::FollowParams follow;
-  sfem::Patch patch;
-  contact::TouchState touch;
   std::vector<Vec3d> centres;  // where the present patch was built for [m]
+  std::unique_ptr<PatchWorker> worker;
+  std::vector<std::shared_ptr<const sfem::Patch>> patches;  // that somebody may still use
+  contact::TouchedNow now;                                  // what ticks left, one for each of tool_indices
 
-  std::vector<contact::Tool> tools;  // one for each of tool_indices, as the two below
-  std::vector<contact::ToolPose> poses;
-  std::vector<contact::ToolForce> forces;
+  contact::SfemTouch touch;  // who ticks owns this, and nothing else of the body that changes
 
   std::vector<PatchRebuild> rebuilds;
   int kept_patches = 0;      // times that a patch could not follow: the present one stayed
   std::string kept_because;  // the first time
 };
 
-/// The surface as it lies now.
-ShownSurface shown_surface(const Exec& exec, const SfemBody& body, double time);
-
 /// Builds the patch where the tools are at the start, and everything a tick needs. Error: the patch takes
 /// more than SfemBody::patch_memory, or its numbers do not hold.
 Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
                    const contact::Viscosity& viscosity);
-/// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick.
+/// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick. Begins with
+/// take_frame and ends with take_touched, as who ticks and who makes frames are one here.
 void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& tools, double from, double to);
+
+/// Keeps the last tick of tool `t` of its tool_indices.
+void log_tick(const SfemBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool);
+
+/// The frame takes what ticks left: body.now was just filled.
+void take_touched(SfemBody& body);
+
+/// A frame of a body that a haptic thread ticks, `frame_dt` long: takes what the ticks left, turns the body,
+/// tells where it goes and has its patch follow. Never waits for the haptic thread. contact::prepare came
+/// before either; the body stays where it is in memory.
+void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
+                contact::SfemExchange& exchange);
 
 /// Corrects large rotations for the next frame, if the body does so. The ticks have arrived where free
 /// motion led them.
@@ -115,16 +131,10 @@ void sum_free_motion(SfemBody& body);
 /// what viscous tissue remembers; ascending.
 std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body);
 
-/// Keeps the surface when the force on the tools is the largest so far.
-void remember_deepest(const Exec& exec, SfemBody& body, double time);
-
 /// Displacement of every vertex of the mesh by the coarse functions; zero where none are kept [m]: of the
 /// body as it lies now, and of these forces alone.
 std::vector<Vec3d> coarse_displacements(const Exec& exec, const SfemBody& body);
 std::vector<Vec3d> displacements(const Exec& exec, const SfemBody& body,
                                  std::span<const contact::VertexForce> forces);
-
-/// How far the deepest point of a tool is below the surface of the patch at rest; 0 = it does not touch [m].
-double depth_at_rest(const SfemBody& body, const contact::Tool& tool, const contact::Pose& pose);
 
 }  // namespace turgor

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "turgor/models/sfem/green.hpp"
-#include "turgor/sim/bodies/sfem/sfem_body.hpp"
+#include "turgor/sim/bodies/sfem/load_sfem.hpp"
 
 namespace turgor {
 
@@ -22,58 +22,59 @@ std::vector<double> flat(std::span<const Vec3d> vectors) {
 std::vector<int> vertices_of_points(const SfemBody& body) {
   std::map<std::array<double, 3>, int> vertex_at;
   const std::vector<Vec3d>& x = body.model.body.mesh.vertices;
-  for (const int e : body.patch.elements)
+  for (const int e : body.now.patch->elements)
     for (const int v : element(body.model.body.mesh, std::size_t(e))) {
       const Vec3d p = x[std::size_t(v)];
       vertex_at[{p.x, p.y, p.z}] = v;
     }
   std::vector<int> vertices;
-  for (const sfem::PatchPoint& point : body.patch.points) {
+  for (const sfem::PatchPoint& point : body.now.patch->points) {
     const auto found = vertex_at.find({point.x.x, point.x.y, point.x.z});
     vertices.push_back(found == vertex_at.end() ? -1 : found->second);
   }
   return vertices;
 }
 
-int add_vertex(ShownSurface& surface, Vec3d rest, int mesh_vertex) {
+int add_vertex(Vec3d rest, int mesh_vertex, ShownBody& surface) {
   surface.rest.push_back(Vec3(rest));
   surface.mesh_vertex.push_back(mesh_vertex);
   return int(surface.rest.size()) - 1;
 }
 
 /// Vertices of the mesh's surface, ascending; returns the place of each vertex of the mesh, -1 = inside.
-std::vector<int> add_mesh_vertices(const sfem::Model& model, ShownSurface& surface) {
+std::vector<int> add_mesh_vertices(const sfem::Model& model, ShownBody& surface) {
   const std::vector<Vec3d>& x = model.body.mesh.vertices;
   std::vector<int> place(x.size(), -1);
   for (const Int3 t : model.surface.triangles)
     for (const int v : {t.x, t.y, t.z}) place[std::size_t(v)] = 0;
   for (std::size_t v = 0; v < x.size(); v++)
-    if (place[v] == 0) place[v] = add_vertex(surface, x[v], int(v));
+    if (place[v] == 0) place[v] = add_vertex(x[v], int(v), surface);
   return place;
 }
 
 /// The coarse surface with the patch in place of the triangles it covers. First come the vertices of the
 /// mesh, the same at every moment, then those that the patch has besides.
-ShownSurface joined_surface(const SfemBody& body, const std::vector<Vec3d>& coarse,
-                            const std::vector<float>& pressure) {
+void join_surface(const SfemBody& body, const std::vector<Vec3d>& coarse, const std::vector<float>& pressure,
+                  ShownBody& surface) {
   const SolidMesh& mesh = body.model.body.mesh;
-  ShownSurface surface;
+  surface.rest.clear(), surface.displacement.clear(), surface.pressure.clear(), surface.triangles.clear();
+  surface.mesh_vertex.clear();
   const std::vector<int> shown_vertex = add_mesh_vertices(body.model, surface);
-  std::vector<int> shown_point(body.patch.points.size(), -1);
+  std::vector<int> shown_point(body.now.patch->points.size(), -1);
   for (const int v : surface.mesh_vertex) surface.displacement.push_back(Vec3(coarse[std::size_t(v)]));
   surface.pressure.resize(surface.rest.size());
   std::vector<bool> covered(mesh.vertices.size(), false), in_patch(element_count(mesh), false);
-  for (const int e : body.patch.elements) in_patch[std::size_t(e)] = true;
+  for (const int e : body.now.patch->elements) in_patch[std::size_t(e)] = true;
   const std::vector<int> vertices = vertices_of_points(body);
-  for (std::size_t p = 0; p < body.patch.points.size(); p++) {
-    const Vec3d rest = body.patch.points[p].x;
+  for (std::size_t p = 0; p < body.now.patch->points.size(); p++) {
+    const Vec3d rest = body.now.patch->points[p].x;
     const int known = vertices[p] < 0 ? -1 : shown_vertex[std::size_t(vertices[p])];
-    const auto n = std::size_t(shown_point[p] = known < 0 ? add_vertex(surface, rest, -1) : known);
+    const auto n = std::size_t(shown_point[p] = known < 0 ? add_vertex(rest, -1, surface) : known);
     surface.displacement.resize(surface.rest.size()), surface.pressure.resize(surface.rest.size());
-    surface.displacement[n] = Vec3(body.touch.x[p] - rest), surface.pressure[n] = pressure[p];
+    surface.displacement[n] = Vec3(body.now.x[p] - rest), surface.pressure[n] = pressure[p];
     if (vertices[p] >= 0) covered[std::size_t(vertices[p])] = true;
   }
-  for (const Int3 t : body.patch.triangles)
+  for (const Int3 t : body.now.patch->triangles)
     surface.triangles.push_back(
         {shown_point[std::size_t(t.x)], shown_point[std::size_t(t.y)], shown_point[std::size_t(t.z)]});
   const SolidSurface& outer = body.model.surface;
@@ -85,7 +86,6 @@ ShownSurface joined_surface(const SfemBody& body, const std::vector<Vec3d>& coar
     surface.triangles.push_back(
         {shown_vertex[std::size_t(t.x)], shown_vertex[std::size_t(t.y)], shown_vertex[std::size_t(t.z)]});
   }
-  return surface;
 }
 
 /// What a place near the patch has that the coarse functions do not say: the nearest point of the patch's
@@ -124,37 +124,37 @@ auto interpolated(const PatchPlace& place, const Of& of) {
 
 /// The part of a point's displacement that the coarse functions do not have [m].
 Vec3d fine_part(const SfemBody& body, const std::vector<Vec3d>& coarse, int p) {
-  const sfem::PatchPoint& point = body.patch.points[std::size_t(p)];
-  Vec3d u = body.touch.x[std::size_t(p)] - point.x;
+  const sfem::PatchPoint& point = body.now.patch->points[std::size_t(p)];
+  Vec3d u = body.now.x[std::size_t(p)] - point.x;
   for (int s = 0; s < point.supports; s++) {
     const auto i = std::size_t(s);
-    u -= coarse[std::size_t(body.patch.coarse[std::size_t(point.coarse[i])])] * point.weight[i];
+    u -= coarse[std::size_t(body.now.patch->coarse[std::size_t(point.coarse[i])])] * point.weight[i];
   }
   return u;
 }
 
 /// The finer surface: carried by the coarse elements, and near the patch by what that adds.
-ShownSurface carried_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec3d>& coarse,
-                             const std::vector<float>& pressure) {
+void carry_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec3d>& coarse,
+                   const std::vector<float>& pressure, ShownBody& surface) {
   const Embedding& embedding = body.seen->embedding;
   const std::size_t count = embedding.rest.size();
-  ShownSurface surface;
   surface.rest = embedding.rest;
   surface.triangles = body.seen->triangles;
+  surface.mesh_vertex.clear();  // the numbers are those of its file
   std::vector<Vec3> moved(count);
   move(embedding, coarse, moved);
   surface.displacement.resize(count);
   surface.pressure.assign(count, 0);
   // The two surfaces differ by less than the coarse one's triangles are large; farther is another side.
-  const double reach = longest_edge(body.patch);
+  const double reach = longest_edge(*body.now.patch);
   std::vector<std::uint8_t> near_patch(body.model.body.mesh.vertices.size(), 0);
-  for (const int v : body.patch.coarse) near_patch[std::size_t(v)] = 1;
+  for (const int v : body.now.patch->coarse) near_patch[std::size_t(v)] = 1;
   parallel_for(exec, count, [&](std::size_t v) {
     Vec3d u = Vec3d(moved[v]) - Vec3d(embedding.rest[v]);
     const int* corners = &embedding.nodes[v * std::size_t(embedding.corners)];
     if (std::any_of(corners, corners + embedding.corners,
                     [&](int node) { return near_patch[std::size_t(node)] != 0; })) {
-      const PatchPlace place = nearest_in_patch(body.patch, Vec3d(embedding.rest[v]));
+      const PatchPlace place = nearest_in_patch(*body.now.patch, Vec3d(embedding.rest[v]));
       if (place.distance < reach) {
         u += interpolated(place, [&](int p) { return fine_part(body, coarse, p); });
         surface.pressure[v] =
@@ -163,7 +163,13 @@ ShownSurface carried_surface(const Exec& exec, const SfemBody& body, const std::
     }
     surface.displacement[v] = Vec3(u);
   });
-  return surface;
+}
+
+/// Of the contacts, at every point of the patch [Pa].
+void find_pressure(const SfemBody& body, std::vector<double>& pressure) {
+  contact::PatchSurface surface;
+  contact::measure_surface(*body.now.patch, surface);
+  contact::contact_pressure(surface, body.now.force, pressure);
 }
 
 /// Of a kept node below the surface.
@@ -211,33 +217,33 @@ std::vector<Vec3d> displacements(const Exec& exec, const SfemBody& body,
 }
 
 std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body) {
-  if (body.tools.empty()) return {};
+  if (body.now.poses.empty()) return {};
   // From viscosity.hpp: u = (Ξ f + p v)/(1 + p) after a tick, v = Ξ φ.
-  const double p = body.touch.params.viscosity.stiffening;
-  const std::vector<double> f = sfem::coarse_forces(body.patch, flat(body.touch.force));
+  const double p = body.now.stiffening;
+  const std::vector<double> f = sfem::coarse_forces(*body.now.patch, flat(body.now.force));
   std::map<int, Vec3d> forces;
-  for (std::size_t c = 0; c < body.patch.coarse.size(); c++)
-    forces[body.patch.coarse[c]] += Vec3d{f[3 * c], f[3 * c + 1], f[3 * c + 2]} / (1 + p);
+  for (std::size_t c = 0; c < body.now.patch->coarse.size(); c++)
+    forces[body.now.patch->coarse[c]] += Vec3d{f[3 * c], f[3 * c + 1], f[3 * c + 2]} / (1 + p);
   if (p > 0)
-    for (const contact::VertexForce& remembered : contact::coarse_history(body.touch.history, body.patch))
+    for (const contact::VertexForce& remembered : contact::coarse_history(body.now.history, *body.now.patch))
       forces[remembered.vertex] += remembered.force * (p / (1 + p));
   std::vector<contact::VertexForce> list;
   for (const auto& [vertex, force] : forces) list.push_back({vertex, force});
   return list;
 }
 
-ShownSurface shown_surface(const Exec& exec, const SfemBody& body, double time) {
+void show(const Exec& exec, const SfemBody& body, ShownBody& out) {
   std::vector<Vec3d> coarse(body.model.body.mesh.vertices.size());
-  if (!body.tools.empty() || body.press) coarse = coarse_displacements(exec, body);
-  std::vector<double> pressure(body.patch.points.size());
-  if (!body.tools.empty()) contact::contact_pressure(body.touch, pressure);
+  if (!body.now.poses.empty() || body.press) coarse = coarse_displacements(exec, body);
+  std::vector<double> pressure(body.now.patch->points.size());
+  if (!body.now.poses.empty()) find_pressure(body, pressure);
   const std::vector<float> shown_pressure(pressure.begin(), pressure.end());
-  ShownSurface surface = body.seen ? carried_surface(exec, body, coarse, shown_pressure)
-                                   : joined_surface(body, coarse, shown_pressure);
-  surface.time = time;
-  for (std::size_t t = 0; t < body.tools.size(); t++)
-    surface.tools.push_back({body.poses[t].pose, body.forces[t].force});
-  return surface;
+  if (body.seen)
+    carry_surface(exec, body, coarse, shown_pressure, out);
+  else
+    join_surface(body, coarse, shown_pressure, out);
+  out.wall_begin = out.triangles.size();
+  place_vertices(out);
 }
 
 }  // namespace turgor

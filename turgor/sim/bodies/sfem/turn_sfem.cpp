@@ -6,7 +6,7 @@ namespace turgor {
 
 void turn_body(const Exec& exec, SfemBody& body) {
   body.free.before = body.free.now;
-  if (!body.turning || (body.tools.empty() && !body.press)) return;
+  if (!body.turning || (body.tool_indices.empty() && !body.press)) return;
   Turning& turning = *body.turning;
   std::vector<Vec3d> forces(body.model.body.mesh.vertices.size());
   for (const contact::VertexForce& f : coarse_forces_now(body)) forces[std::size_t(f.vertex)] += f.force;

@@ -1,0 +1,201 @@
+#include "app/bench_haptics.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "turgor/haptics/loop.hpp"
+
+namespace turgor {
+
+namespace {
+
+using haptics::TimingReport;
+using haptics::WallAnswer;
+using haptics::WallTrial;
+using haptics::WallVerdict;
+
+/// A wall at z = 0, of 500 N/m.
+void wall_tick(void* /*context*/, std::span<const contact::ToolCommand> commands, double,
+               std::span<contact::ToolReading> readings) {
+  for (std::size_t i = 0; i < commands.size(); i++)
+    readings[i].force.z = 500 * std::max(0.0, -commands[i].pose.position.z);
+}
+void empty_tick(void* /*context*/, std::span<const contact::ToolCommand>, double,
+                std::span<contact::ToolReading>) {}
+
+/// Up and down through the wall, once a second.
+haptics::HandTarget tapping(double time) {
+  return {.pose = {.position = {0, 0, 0.005 * std::cos(2 * std::numbers::pi * time)}, .axes = {}}};
+}
+
+HapticLoopRow measure_loop(double rate, bool wall, double seconds, std::vector<std::string>& notes) {
+  haptics::VirtualDevice device({.rate = rate}, haptics::light_hand(tapping), haptics::VirtualTime::kClock);
+  (void)device.open();
+  auto loop =
+      haptics::Loop::start({{.device = &device}}, wall ? wall_tick : empty_tick, nullptr, {.rate = rate});
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  (*loop)->stop();
+  notes = (*loop)->notes();
+  return {wall, (*loop)->report()};
+}
+
+std::vector<double> powers(double low, double high, int count) {
+  std::vector<double> values;
+  for (int i = 0; i < count; i++) values.push_back(low * std::pow(high / low, double(i) / (count - 1)));
+  return values;
+}
+
+void measure_map(const Exec& exec, const HapticsBench& bench, ZWidthMap& map) {
+  map.verdicts.resize(bench.stiffness.size() * bench.damping.size());
+  parallel_for(exec, std::int64_t(map.verdicts.size()), [&](std::int64_t i) {
+    WallTrial trial = bench.trial;
+    trial.stiffness = bench.stiffness[std::size_t(i) % bench.stiffness.size()];
+    trial.damping = bench.damping[std::size_t(i) / bench.stiffness.size()];
+    trial.answer = map.answer;
+    trial.frame_rate = map.frame_rate;
+    trial.controller = map.controller;
+    map.verdicts[std::size_t(i)] = haptics::press_wall(trial);
+  });
+}
+
+/// The stiffest wall up to which all walls of a damping come to rest; 0: none [N/m].
+double stiffest(const HapticsBench& bench, const ZWidthMap& map, std::size_t row) {
+  double stable = 0;
+  for (std::size_t k = 0; k < bench.stiffness.size(); k++) {
+    if (!map.verdicts[row * bench.stiffness.size() + k].stable) break;
+    stable = bench.stiffness[k];
+  }
+  return stable;
+}
+
+nlohmann::ordered_json to_json(const haptics::Spread& s) {
+  return {{"p50_us", 1e6 * s.p50},
+          {"p99_us", 1e6 * s.p99},
+          {"p999_us", 1e6 * s.p999},
+          {"max_us", 1e6 * s.largest}};
+}
+
+nlohmann::ordered_json to_json(const HapticLoopRow& row) {
+  const TimingReport& r = row.report;
+  return {{"model", row.wall ? "wall" : "none"},
+          {"rate_asked_hz", r.rate_asked},
+          {"rate_hz", r.rate},
+          {"ticks", r.ticks},
+          {"missed", r.missed},
+          {"period", to_json(r.period)},
+          {"jitter", to_json(r.jitter)},
+          {"compute", to_json(r.compute)},
+          {"latency", to_json(r.latency)}};
+}
+
+nlohmann::ordered_json to_json(const HapticsBench& bench, const ZWidthMap& map) {
+  nlohmann::ordered_json speeds = nlohmann::ordered_json::array(), stable = speeds;
+  for (std::size_t b = 0; b < bench.damping.size(); b++) {
+    const auto begin = map.verdicts.begin() + std::ptrdiff_t(b * bench.stiffness.size());
+    nlohmann::ordered_json row = nlohmann::ordered_json::array(), rests = row;
+    for (auto v = begin; v != begin + std::ptrdiff_t(bench.stiffness.size()); ++v)
+      row.push_back(v->speed), rests.push_back(v->stable);
+    speeds.push_back(row), stable.push_back(rests);
+  }
+  return {{"physics", map.name},
+          {"frame_rate_hz", map.frame_rate},
+          {"controller", map.controller},
+          {"stable", stable},
+          {"speed_m_s", speeds}};
+}
+
+}  // namespace
+
+HapticsBench bench_haptics(const Exec& exec, double seconds, const Progress& progress) {
+  HapticsBench bench;
+  bench.stiffness = powers(100, 100000, 31);
+  bench.damping = {0, 1, 2, 5, 10, 20, 30, 50, 70, 100, 150, 200};
+  for (const bool controller : {false, true})
+    for (const auto& [name, answer, rate] : {std::tuple{"1 kHz", WallAnswer::kTick, 1000.0},
+                                             {"100 Hz, force held", WallAnswer::kHeld, 100.0},
+                                             {"30 Hz, force held", WallAnswer::kHeld, 30.0},
+                                             {"30 Hz, local contact model", WallAnswer::kLocal, 30.0}})
+      bench.maps.push_back({name, answer, rate, controller, {}});
+  const std::size_t steps = bench.maps.size() + 4;
+  std::size_t done = 0;
+  const auto step = [&] {
+    if (progress) progress(double(++done) / double(steps));
+  };
+  for (const double rate : {1000.0, 4000.0})
+    for (const bool wall : {false, true}) {
+      if (seconds > 0) bench.loops.push_back(measure_loop(rate, wall, seconds, bench.notes));
+      step();
+    }
+  for (ZWidthMap& map : bench.maps) measure_map(exec, bench, map), step();
+  return bench;
+}
+
+void print(const HapticsBench& bench) {
+  if (!bench.loops.empty())
+    fmt::print(
+        "A loop with a computed arm, times in microseconds; jitter: how far a period is from what was "
+        "asked.\n\n"
+        "{:>9}{:>7}{:>10}{:>8} |{:>8}{:>7}{:>8}{:>8} |{:>9}{:>7}{:>8} |{:>9}{:>7}\n",
+        "asked[Hz]", "model", "rate[Hz]", "missed", "jitter", "99 %", "99.9 %", "max", "compute", "99 %",
+        "max", "latency", "99 %");
+  for (const HapticLoopRow& row : bench.loops) {
+    const TimingReport& r = row.report;
+    fmt::print(
+        "{:>9.0f}{:>7}{:>10.1f}{:>8} |{:>8.1f}{:>7.0f}{:>8.0f}{:>8.0f} |{:>9.2f}{:>7.2f}{:>8.1f} "
+        "|{:>9.0f}{:>7.0f}\n",
+        r.rate_asked, row.wall ? "wall" : "-", r.rate, r.missed, 1e6 * r.jitter.p50, 1e6 * r.jitter.p99,
+        1e6 * r.jitter.p999, 1e6 * r.jitter.largest, 1e6 * r.compute.p50, 1e6 * r.compute.p99,
+        1e6 * r.compute.largest, 1e6 * r.latency.p50, 1e6 * r.latency.p99);
+  }
+  for (const std::string& note : bench.notes) fmt::print("  {}\n", note);
+
+  const haptics::VirtualArm& arm = bench.trial.arm;
+  fmt::print(
+      "\nThe stiffest wall [N/m] that an arm of {} kg, {} N.s/m, {} N, encoder {:.0f} um comes to rest on, "
+      "held by "
+      "a hand of {} kg, {} N.s/m, {} N/m;\nfrom {:.0f} to {:.0f} N/m.\n\n{:<28}{:>11} |",
+      arm.mass, arm.viscous, arm.coulomb, 1e6 * arm.encoder, bench.trial.hand_mass, bench.trial.hand_damping,
+      bench.trial.hand_stiffness, bench.stiffness.front(), bench.stiffness.back(), "physics", "controller");
+  for (const double b : bench.damping) fmt::print("{:>7}", fmt::format("B={:g}", b));
+  fmt::print("\n");
+  for (const ZWidthMap& map : bench.maps) {
+    fmt::print("{:<28}{:>11} |", map.name, map.controller ? "yes" : "no");
+    for (std::size_t b = 0; b < bench.damping.size(); b++) fmt::print("{:>7.0f}", stiffest(bench, map, b));
+    fmt::print("\n");
+  }
+  const double hand = arm.viscous + bench.trial.hand_damping;
+  fmt::print("{:<28}{:>11} |", "no energy: Colgate, 1 kHz", "");
+  for (const double b : bench.damping)
+    fmt::print("{:>7.0f}", std::max(0.0, haptics::colgate_stiffness(arm.viscous, b, 1 / arm.rate)));
+  fmt::print("\n{:<28}{:>11} |", "rest: (b + B) 2/T, 1 kHz", "");
+  for (const double b : bench.damping)
+    fmt::print("{:>7.0f}", haptics::resting_stiffness(hand, b, 1 / arm.rate));
+  fmt::print("\n");
+}
+
+std::string to_json_text(const HapticsBench& bench) {
+  const haptics::VirtualArm& arm = bench.trial.arm;
+  nlohmann::ordered_json json{
+      {"bench", "haptics"}, {"loops", nlohmann::ordered_json::array()}, {"notes", bench.notes}};
+  for (const HapticLoopRow& row : bench.loops) json["loops"].push_back(to_json(row));
+  json["arm"] = {{"mass_kg", arm.mass},
+                 {"viscous_n_s_per_m", arm.viscous},
+                 {"coulomb_n", arm.coulomb},
+                 {"encoder_m", arm.encoder},
+                 {"hand_mass_kg", bench.trial.hand_mass},
+                 {"hand_damping_n_s_per_m", bench.trial.hand_damping},
+                 {"hand_stiffness_n_per_m", bench.trial.hand_stiffness}};
+  json["stiffness_n_per_m"] = bench.stiffness;
+  json["damping_n_s_per_m"] = bench.damping;
+  json["z_width"] = nlohmann::ordered_json::array();
+  for (const ZWidthMap& map : bench.maps) json["z_width"].push_back(to_json(bench, map));
+  return json.dump(2) + "\n";
+}
+
+}  // namespace turgor

@@ -1,0 +1,61 @@
+// `turgor devices`: which haptic devices are connected, and what is missing for those that are not.
+#include "turgor/haptics/drivers/devices.hpp"
+
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.hpp"
+#include "turgor/core/one_line.hpp"
+#include "turgor/io/file.hpp"
+
+namespace turgor {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using haptics::DeviceListing;
+
+Json describe(const std::vector<DeviceListing>& listings) {
+  Json drivers = Json::array();
+  for (const DeviceListing& l : listings)
+    drivers.push_back(
+        {{"driver", l.driver}, {"devices", l.devices}, {"connected", l.connected}, {"note", l.note}});
+  return {{"drivers", drivers}};
+}
+
+void print_devices(const std::vector<DeviceListing>& listings) {
+  fmt::print("  {:<12} {:<10} {}\n", "driver", "connected", "devices");
+  for (const DeviceListing& l : listings) {
+    const std::string connected = l.connected.empty() ? "-" : fmt::format("{}", fmt::join(l.connected, ", "));
+    fmt::print("  {:<12} {:<10} {}\n  {:<12} {:<10} {}\n", l.driver, on_one_line(connected), l.devices, "",
+               "", on_one_line(l.note));
+  }
+}
+
+void run_devices(const haptics::DeviceOptions& options, const std::string& json) {
+  if (!json.empty())
+    if (Status goal = check_file_goal(json); !goal) throw Failure{2, goal.error().message};
+  const std::vector<DeviceListing> listings = haptics::list_devices(options);
+  print_devices(listings);
+  if (json.empty()) return;
+  const std::string text = describe(listings).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (Status written = write_file(json, text); !written) throw Failure{2, written.error().message};
+}
+
+}  // namespace
+
+void add_devices_command(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("devices", "Haptic devices: which are connected, and what others need");
+  auto options = std::make_shared<haptics::DeviceOptions>();
+  auto json = std::make_shared<std::string>();
+  command->add_option("--address", options->address, "HOST:PORT of the Haply Inverse Service")
+      ->capture_default_str();
+  command->add_option("--json", *json, "Also write what is said to this file");
+  command->footer("Nothing moves. How to connect a device: docs/devices.md\nExample:\n  turgor devices");
+  command->callback([options, json] { run_devices(*options, *json); });
+}
+
+}  // namespace turgor

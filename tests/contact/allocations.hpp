@@ -1,0 +1,18 @@
+// Counts what a thread takes from the heap (touch.cpp replaces operator new for this whole program).
+#pragma once
+
+#include <cstddef>
+
+namespace turgor::test {
+
+extern thread_local std::size_t allocations;  // of this thread, since it began
+
+/// Of what `act` does.
+template <class Act>
+std::size_t allocations_of(const Act& act) {
+  const std::size_t before = allocations;
+  act();
+  return allocations - before;
+}
+
+}  // namespace turgor::test

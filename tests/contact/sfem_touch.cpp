@@ -1,0 +1,161 @@
+#include "turgor/contact/sfem_touch.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "contact/allocations.hpp"
+#include "turgor/geometry/hex_block.hpp"
+
+namespace turgor::contact {
+namespace {
+
+constexpr double kRadius = 5e-3, kTick = 1e-3;
+const std::vector<Tool> kBall{{Sphere{kRadius}, 0.4}};
+const FollowParams kFollow{.radius = 12e-3, .blend_time = 0.03, .largest_step = 2e-3};
+
+/// 60 x 40 x 20 mm of soft tissue on a fixed floor; its top is z = 0.
+const sfem::Model& block() {
+  static const sfem::Model model = [] {
+    sfem::Body body;
+    body.mesh = hex_block({60e-3, 40e-3, 20e-3}, {12, 8, 4});
+    for (Vec3d& x : body.mesh.vertices) x += Vec3d{-30e-3, -20e-3, -20e-3};
+    for (const Vec3d x : body.mesh.vertices) body.fixed.push_back(x.z < -19.9e-3);
+    body.materials = {{5e3, 0.4}};
+    sfem::Model made = *sfem::build(Exec(2), std::move(body), {.touch_depth = 0.02});
+    EXPECT_TRUE(sfem::compute_green(Exec(2), made, std::size_t(1) << 30));
+    return made;
+  }();
+  return model;
+}
+
+std::shared_ptr<const sfem::Patch> patch_at(Vec3d place) {
+  const std::vector<Vec3d> places{place};
+  return std::make_shared<const sfem::Patch>(
+      *sfem::build_patch(block(), sfem::patch_elements(block(), places, kFollow.radius), 2, places));
+}
+
+Pose over(double x, double depth) { return {{x, 1e-3, kRadius - depth}, {}}; }
+
+SfemTouch touched(double stiffening = 0) {
+  const std::vector<Pose> poses{over(-10e-3, -1e-3)};
+  return make_sfem_touch(patch_at({-10e-3, 0, 0}), kBall, poses,
+                         {.touch = {.viscosity = {.stiffening = stiffening, .time = 0.1}},
+                          .follow = kFollow,
+                          .vertex_count = block().body.mesh.vertices.size()});
+}
+
+/// Down within 100 ms, then along x by 10 um a tick.
+ToolCommand command_at(int tick) {
+  return {.pose = over(-10e-3 + 1e-5 * std::max(0, tick - 100), 2e-3 * std::min(1.0, tick / 100.0))};
+}
+
+TEST(SfemTouch, a_tick_that_takes_a_frame_and_a_patch_allocates_nothing) {
+  for (const double stiffening : {0.0, 1.0}) {
+    SfemTouch touch = touched(stiffening);
+    SfemExchange exchange;
+    prepare(touch, exchange);
+    std::vector<std::shared_ptr<const sfem::Patch>> alive{touch.patch};
+    std::vector<ToolReading> readings(1);
+    std::size_t counted = 0;
+    for (int i = 0; i < 900; i++) {
+      if (i % 17 == 0) {
+        exchange.motion.write({std::vector<Vec3d>(touch.free.to.size(), Vec3d{0, 0, 1e-6 * i}), 17});
+      }
+      if (i % 200 == 150) {
+        const TouchedNow now = exchange.touched.read();
+        alive.push_back(patch_at(now.middles[0].place));
+        exchange.patches.write(
+            {alive.back(), handed_history(block(), now.history, *now.patch, *alive.back()), i});
+      }
+      const ToolCommand command = command_at(i);
+      counted +=
+          test::allocations_of([&] { tick(touch, exchange, std::span(&command, 1), kTick, readings); });
+    }
+    EXPECT_EQ(counted, 0u) << stiffening;
+    EXPECT_EQ(touch.taken, 750) << "the last patch";
+    EXPECT_GT(readings[0].force.z, 0.01) << "N: it still presses";
+  }
+}
+
+TEST(SfemTouch, the_surface_arrives_where_the_frame_sent_it_at_the_frame_s_last_tick) {
+  SfemTouch touch = touched();
+  const std::vector<ToolCommand> away{{.pose = over(0, -0.1)}};
+  std::vector<ToolReading> readings(1);
+  const Vec3d goal{1e-3, 0, 2e-3}, second{0, 0, -1e-3};
+  const auto go = [&](Vec3d to, int ticks) {
+    take_frame(touch, std::vector<Vec3d>(touch.free.to.size(), to), 10);
+    for (int i = 0; i < ticks; i++) tick(touch, away, kTick, readings);
+    return touch.state.x[0] - touch.patch->points[0].x;
+  };
+  EXPECT_LT(norm(go(goal, 10) - goal), 1e-15);
+  EXPECT_LT(norm(go(second, 5) - (goal + second) / 2), 1e-15) << "half-way";
+  EXPECT_LT(norm(go(goal, 5) - ((goal + second) / 2 + goal) / 2), 1e-15)
+      << "from where it was, without a step";
+  EXPECT_LT(norm(go(second, 30) - second), 1e-15) << "and stays there";
+}
+
+TEST(SfemTouch, a_reading_tells_depth_contacts_and_what_lies_beyond_the_patch) {
+  SfemTouch touch = touched();
+  std::vector<ToolReading> readings(1);
+  for (int i = 0; i <= 150; i++) {
+    const ToolCommand command = command_at(i);
+    tick(touch, std::span(&command, 1), kTick, readings);
+  }
+  EXPECT_NEAR(readings[0].depth, 2e-3, 1e-5);
+  EXPECT_GT(readings[0].contacts, 3);
+  EXPECT_FALSE(readings[0].beyond_patch);
+  bool beyond = false;
+  for (int i = 151; i <= 1800; i++) {
+    const ToolCommand command = command_at(i);
+    tick(touch, std::span(&command, 1), kTick, readings);
+    beyond = beyond || readings[0].beyond_patch;
+  }
+  EXPECT_TRUE(beyond) << "17 mm on, over the border of a patch of 12 mm";
+}
+
+TEST(SfemTouch, two_threads_exchange_whole_frames_and_the_force_has_no_step) {
+  SfemTouch touch = touched();
+  SfemExchange exchange;
+  prepare(touch, exchange);
+  std::vector<std::shared_ptr<const sfem::Patch>> patches{touch.patch};
+  std::atomic<int> done = 0;
+  std::size_t counted = 0;
+  double steepest = 0;
+  constexpr int kTicks = 2000;
+  std::thread hand([&] {
+    std::vector<ToolReading> readings(1);
+    Vec3d before;
+    for (int i = 0; i < kTicks; i++) {
+      const ToolCommand command = command_at(i);
+      counted +=
+          test::allocations_of([&] { tick(touch, exchange, std::span(&command, 1), kTick, readings); });
+      if (i > 0) steepest = std::max(steepest, norm(readings[0].force - before));
+      before = readings[0].force;
+      done = i + 1;
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+  });
+  long offered = 0;
+  while (done < kTicks) {
+    const TouchedNow& now = exchange.touched.read();
+    ASSERT_EQ(now.x.size(), now.patch->points.size()) << "a value is whole";
+    ASSERT_EQ(now.force.size(), now.patch->points.size());
+    exchange.motion.write({std::vector<Vec3d>(block().body.mesh.vertices.size(), Vec3d{}), 17});
+    if (now.taken == offered && now.middles[0].touches) {
+      patches.push_back(patch_at(now.middles[0].place));
+      exchange.patches.write({patches.back(), {}, ++offered});
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  hand.join();
+  EXPECT_EQ(counted, 0u);
+  EXPECT_GT(touch.taken, 3) << "patches followed the ball";
+  std::printf("%ld patches in %d ticks, largest step of the force %.5f N\n", touch.taken, kTicks, steepest);
+  EXPECT_LT(steepest, 2 * kFollow.largest_step);
+}
+
+}  // namespace
+}  // namespace turgor::contact

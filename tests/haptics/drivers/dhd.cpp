@@ -1,0 +1,230 @@
+#include "turgor/haptics/drivers/dhd.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <memory>
+
+#include "folders.hpp"
+#include "haptics/allocations.hpp"
+#include "haptics/drivers/fake_library.hpp"
+#include "haptics/fakes/fake_drd.hpp"
+#include "refused.hpp"
+
+namespace turgor::haptics {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The fake arm as it comes, and a driver that is told where its library is.
+class DhdArm : public testing::Test {
+ protected:
+  DhdArm() { arm = {}; }
+
+  Status open(DeviceOptions options = {}) {
+    options.library = FAKE_DRD;
+    device = std::make_unique<Dhd>(options);
+    return device->open();
+  }
+  bool exchange(Vec3d force = {}) { return device->exchange({.force = force}, input); }
+
+  FakeDrd& arm = *test::fake<FakeDrd>(FAKE_DRD, "fake_drd");
+  std::unique_ptr<Dhd> device;
+  DeviceInput input;
+};
+
+TEST_F(DhdArm, a_force_is_felt_along_the_axes_of_the_arm) {
+  ASSERT_TRUE(open());
+  // Ours: x right, y away, z up. The arm's: x towards the user, y right, z up.
+  ASSERT_TRUE(exchange({1, 2, 3}));
+  EXPECT_EQ(arm.force[0], -2);
+  EXPECT_EQ(arm.force[1], 1);
+  EXPECT_EQ(arm.force[2], 3);
+}
+
+TEST_F(DhdArm, what_the_hand_does_is_read_in_our_axes) {
+  arm.type = 104;  // sigma.7
+  arm.has_wrist = arm.has_active_wrist = arm.has_gripper = true;
+  arm.position[0] = -0.01, arm.position[1] = 0.02, arm.position[2] = 0.03;
+  arm.velocity[0] = 0.4;
+  arm.angular_velocity[1] = 2;
+  arm.buttons = 5;
+  // The grip is turned about the arm's y, our x, by a quarter turn: z goes to x, towards the user.
+  const double turned[3][3] = {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};
+  for (int i = 0; i < 3; i++) std::copy_n(turned[i], 3, arm.frame[i]);
+  ASSERT_TRUE(open());
+  ASSERT_TRUE(exchange());
+  EXPECT_EQ(input.pose.position, (Vec3d{0.02, 0.01, 0.03}));
+  EXPECT_EQ(input.velocity, (Vec3d{0, -0.4, 0}));
+  EXPECT_EQ(input.angular_velocity, (Vec3d{2, 0, 0}));
+  EXPECT_EQ(input.buttons, 5u);
+  EXPECT_EQ(input.pose.axes.column[0], (Vec3d{1, 0, 0}));
+  EXPECT_EQ(input.pose.axes.column[2], (Vec3d{0, -1, 0}));  // what points up points at the user
+  EXPECT_NEAR(input.grip, 1, 1e-12);
+  arm.gripper_angle = -0.26;  // of a left hand, half open
+  ASSERT_TRUE(exchange());
+  EXPECT_NEAR(input.grip, 0.5, 1e-12);
+}
+
+TEST_F(DhdArm, power_is_the_same_on_both_sides) {
+  // F·v does not depend on axes: a remap of forces that is not that of velocities would make or take energy.
+  ASSERT_TRUE(open());
+  arm.velocity[0] = 0.1, arm.velocity[1] = -0.2, arm.velocity[2] = 0.3;
+  ASSERT_TRUE(exchange({0.5, 1.5, -2.5}));
+  const double theirs =
+      arm.force[0] * arm.velocity[0] + arm.force[1] * arm.velocity[1] + arm.force[2] * arm.velocity[2];
+  EXPECT_NEAR(dot(Vec3d{0.5, 1.5, -2.5}, input.velocity), theirs, 1e-12);
+}
+
+TEST_F(DhdArm, limits_of_the_type_are_kept) {
+  for (const auto& [type, limit] : std::map<int, double>{{33, 12}, {63, 20}, {60, 8}, {999, 5}}) {
+    arm = {};
+    arm.type = type;
+    ASSERT_TRUE(open());
+    EXPECT_EQ(arm.max_force, limit);  // the vendor's own limit too
+    ASSERT_TRUE(exchange({300, 400, 0}));
+    EXPECT_NEAR(arm.largest_force, limit, 1e-9);
+    EXPECT_NEAR(arm.force[1] / -arm.force[0], 0.75, 1e-12);  // its direction stays
+    device->close();
+  }
+}
+
+TEST_F(DhdArm, torques_and_grips_without_motors_get_nothing) {
+  arm.type = 35;  // omega.7: a wrist that is not driven, a gripper that is
+  arm.has_wrist = arm.has_gripper = true;
+  ASSERT_TRUE(open());
+  ASSERT_TRUE(device->exchange({.torque = {1, 0, 0}, .grip_force = 20}, input));
+  EXPECT_EQ(std::hypot(arm.torque[0], arm.torque[1], arm.torque[2]), 0);
+  EXPECT_EQ(arm.gripper_force, 8);
+}
+
+TEST_F(DhdArm, a_force_that_is_no_number_is_not_sent) {
+  ASSERT_TRUE(open());
+  ASSERT_TRUE(exchange({1, 0, 0}));
+  ASSERT_TRUE(exchange({std::nan(""), 0, 5}));
+  EXPECT_EQ(std::hypot(arm.force[0], arm.force[1], arm.force[2]), 0);
+  ASSERT_TRUE(exchange({std::numeric_limits<double>::infinity(), 0, 0}));
+  EXPECT_EQ(std::hypot(arm.force[0], arm.force[1], arm.force[2]), 0);
+}
+
+TEST_F(DhdArm, the_vendor_s_guards_stay) {
+  ASSERT_TRUE(open());
+  for (int n = 0; n < 200; n++) exchange();
+  EXPECT_EQ(arm.velocity_thresholds, 0);
+  EXPECT_EQ(arm.watchdog, 255);  // 32 ms
+  EXPECT_TRUE(arm.has_gravity_compensation);
+}
+
+TEST_F(DhdArm, an_arm_moves_by_itself_only_when_it_may) {
+  arm.is_initialized = false;
+  EXPECT_REFUSED(open(), "moves by itself", "may_move");
+  EXPECT_EQ(arm.auto_inits, 0);
+  EXPECT_FALSE(arm.is_open);  // nobody holds it any more
+  ASSERT_TRUE(open({.may_move = true}));
+  EXPECT_EQ(arm.auto_inits, 1);
+}
+
+TEST_F(DhdArm, an_arm_that_is_unplugged_ends_the_exchange_and_says_so) {
+  ASSERT_TRUE(open());
+  arm.position[1] = 0.02;
+  ASSERT_TRUE(exchange({1, 0, 0}));
+  EXPECT_EQ(device->trouble(), "");
+  arm.is_unplugged = true;
+  arm.position[1] = 0.05;
+  EXPECT_FALSE(exchange({1, 0, 0}));
+  EXPECT_EQ(input.pose.position.x, 0.02);  // as it was
+  EXPECT_NE(device->trouble().find("communication error"), std::string::npos) << device->trouble();
+}
+
+TEST_F(DhdArm, numbers_that_cannot_be_end_the_exchange) {
+  ASSERT_TRUE(open());
+  for (const double wrong : {std::nan(""), 3.0, -1e9}) {
+    arm.position[0] = wrong;
+    EXPECT_FALSE(exchange({2, 0, 0})) << wrong;
+    EXPECT_NE(device->trouble().find("cannot be"), std::string::npos);
+    EXPECT_EQ(arm.force[1], 0) << "the arm is let go";
+    arm.position[0] = 0;
+    EXPECT_TRUE(exchange({2, 0, 0}));
+    EXPECT_EQ(device->trouble(), "");
+  }
+}
+
+TEST_F(DhdArm, forces_that_are_off_are_told_and_come_back_by_the_users_hand) {
+  ASSERT_TRUE(open());
+  arm.forces_off_cause = 2;
+  bool felt = true;
+  for (int n = 0; n < 64 && felt; n++) felt = exchange({3, 0, 0});
+  EXPECT_FALSE(felt);
+  EXPECT_NE(device->trouble().find("moved too fast"), std::string::npos) << device->trouble();
+  EXPECT_FALSE(exchange());
+  arm.forces_off_cause = 0;  // the button
+  EXPECT_TRUE(exchange());
+}
+
+TEST_F(DhdArm, after_its_watchdog_forces_come_back_gently) {
+  ASSERT_TRUE(open());
+  arm.forces_off_cause = 3;
+  bool felt = true;
+  for (int n = 0; n < 64 && felt; n++) felt = exchange({3, 0, 0});
+  EXPECT_FALSE(felt);
+  EXPECT_FALSE(exchange({3, 0, 0})) << "a whole force at once";
+  EXPECT_TRUE(exchange({0.1, 0, 0}));
+}
+
+TEST_F(DhdArm, an_exchange_allocates_nothing) {
+  ASSERT_TRUE(open());
+  const std::size_t before = allocations();
+  for (int n = 0; n < 100; n++) exchange({1, 0, 0});
+  arm.is_unplugged = true;
+  for (int n = 0; n < 100; n++) exchange({1, 0, 0});
+  EXPECT_EQ(allocations(), before);
+}
+
+TEST_F(DhdArm, closing_lets_go_first) {
+  ASSERT_TRUE(open());
+  ASSERT_TRUE(exchange({1, 2, 3}));
+  device->close();
+  EXPECT_EQ(arm.force_when_switched_off, 0);
+  EXPECT_FALSE(arm.are_forces_on);
+  EXPECT_FALSE(arm.is_open);
+  device->close();
+  EXPECT_FALSE(exchange());
+  ASSERT_TRUE(device->open());
+  EXPECT_TRUE(exchange());
+}
+
+TEST_F(DhdArm, the_second_arm_is_number_1) {
+  arm.device_count = 2;
+  ASSERT_TRUE(open({.which = "1"}));
+  EXPECT_EQ(arm.opened_id, 1);
+  EXPECT_REFUSED(open({.which = "2"}), "cannot be opened");
+  EXPECT_REFUSED(open({.which = "left"}), "number of an arm", "left");
+  arm.device_count = 0;
+  EXPECT_REFUSED(open(), "no arm is connected", "udev");
+}
+
+TEST(Dhd, what_is_missing_is_named) {
+  EXPECT_REFUSED(Dhd({.library = "/nowhere/libdrd.so"}).open(), "/nowhere/libdrd.so",
+                 "install the Force Dimension SDK");
+  EXPECT_REFUSED(Dhd({.library = FAKE_HD}).open(), "libfake_hd.so", "lacks the function dhdGetDeviceCount");
+  const fs::path text = test::fresh_folder() / "libdrd.so";
+  test::write(text, "no library");
+  EXPECT_REFUSED(Dhd({.library = text}).open(), "libdrd.so", "file too short");
+}
+
+TEST(Dhd, the_highest_version_in_the_sdk_is_taken) {
+  const fs::path sdk = test::fresh_folder(), folder = sdk / "lib/release/lin-x86_64-gcc";
+  fs::create_directories(folder);
+  test::write(folder / "libdrd.so.3.9.0", "an old one");
+  fs::create_symlink(FAKE_DRD, folder / "libdrd.so.3.17.5");
+  ASSERT_EQ(setenv("FDSDK", sdk.c_str(), 1), 0);
+  const Result<DhdLibrary> dhd = load_dhd({});
+  unsetenv("FDSDK");
+  ASSERT_TRUE(dhd) << dhd.error().message;
+  EXPECT_EQ(dhd->library.file(), (folder / "libdrd.so.3.17.5").string());
+  EXPECT_TRUE(dhd->has_drd());
+}
+
+}  // namespace
+}  // namespace turgor::haptics

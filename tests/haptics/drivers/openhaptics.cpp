@@ -1,0 +1,234 @@
+#include "turgor/haptics/drivers/openhaptics.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "haptics/allocations.hpp"
+#include "haptics/drivers/fake_library.hpp"
+#include "haptics/fakes/fake_hd.hpp"
+#include "refused.hpp"
+
+namespace turgor::haptics {
+namespace {
+
+/// What the haptic thread sees, and what it is told to send.
+struct Felt {
+  std::mutex mutex;
+  DeviceOutput output;
+  DeviceInput input;
+  int ticks = 0;
+  std::size_t allocations = 0;
+};
+
+void feel(void* context, const DeviceInput& input, DeviceOutput& output) {
+  Felt& felt = *static_cast<Felt*>(context);
+  const std::lock_guard lock(felt.mutex);
+  if (felt.ticks == 0) felt.allocations = allocations();
+  felt.input = input;
+  output = felt.output;
+  felt.ticks++;
+}
+
+class HdArm : public testing::Test {
+ protected:
+  HdArm() { arm.reset(); }
+  ~HdArm() override {
+    if (device) device->close();
+  }
+
+  Status open(DeviceOptions options = {}) {
+    options.library = FAKE_HD;
+    device = std::make_unique<OpenHaptics>(options);
+    return device->open();
+  }
+  void run() {
+    ASSERT_TRUE(open());
+    ASSERT_TRUE(device->start(feel, &felt));
+    wait(3);
+  }
+  /// For this many ticks of the vendor's thread.
+  void wait(int ticks) {
+    const int end = arm.ticks + ticks;
+    for (int n = 0; n < 5000 && arm.ticks < end; n++)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_GE(arm.ticks, end);
+  }
+  void send(Vec3d force) {
+    {
+      const std::lock_guard lock(felt.mutex);
+      felt.output.force = force;
+    }
+    wait(3);
+  }
+  DeviceInput seen() {
+    const std::lock_guard lock(felt.mutex);
+    return felt.input;
+  }
+
+  FakeHd& arm = *test::fake<FakeHd>(FAKE_HD, "fake_hd");
+  std::unique_ptr<OpenHaptics> device;
+  Felt felt;
+};
+
+TEST_F(HdArm, a_force_is_felt_along_the_axes_of_the_device) {
+  run();
+  send({0.1, 0.2, 0.3});
+  // Ours: x right, y away, z up. Theirs: x right, y up, z towards the user.
+  EXPECT_EQ(arm.force[0], 0.1);
+  EXPECT_EQ(arm.force[1], 0.3);
+  EXPECT_EQ(arm.force[2], -0.2);
+  EXPECT_EQ(arm.forces_outside_frames, 0);
+}
+
+TEST_F(HdArm, what_the_hand_does_is_read_in_metres_and_our_axes) {
+  arm.transform[12] = 10, arm.transform[13] = 20, arm.transform[14] = 30;
+  // A quarter turn about x, as columns: y goes to z, z to -y.
+  const double columns[9] = {1, 0, 0, 0, 0, 1, 0, -1, 0};
+  for (std::size_t i = 0; i < 9; i++) arm.transform[i / 3 * 4 + i % 3] = columns[i];
+  arm.velocity[1] = 250;
+  arm.angular_velocity[2] = 3;
+  arm.buttons = 2;
+  run();
+  const DeviceInput input = seen();
+  EXPECT_NEAR(norm(input.pose.position - Vec3d{0.01, -0.03, 0.02}), 0, 1e-15);
+  EXPECT_NEAR(norm(input.velocity - Vec3d{0, 0, 0.25}), 0, 1e-15);
+  EXPECT_EQ(input.angular_velocity, (Vec3d{0, -3, 0}));
+  EXPECT_EQ(input.buttons, 2u);
+  EXPECT_NEAR(norm(input.pose.axes.column[2] - Vec3d{0, -1, 0}), 0,
+              1e-15);  // what points up points at the user
+  EXPECT_TRUE(contact::is_valid(input.pose));
+}
+
+TEST_F(HdArm, limits_are_those_that_the_device_tells_in_si_units) {
+  run();
+  EXPECT_EQ(device->spec().force, 3.3);
+  EXPECT_NEAR(device->spec().stiffness, 400, 1e-9);
+  EXPECT_NEAR(device->spec().damping, 5, 1e-9);
+  EXPECT_NEAR(norm(device->spec().workspace_low - Vec3d{-0.08, -0.035, -0.06}), 0, 1e-15);
+  EXPECT_NEAR(norm(device->spec().workspace_high - Vec3d{0.08, 0.035, 0.06}), 0, 1e-15);
+  send({30, 40, 0});
+  EXPECT_NEAR(arm.largest_force, 3.3, 1e-12);
+  EXPECT_NEAR(-arm.force[2] / arm.force[0], 4.0 / 3, 1e-12);
+  send({std::nan(""), 1, 1});
+  EXPECT_EQ(std::abs(arm.force[0]) + std::abs(arm.force[1]) + std::abs(arm.force[2]), 0);
+}
+
+TEST_F(HdArm, warm_motors_are_counted_and_the_hand_still_feels) {
+  run();
+  for (int n = 0; n < 3; n++) {
+    arm.next_error = 0x200;
+    wait(3);
+  }
+  arm.next_error = 0x203;
+  wait(3);
+  EXPECT_EQ(device->trouble(), "");
+  EXPECT_NE(device->remarks().find("warm motors (3 ticks)"), std::string::npos) << device->remarks();
+  EXPECT_NE(device->remarks().find("faster than it bears (1 ticks)"), std::string::npos);
+  send({1, 0, 0});
+  EXPECT_EQ(arm.force[0], 1);
+}
+
+TEST_F(HdArm, a_fault_ends_the_ticks_without_force_and_says_so) {
+  run();
+  send({1, 0, 0});
+  ASSERT_EQ(arm.force[0], 1);
+  arm.next_error = 0x302;
+  wait(5);
+  EXPECT_EQ(arm.force[0], 0);
+  EXPECT_NE(device->trouble().find("check cable and power (HD error 0x302)"), std::string::npos)
+      << device->trouble();
+  const int ticks = felt.ticks;
+  wait(5);
+  EXPECT_EQ(felt.ticks, ticks);
+}
+
+TEST_F(HdArm, a_tick_whose_numbers_cannot_be_is_left_out_without_force) {
+  run();
+  send({1, 0, 0});
+  arm.transform[12] = std::nan("");
+  wait(3);
+  EXPECT_EQ(arm.force[0], 0);
+  const int ticks = felt.ticks;
+  wait(5);
+  EXPECT_EQ(felt.ticks, ticks);
+  EXPECT_NE(device->remarks().find("cannot be"), std::string::npos);
+  arm.transform[12] = 0;
+  wait(3);
+  EXPECT_EQ(arm.force[0], 1);
+}
+
+TEST_F(HdArm, a_tick_allocates_nothing) {
+  run();
+  wait(50);
+  {
+    const std::lock_guard lock(felt.mutex);
+    felt.ticks = 0;  // the next one counts anew
+  }
+  wait(50);
+  std::size_t counted = 0;
+  {
+    const std::lock_guard lock(felt.mutex);
+    counted = felt.allocations;
+    felt.ticks = 0;
+  }
+  wait(3);
+  const std::lock_guard lock(felt.mutex);
+  EXPECT_EQ(felt.allocations, counted);
+}
+
+TEST_F(HdArm, closing_lets_go_and_ends_the_thread) {
+  run();
+  send({1, 1, 1});
+  device->close();
+  EXPECT_EQ(arm.force_when_disabled, 0);
+  EXPECT_FALSE(arm.is_running);
+  EXPECT_FALSE(arm.is_force_on);
+  EXPECT_FALSE(arm.is_open);
+  device->close();
+}
+
+TEST_F(HdArm, calibration_is_done_or_asked_for) {
+  arm.calibration = 0x5001;
+  ASSERT_TRUE(open());
+  EXPECT_EQ(arm.updates, 1);
+  arm.calibration = 0x5002;
+  EXPECT_REFUSED(open({.patience = 0}), "put its stylus into the inkwell");
+  EXPECT_FALSE(arm.is_open);
+  arm.calibration = 0x5001;
+  arm.calibration_styles = 1;  // its encoders would be set to zero wherever it is
+  EXPECT_REFUSED(open({.patience = 0}), "Touch Setup");
+  EXPECT_EQ(arm.updates, 1);
+}
+
+TEST_F(HdArm, a_stylus_that_is_put_back_in_time_is_enough) {
+  arm.calibration = 0x5002;
+  std::thread hand([this] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    arm.calibration = 0x5000;
+  });
+  const Status opened = open({.patience = 10});
+  hand.join();
+  EXPECT_TRUE(opened);
+}
+
+TEST_F(HdArm, what_hinders_it_from_opening_is_told) {
+  arm.init_error = 0x301;
+  EXPECT_REFUSED(open(), "another program holds the device");
+  arm.init_error = 0x302;
+  EXPECT_REFUSED(open(), "check cable and power");
+  arm.init_error = 0;
+  arm.max_force = std::nan("");
+  EXPECT_REFUSED(open(), "expected a largest force", "nan");
+}
+
+TEST(OpenHaptics, what_is_missing_is_named) {
+  EXPECT_REFUSED(OpenHaptics({.library = "/nowhere/libHD.so"}).open(), "/nowhere/libHD.so",
+                 "install 3D Systems OpenHaptics");
+  EXPECT_REFUSED(OpenHaptics({.library = FAKE_DRD}).open(), "lacks the function hdInitDevice");
+}
+
+}  // namespace
+}  // namespace turgor::haptics

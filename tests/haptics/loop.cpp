@@ -1,0 +1,367 @@
+#include "turgor/haptics/loop.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "haptics/allocations.hpp"
+#include "haptics/still_device.hpp"
+#include "turgor/haptics/real_time.hpp"
+#include "turgor/haptics/virtual_device.hpp"
+
+namespace turgor::haptics {
+namespace {
+
+using contact::ToolCommand;
+using contact::ToolReading;
+
+/// Tests do not ask for priority: what they state holds without.
+constexpr LoopParams kPlain{.rate = 1000, .priority = 0, .lock_memory = false};
+
+SafetyParams soon() { return {.force = 12, .ramp = 0.005}; }
+
+bool wait_for(const std::function<bool()>& done, double seconds = 5) {
+  const double end = steady_seconds() + seconds;
+  while (!done() && steady_seconds() < end) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return done();
+}
+
+/// A wall at z = 0, of 500 N/m, for every tool.
+struct Wall {
+  std::atomic<int> ticks = 0;
+  std::atomic<std::size_t> tools = 0;
+  static void tick(void* context, std::span<const ToolCommand> commands, double,
+                   std::span<ToolReading> readings) {
+    Wall& wall = *static_cast<Wall*>(context);
+    wall.tools = commands.size();
+    for (std::size_t i = 0; i < commands.size(); i++)
+      readings[i].force.z = 500 * std::max(0.0, -commands[i].pose.position.z);
+    wall.ticks++;
+  }
+};
+
+/// From 5 mm above the wall to 5 mm behind it, within 0.2 s.
+HandTarget press(double time) {
+  return {.pose = {.position = {0, 0, 0.005 - 0.01 * std::min(1.0, 5 * time)}, .axes = {}}};
+}
+
+/// The hand rests there, and feels that force; the tool is where the model found it.
+bool rests(Loop& loop, double hand, double tool, double force) {
+  const HandStatus& status = loop.status(0);
+  return std::abs(status.input.velocity.z) < 1e-3 && std::abs(status.input.pose.position.z - hand) < 2e-4 &&
+         std::abs(status.command.pose.position.z - tool) < 2e-4 &&
+         std::abs(status.output.force.z - force) < 0.1;
+}
+
+TEST(loop, a_hand_that_presses_a_wall_comes_to_rest_where_wall_and_hand_balance) {
+  VirtualDevice device({}, light_hand(press), VirtualTime::kClock);
+  ASSERT_TRUE(device.open());
+  Wall wall;
+  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  const double z = -0.005 * 300 / 800;  // 300 (−5 mm − z) = 500 z
+  EXPECT_TRUE(wait_for([&] { return rests(**loop, z, z, -500 * z); }));
+  EXPECT_TRUE((*loop)->running());
+  (*loop)->stop();
+  EXPECT_FALSE((*loop)->running());
+  EXPECT_GT((*loop)->report().ticks, 10u);
+}
+
+TEST(loop, a_coupled_hand_feels_the_wall_and_the_coupling_in_series) {
+  VirtualDevice device({}, light_hand(press), VirtualTime::kClock);
+  ASSERT_TRUE(device.open());
+  Wall wall;
+  auto loop =
+      Loop::start({{.device = &device, .coupling = Coupling{}, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  const double series = 500.0 * 1000 / 1500, z = -0.005 * 300 / (300 + series);
+  EXPECT_TRUE(wait_for([&] { return rests(**loop, z, z * series / 500, -series * z); }));
+}
+
+/// Takes its time.
+struct Slow {
+  static constexpr double kWork = 2e-4;  // [s]
+  std::atomic<int> ticks = 0;
+  static void tick(void* context, std::span<const ToolCommand>, double, std::span<ToolReading>) {
+    const double end = steady_seconds() + kWork;
+    while (steady_seconds() < end) {
+    }
+    static_cast<Slow*>(context)->ticks++;
+  }
+};
+
+TEST(loop, ticks_come_at_the_rate_that_was_asked_for_and_the_report_says_so) {
+  StillDevice device;
+  Slow model;
+  const double began = steady_seconds();
+  auto loop = Loop::start({{.device = &device}}, Slow::tick, &model, kPlain);
+  ASSERT_TRUE(loop);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  (*loop)->stop();
+  const double seconds = steady_seconds() - began;
+  const TimingReport& report = (*loop)->report();
+  EXPECT_EQ(report.ticks, report.safety.ticks);
+  EXPECT_EQ(report.rate_asked, 1000);
+  // Absolute deadlines: with those that were missed, every millisecond had its tick, but for a last late one.
+  EXPECT_NEAR(double(report.ticks + report.missed), 1000 * report.seconds, 3 + 1000 * report.period.largest);
+  EXPECT_LE(report.seconds, seconds);
+  EXPECT_NEAR(report.rate, double(report.ticks - 1) / report.seconds, 1e-6);
+  EXPECT_LE(report.period.p50, report.period.p99);
+  EXPECT_LE(report.period.p99, report.period.largest);
+  EXPECT_GE(report.jitter.largest, report.period.largest - 1e-3 - 1e-12);
+  EXPECT_GE(report.compute.p50, 0.99 * Slow::kWork);
+  EXPECT_GE(report.latency.p50, 0.99 * Slow::kWork);
+  EXPECT_GE(report.compute.largest, report.compute.p50);
+}
+
+/// Counts what a tick may not do, on the loop's thread.
+struct Watch {
+  std::atomic<int> ticks = 0;
+  std::atomic<long> allocated = 0, gave_way = 0;
+  std::size_t allocations_before = 0;
+  long switches_before = 0;
+  bool misbehave = false;
+  std::mutex mutex;
+
+  static long switches() {
+    rusage usage{};
+    getrusage(RUSAGE_THREAD, &usage);
+    return usage.ru_nvcsw;
+  }
+  static void tick(void* context, std::span<const ToolCommand>, double, std::span<ToolReading> readings) {
+    Watch& watch = *static_cast<Watch*>(context);
+    const long now = switches();
+    if (watch.ticks == 500) watch.allocations_before = allocations(), watch.switches_before = now;
+    if (watch.ticks > 500) {
+      watch.allocated = long(allocations() - watch.allocations_before);
+      watch.gave_way = now - watch.switches_before - (watch.ticks - 500);  // a sleep a tick
+    }
+    if (watch.misbehave) {
+      ::operator delete(::operator new(8));  // a new expression might be optimised away
+      std::this_thread::sleep_for(std::chrono::microseconds(1));
+    }
+    for (ToolReading& reading : readings) reading.force.z = std::sin(0.01 * watch.ticks);
+    watch.ticks++;
+  }
+};
+
+TEST(loop, a_tick_allocates_nothing_and_waits_for_nobody) {
+  for (const bool misbehave : {false, true}) {
+    VirtualDevice left({}, light_hand(press), VirtualTime::kClock),
+        right({}, light_hand(press), VirtualTime::kClock);
+    ASSERT_TRUE(left.open());
+    ASSERT_TRUE(right.open());
+    Watch watch;
+    watch.misbehave = misbehave;
+    auto loop = Loop::start(
+        {{.device = &left, .safety = soon()}, {.device = &right, .coupling = Coupling{}, .safety = soon()}},
+        Watch::tick, &watch, {.rate = 2000, .priority = 0, .lock_memory = false});
+    ASSERT_TRUE(loop);
+    ASSERT_TRUE(wait_for([&] { return watch.ticks > 1600; }));  // beyond two reports
+    (*loop)->stop();
+    EXPECT_EQ(watch.allocated > 0, misbehave) << watch.allocated;
+    EXPECT_EQ(watch.gave_way > 50, misbehave) << watch.gave_way;  // the system itself may do so now and then
+  }
+}
+
+/// Answers from something old, jumps once and pushes along with the hand.
+struct Odd {
+  std::atomic<int> ticks = 0;
+  static void tick(void* context, std::span<const ToolCommand>, double, std::span<ToolReading> readings) {
+    const int n = ++static_cast<Odd*>(context)->ticks;
+    readings[0].age = 0.02;
+    readings[0].force.x = n > 100 ? 3 : 0;
+  }
+};
+
+TEST(loop, the_report_tells_of_age_jumps_and_energy_that_was_given_away) {
+  VirtualDevice device({}, light_hand([](double) { return HandTarget{}; }), VirtualTime::kClock);
+  ASSERT_TRUE(device.open());
+  Odd model;
+  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Odd::tick, &model, kPlain);
+  ASSERT_TRUE(loop);
+  ASSERT_TRUE(wait_for([&] { return model.ticks > 200; }));
+  (*loop)->stop();
+  const TimingReport& report = (*loop)->report();
+  EXPECT_NEAR(report.age.p50, 0.02, 2e-4);
+  EXPECT_NEAR(report.asked_jump, 3, 1e-12);
+  EXPECT_GT(report.force_jump, 1);
+  EXPECT_LT(report.force_jump, 5);
+  EXPECT_LT(report.lowest_energy, -1e-4);  // it pushed the hand by 3 N
+  EXPECT_GT(report.safety.damped, 0u);
+}
+
+TEST(loop, two_hands_are_asked_in_one_tick_each_in_its_own_workspace) {
+  StillDevice left, right;
+  left.z = -0.002, right.z = 0.001;
+  Wall wall;
+  Workspace lower{.origin = {0, 0, -0.004}};
+  auto loop = Loop::start(
+      {{.device = &left, .safety = soon()}, {.device = &right, .workspace = lower, .safety = soon()}},
+      Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  // Both begin inside: nothing is felt until they left.
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(left.largest, 0);
+  left.z = 0.01, right.z = 0.01;
+  ASSERT_TRUE(wait_for([&] {
+    return (*loop)->status(0).start == SoftStart::kFull && (*loop)->status(1).start == SoftStart::kFull;
+  }));
+  left.z = -0.002, right.z = 0.001;
+  EXPECT_TRUE(wait_for([&] { return std::abs(left.last - 1) < 1e-9 && std::abs(right.last - 1.5) < 1e-9; }));
+  EXPECT_EQ(wall.tools, 2u);
+}
+
+TEST(loop, a_device_that_is_lost_is_given_nothing_is_told_of_and_the_other_hand_goes_on) {
+  StillDevice lost, other;
+  Wall wall;
+  auto loop = Loop::start({{.device = &lost, .safety = soon()}, {.device = &other, .safety = soon()}},
+                          Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).start == SoftStart::kFull; }));
+  lost.z = other.z = -0.002;
+  ASSERT_TRUE(wait_for([&] { return lost.last > 0.9; }));
+  lost.unplugged = true;
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).lost; }));
+  const int exchanges = lost.exchanges;
+  const int ticks = wall.ticks;
+  ASSERT_TRUE(wait_for([&] { return wall.ticks > ticks + 20; }));
+  EXPECT_EQ(lost.last, 0);
+  EXPECT_EQ(lost.exchanges, exchanges);
+  EXPECT_GT(other.last, 0.9);
+  EXPECT_TRUE((*loop)->running());
+  const std::vector<std::string> notes = (*loop)->notes();
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("still was lost: its cable is out"), std::string::npos) << notes[0];
+  other.unplugged = true;  // now nobody is left
+  EXPECT_TRUE(wait_for([&] { return !(*loop)->running(); }));
+}
+
+TEST(loop, stop_lets_the_force_fade_ends_the_thread_and_closes_devices) {
+  StillDevice device;
+  Wall wall;
+  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).start == SoftStart::kFull; }));
+  device.z = -0.02;
+  ASSERT_TRUE(wait_for([&] { return device.last > 9.9; }));
+  (*loop)->stop();
+  EXPECT_EQ(device.last, 0);
+  EXPECT_TRUE(device.closed);
+  const int ticks = wall.ticks;
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(wall.ticks, ticks);
+  EXPECT_LE((*loop)->report().force_jump,
+            12 * 2 * 1e-3 / 0.005 * 1.0001);  // no step larger than the slope allows
+  (*loop)->stop();
+}
+
+TEST(loop, a_model_that_throws_ends_the_forces_and_not_the_program) {
+  StillDevice device;
+  struct Thrower {
+    std::atomic<int> ticks = 0;
+    static void tick(void* context, std::span<const ToolCommand>, double, std::span<ToolReading> readings) {
+      readings[0].force.z = 1;
+      if (++static_cast<Thrower*>(context)->ticks > 50) throw std::runtime_error("no convergence");
+    }
+  } model;
+  auto loop = Loop::start({{.device = &device, .safety = {.small_force = 2, .ramp = 0.005}}}, Thrower::tick,
+                          &model, kPlain);
+  ASSERT_TRUE(loop);
+  EXPECT_TRUE(wait_for([&] { return !(*loop)->running(); }));
+  EXPECT_TRUE(wait_for([&] { return device.last == 0; }));
+  EXPECT_EQ((*loop)->notes().size(), 1u);
+  EXPECT_EQ(device.largest, 1);
+}
+
+TEST(loop, a_device_that_waits_for_its_own_tick_keeps_the_time) {
+  StillDevice device(Pacing::kDevice);
+  device.period_us = 3000;
+  Wall wall;
+  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  (*loop)->stop();
+  const TimingReport& report = (*loop)->report();
+  EXPECT_LT(report.rate, 1000.0 / 3);
+  EXPECT_GT(report.ticks, 10u);
+  EXPECT_EQ(report.missed, 0u);
+}
+
+TEST(loop, a_device_that_calls_from_its_own_thread_runs_the_ticks_there) {
+  StillDevice device(Pacing::kCallback);
+  Wall wall;
+  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).start == SoftStart::kFull; }));
+  device.z = -0.002;
+  EXPECT_TRUE(wait_for([&] { return std::abs(device.last - 1) < 1e-9; }));
+  EXPECT_NEAR(wall.ticks, device.exchanges, 2);
+  EXPECT_TRUE((*loop)->running());
+  (*loop)->stop();
+  EXPECT_EQ(device.last, 0);
+  EXPECT_TRUE(device.closed);
+  EXPECT_LT((*loop)->report().latency.p50, 0.5e-3);
+}
+
+TEST(loop, of_two_devices_that_call_the_first_keeps_the_time_and_both_feel) {
+  StillDevice first(Pacing::kCallback), second(Pacing::kCallback);
+  second.period_us = 700;
+  Wall wall;
+  auto loop = Loop::start({{.device = &first, .safety = soon()}, {.device = &second, .safety = soon()}},
+                          Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  ASSERT_TRUE(wait_for([&] {
+    return (*loop)->status(0).start == SoftStart::kFull && (*loop)->status(1).start == SoftStart::kFull;
+  }));
+  first.z = -0.002, second.z = -0.004;
+  EXPECT_TRUE(wait_for([&] { return std::abs(first.last - 1) < 1e-9 && std::abs(second.last - 2) < 1e-9; }));
+  first.close();  // it calls no more: what the other takes is stale
+  EXPECT_TRUE(wait_for([&] { return second.last == 0; }));
+  EXPECT_TRUE(wait_for([&] { return !(*loop)->running(); }));
+}
+
+TEST(loop, the_clutch_lets_the_hand_move_without_the_tool_and_without_force) {
+  StillDevice device;
+  Wall wall;
+  auto loop = Loop::start({{.device = &device, .safety = soon()}}, Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).start == SoftStart::kFull; }));
+  device.z = -0.002;
+  ASSERT_TRUE(wait_for([&] { return device.last > 0.9; }));
+  device.buttons = Buttons{}.clutch;
+  ASSERT_TRUE(wait_for([&] { return device.last == 0; }));
+  device.z = 0.03;
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).input.pose.position.z == 0.03; }));
+  EXPECT_NEAR((*loop)->status(0).command.pose.position.z, -0.002, 1e-12);
+}
+
+TEST(loop, a_loop_that_cannot_be_says_why) {
+  Wall wall;
+  const auto none = Loop::start({}, Wall::tick, &wall);
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message.find("expected a device"), std::string::npos);
+  StillDevice device;
+  const auto slow = Loop::start({{.device = &device}}, Wall::tick, &wall, {.rate = 0});
+  ASSERT_FALSE(slow);
+  EXPECT_NE(slow.error().message.find("found 0"), std::string::npos);
+}
+
+TEST(loop, what_the_system_does_not_allow_is_a_note_and_no_failure) {
+  StillDevice device;
+  Wall wall;
+  auto loop = Loop::start({{.device = &device}}, Wall::tick, &wall,
+                          {.rate = 1000, .priority = 80, .lock_memory = false});
+  ASSERT_TRUE(loop);
+  EXPECT_TRUE(wait_for([&] { return wall.ticks > 10; }));
+  for (const std::string& note : (*loop)->notes()) EXPECT_NE(note.find("ulimit"), std::string::npos) << note;
+}
+
+}  // namespace
+}  // namespace turgor::haptics

@@ -1,0 +1,148 @@
+#include "turgor/pictures/run_scene.hpp"
+
+#include "sim/four_kinds.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+
+Json must_run(const Scene& scene, const fs::path& out, const RunCallbacks& callbacks = {}) {
+  Result<Json> report = run_scene(Exec(2), scene, {.out = out}, callbacks);
+  EXPECT_TRUE(report) << report.error().message;
+  return report ? *report : Json();
+}
+
+/// What of a report is physics: no wall times, nothing that is only looked at in snapshots, no pictures.
+Json physics(Json report) {
+  for (const char* key :
+       {"timing", "machine", "pictures", "files", "solver", "scene", "warnings", "scene_text", "deformed_ct"})
+    report.erase(key);
+  const auto is_time = [](const std::string& key) {
+    return key.ends_with("_s") && key != "force_max_at_s" && key != "slipped_at_s" && key != "jump_at_s" &&
+           key != "simulated_s";
+  };
+  for (const char* list : {"bodies", "costs", "tools"})
+    for (Json& one : report[list]) {
+      std::vector<std::string> wall;
+      for (const auto& [key, value] : one.items())
+        if (is_time(key) || key.find("p50") != key.npos || key.find("p99") != key.npos ||
+            key == "tick_max_us" || key == "patch" || key == "green" || key == "snapshots" ||
+            (list == std::string("bodies") && key == "series"))
+          wall.push_back(key);
+      for (const std::string& key : wall) one.erase(key);
+    }
+  return report;
+}
+
+TEST(RunScene, DrawsAtAnyRateAndMeasuresTheSame) {
+  const fs::path folder = test::fresh_folder();
+  const Json seldom = must_run(
+      test::four_kinds_scene(folder, {"output.snapshots.every=10", "output.video=false",
+                                      "output.meshes=false", "output.recording=false", "output.obj=false"}),
+      folder / "seldom");
+  const Json often = must_run(
+      test::four_kinds_scene(folder, {"output.snapshots.every=0.04", "output.video=true"}), folder / "often");
+  EXPECT_EQ(often["state_hash"], seldom["state_hash"]);
+  EXPECT_EQ(physics(often), physics(seldom));
+  EXPECT_GT(seldom["wounds"][0]["gape_max_mm"].get<double>(), 0.1);
+  EXPECT_EQ(bodies_of(seldom, BodyKind::kRhombus)[0]["pressed_volume_ml"],
+            bodies_of(often, BodyKind::kRhombus)[0]["pressed_volume_ml"]);
+  EXPECT_GT(often["pictures"].size(), 3u);
+}
+
+TEST(RunScene, AReplayDrawsTheSamePicturesAndMeshes) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::four_kinds_scene(folder, {"output.video=false"});
+  const Json ran = must_run(scene, folder / "ran");
+  const Result<Json> again =
+      replay_recording(Exec(2), folder / "ran/recording.h5", {}, {.out = folder / "again"});
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ((*again)["state_hash"], ran["state_hash"]);
+  EXPECT_EQ((*again)["pictures"], ran["pictures"]);
+  int compared = 0;
+  for (const char* sub : {".", "frames", "meshes"})
+    for (const std::string& name : test::names_in(folder / "ran" / sub)) {
+      const bool drawn = name.ends_with(".png") || name.ends_with(".vtu") || name.ends_with(".obj");
+      if (!drawn && name != "forces.csv") continue;
+      EXPECT_EQ(test::bytes_of(folder / "ran" / sub / name), test::bytes_of(folder / "again" / sub / name))
+          << sub << "/" << name;
+      compared++;
+    }
+  EXPECT_GT(compared, 25);
+}
+
+TEST(RunScene, TellsPhysicsDrawingAndFilesApart) {
+  const fs::path folder = test::fresh_folder();
+  const Json timing =
+      must_run(test::four_kinds_scene(folder, {"output.video=false"}), folder / "out")["timing"];
+  const auto seconds = [&](const char* key) { return timing.at(key).get<double>(); };
+  for (const char* key : {"physics_s", "drawing_s", "files_s"}) EXPECT_GT(seconds(key), 0) << key;
+  EXPECT_LE(seconds("physics_s"), seconds("simulation_s"));
+  EXPECT_LT(seconds("physics_s") + seconds("drawing_s") + seconds("files_s"), seconds("total_s"));
+}
+
+TEST(RunScene, IsToldWhatHappensAndEndsWhereItIsAsked) {
+  const fs::path folder = test::fresh_folder();
+  std::vector<int> frames, snapshots;
+  std::vector<std::string> labels;
+  RunCallbacks callbacks;
+  callbacks.begin = [&](const std::string& label, const std::string&) {
+    labels.push_back(label);
+    return Progress();
+  };
+  callbacks.frame = [&](const World& now) { return frames.push_back(now.frame), now.frame < 7; };
+  callbacks.snapshot = [&](const ShownWorld& shown) -> Status {
+    EXPECT_EQ(shown.bodies.size(), 4u);
+    return snapshots.push_back(shown.frame), Done{};
+  };
+  const Scene scene = test::four_kinds_scene(folder, {"output.video=false"});
+  const Json report = must_run(scene, folder / "out", callbacks);
+  EXPECT_EQ(frames.size(), 7u);
+  EXPECT_EQ(snapshots, (std::vector<int>{0, 5, 7}));
+  EXPECT_EQ(labels.back(), "simulating");
+  EXPECT_EQ(report["stopped"], "stopped after 0.140 s of 0.3 s, as was asked");
+  EXPECT_EQ(report["finite"], true);
+  EXPECT_TRUE(fs::exists(folder / "out/report.html"));
+}
+
+TEST(RunScene, ForcepsOnARhombusBodyAloneAreDrawnWithTheirJawsAsTheyAreAlsoInAReplay) {
+  const fs::path folder = test::fresh_folder();
+  const Result<Scene> scene = parse_scene(
+      "[world]\nduration = 0.4\nframe_rate = 50\n[body.liver]\nmodel = \"rhombus\"\n"
+      "surface = { phantom = \"liver\", detail = 0.3 }\n[tool.forceps]\nbody = \"liver\"\n"
+      "shape = { forceps = \"phantom\" }\n"
+      "grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.004, pull = 0.006, start = 0, duration = 0.1 }\n"
+      "[output]\nvideo = false\nsnapshots = { every = 0.2, size = [160, 120] }\n",
+      folder / "forceps.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  std::set<double> openings;
+  RunCallbacks callbacks;
+  callbacks.snapshot = [&](const ShownWorld& shown) -> Status {
+    openings.insert(shown.tools[0].opening);
+    EXPECT_TRUE(shown.tools[0].has_jaws);
+    return Done{};
+  };
+  const Json ran = must_run(*scene, folder / "ran", callbacks);
+  EXPECT_GT(openings.size(), 1u) << "they close";
+  ASSERT_TRUE(replay_recording(Exec(2), folder / "ran/recording.h5", {}, {.out = folder / "again"}));
+  for (const char* name : {"liver-near.png", "liver-displacement.png", "frames/body-0010.png"})
+    EXPECT_EQ(test::bytes_of(folder / "ran" / name), test::bytes_of(folder / "again" / name)) << name;
+  EXPECT_FALSE(fs::exists(folder / "ran/liver-pressure.png")) << "this model knows no pressure";
+}
+
+TEST(RunScene, AnErrorLeavesNothingBehind) {
+  const fs::path folder = test::fresh_folder();
+  RunCallbacks callbacks;
+  callbacks.snapshot = [](const ShownWorld& shown) -> Status {
+    return shown.frame < 5 ? Status(Done{}) : Status(Error{"the disk is full"});
+  };
+  const Scene scene = test::four_kinds_scene(folder, {"output.video=false"});
+  const Result<Json> report = run_scene(Exec(2), scene, {.out = folder / "out"}, callbacks);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().message, "the disk is full");
+  EXPECT_EQ(test::names_in(folder), std::set<std::string>{"block.nii"});
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,97 @@
+// A hand on a thread of its own, while another one makes the frames.
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "sim/sfem_scene_text.hpp"
+#include "turgor/sim/bodies/sfem/follow_tools.hpp"
+
+namespace turgor {
+namespace {
+
+/// The force on a tool after it has done what its path says until `end`, ticked by a thread that waits for
+/// nobody.
+struct LiveHand {
+  const SfemBody& body;
+  contact::SfemTouch& touch;
+  contact::SfemExchange& exchange;
+  TouchingTool tool;  // its own
+  TouchLog log;
+  double steepest = 0;  // [N a tick]
+  std::atomic<bool> done = false;
+  // However slow the machine: the hand is at most a frame ahead of the frames, and they never of the hand.
+  std::atomic<long> ticks = 0, frames = 0;
+
+  void run(double end) {
+    log.preallocate(std::size_t(end / kTick) + 1);
+    std::vector<contact::ToolReading> readings(1);
+    Vec3d before;
+    for (long i = 1; double(i) * kTick <= end; i++) {
+      const contact::ToolCommand command = next_command(tool, double(i) * kTick);
+      contact::tick(touch, exchange, std::span(&command, 1), kTick, readings);
+      log.append(sample_of(double(i) * kTick, command, readings[0]));
+      if (i > 1) steepest = std::max(steepest, norm(readings[0].force - before));
+      before = readings[0].force;
+      ticks = i;
+      while (i >= 17 * (frames + 1)) std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    done = true;
+  }
+};
+
+void expect_like_offline(const std::string& keys, const std::vector<std::string>& overrides) {
+  const Scene scene = test::body_scene(test::fresh_folder(), keys, overrides);
+  World offline = test::sfem_world(Exec(1), scene), live = test::sfem_world(Exec(1), scene);
+  constexpr double kEnd = 0.3, kFrame = 1.0 / 60;
+  for (int frame = 0; frame < 18; frame++) ASSERT_TRUE(step(Exec(1), offline));
+
+  SfemBody& body = live.sfem_bodies[0];
+  contact::SfemExchange exchange;
+  contact::prepare(body.touch, exchange);
+  LiveHand hand{body, body.touch, exchange, live.tools[0], {}};
+  std::thread haptic([&] { hand.run(kEnd); });
+  int pictures = 0;
+  while (!hand.done) {
+    while (!hand.done && hand.ticks < 17 * hand.frames)
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    make_frame(Exec(1), body, double(hand.frames) * kFrame, kFrame, exchange);
+    pictures += shown_surface(Exec(1), body, double(hand.frames) * kFrame).pressure.empty() ? 0 : 1;
+    while (body.worker && body.worker->is_busy() && !body.worker->is_ready())
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    hand.frames++;
+  }
+  haptic.join();
+  make_frame(Exec(1), body, kEnd, kFrame, exchange);
+
+  ASSERT_EQ(hand.log.size(), 300u) << "no tick is left out";
+  EXPECT_EQ(hand.log.missed(), 0u);
+  EXPECT_EQ(pictures, hand.frames);
+  EXPECT_GE(body.touch.taken, 2) << "the patch followed";
+  const auto &samples = offline.tools[0].samples, &felt = hand.log;
+  const double largest = offline.sfem_bodies[0].largest_force;
+  double off = 0;
+  for (std::size_t i = 0; i < 295; i++) off = std::max(off, norm(samples[i].force - felt[i].force));
+  std::printf("%ld patches, %ld frames; largest %.4f N, apart by up to %.4f N, %.4f N a tick\n",
+              body.touch.taken, long(hand.frames), largest, off, hand.steepest);
+  EXPECT_LT(off, 0.25 * largest)
+      << "patches come when they are ready, not at a tick that is fixed in advance";
+  EXPECT_LT(hand.steepest, 0.15 * largest);
+  EXPECT_LE(body.patches.size(), std::size_t(body.touch.taken) + 1);
+}
+
+TEST(LiveSfem, a_hand_on_its_own_thread_feels_what_a_run_feels) { expect_like_offline("", {}); }
+
+TEST(LiveSfem, also_while_another_thread_turns_the_body_and_fetches_columns) {
+  expect_like_offline("rotations = true\n", {"body.pad.memory=0.004"});
+}
+
+TEST(LiveSfem, a_patch_that_nobody_holds_any_more_is_let_go) {
+  World world = test::sfem_world(Exec(1), test::body_scene(test::fresh_folder()));
+  for (int frame = 0; frame < 18; frame++) ASSERT_TRUE(step(Exec(1), world));
+  const SfemBody& body = world.sfem_bodies[0];
+  ASSERT_GT(body.rebuilds.size(), 2u);
+  EXPECT_LE(body.patches.size(), 2u);
+}
+
+}  // namespace
+}  // namespace turgor

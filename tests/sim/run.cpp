@@ -1,0 +1,107 @@
+#include "turgor/sim/run.hpp"
+
+#include "sim/four_kinds.hpp"
+
+namespace turgor {
+namespace {
+
+TEST(Simulate, CallsOnceAFrameAndOnceASnapshot) {
+  const Exec exec(2);
+  const Scene scene = test::four_kinds_scene(test::fresh_folder(), {"output.snapshots.every=0.1"});
+  World world = test::block_world(exec, scene);
+  std::vector<int> frames, snapshots, pictures;
+  double finished = 0;
+  RunEvents events;
+  events.progress = [&](double fraction) { finished = fraction; };
+  events.frame = [&](const World& now) { return frames.push_back(now.frame), true; };
+  events.snapshot = [&](const World& now, const ShownWorld& shown) -> Status {
+    EXPECT_EQ(now.frame, shown.frame);
+    snapshots.push_back(shown.frame);
+    return Done{};
+  };
+  events.picture = [&](const ShownWorld& shown) -> Status { return pictures.push_back(shown.frame), Done{}; };
+  events.picture_every = 4;
+  const Result<Simulated> done = simulate(exec, scene, world, events);
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(frames.size(), 15u);
+  EXPECT_EQ(snapshots, (std::vector<int>{0, 5, 10, 15}));
+  EXPECT_EQ(pictures, (std::vector<int>{4, 8, 12}));
+  EXPECT_EQ(finished, 1);
+  EXPECT_TRUE(done->stopped.empty());
+  EXPECT_EQ(done->shown.frame, 15);
+  EXPECT_EQ(done->measures.frame_seconds.size(), 15u);
+}
+
+TEST(Simulate, EndsWithASnapshotWhereAFrameSaysSo) {
+  const Exec exec(2);
+  const Scene scene = test::block_scene(test::fresh_folder());
+  World world = test::block_world(exec, scene);
+  std::vector<int> snapshots;
+  RunEvents events;
+  events.frame = [](const World& now) { return now.frame < 3; };
+  events.snapshot = [&](const World&, const ShownWorld& shown) -> Status {
+    return snapshots.push_back(shown.frame), Done{};
+  };
+  const Result<Simulated> done = simulate(exec, scene, world, events);
+  ASSERT_TRUE(done);
+  EXPECT_EQ(world.frame, 3);
+  EXPECT_EQ(snapshots, (std::vector<int>{0, 3}));
+  EXPECT_EQ(done->stopped, "stopped after 0.060 s of 0.2 s, as was asked");
+  EXPECT_TRUE(done->finite);
+}
+
+TEST(Simulate, AnErrorOfASnapshotIsTheErrorOfTheRun) {
+  const Exec exec(2);
+  const Scene scene = test::block_scene(test::fresh_folder());
+  World world = test::block_world(exec, scene);
+  RunEvents events;
+  events.snapshot = [](const World&, const ShownWorld& shown) -> Status {
+    return shown.frame < 5 ? Status(Done{}) : Status(Error{"the disk is full"});
+  };
+  const Result<Simulated> done = simulate(exec, scene, world, events);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().message, "the disk is full");
+  EXPECT_EQ(world.frame, 5);
+}
+
+/// The bits at the end, when every so many frames are looked at.
+struct Ended {
+  std::uint64_t hash = 0;
+  double pressed_volume = 0, gape = 0;
+  std::vector<double> forces;
+};
+Ended run_looked_at(const std::filesystem::path& folder, const std::string& every, int picture_every) {
+  const Exec exec(2);
+  const Scene scene = test::four_kinds_scene(folder, {"output.snapshots.every=" + every});
+  World world = test::block_world(exec, scene);
+  RunEvents events;
+  events.picture = [](const ShownWorld&) -> Status { return Done{}; };
+  events.picture_every = picture_every;
+  const Result<Simulated> done = simulate(exec, scene, world, events);
+  EXPECT_TRUE(done);
+  Ended ended{state_hash(world), world.rhombus_bodies[0].pressed_volume, 0, {}};
+  ended.gape = done->measures.cuts[0].wound.gape_max;
+  for (const Pressed& pressed : done->measures.pressed) {
+    ended.forces.push_back(pressed.force);
+    ended.forces.push_back(pressed.time);
+    for (const Vec3 u : pressed.body.displacement) ended.forces.push_back(norm(u));
+  }
+  return ended;
+}
+
+TEST(Simulate, PicturesAndSnapshotsAtAnyRateChangeNeitherTheBitsNorAMeasure) {
+  const std::filesystem::path folder = test::fresh_folder();
+  const Ended seldom = run_looked_at(folder, "10", 0);
+  for (const auto& [every, pictures] : {std::pair("0.02", 1), std::pair("0.06", 2), std::pair("10", 7)}) {
+    const Ended often = run_looked_at(folder, every, pictures);
+    EXPECT_EQ(often.hash, seldom.hash) << every;
+    EXPECT_EQ(often.pressed_volume, seldom.pressed_volume) << every;
+    EXPECT_EQ(often.gape, seldom.gape) << every;
+    EXPECT_EQ(often.forces, seldom.forces) << every;
+  }
+  EXPECT_GT(seldom.pressed_volume, 0);
+  EXPECT_GT(seldom.gape, 1e-4);
+}
+
+}  // namespace
+}  // namespace turgor

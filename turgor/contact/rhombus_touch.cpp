@@ -1,0 +1,94 @@
+#include "turgor/contact/rhombus_touch.hpp"
+
+#include <utility>
+
+#include "turgor/core/assert.hpp"
+
+namespace turgor::contact {
+
+namespace {
+
+/// The end of any shape that is lowest in its frame.
+RhombusTip lowest_end(const Shape& shape) {
+  Vec3d lowest = tip(shape, 0);
+  for (int n = 1; n < tip_count(shape); n++)
+    if (const Vec3d other = tip(shape, n); other.z < lowest.z) lowest = other;
+  const double radius = tip_radius(shape);
+  return {.centre = lowest + Vec3d{0, 0, radius}, .radius = radius};
+}
+
+ToolReading reading_of(const rhombus::TouchForce& felt, Vec3d arm) {
+  return {.force = felt.force,
+          .torque = cross(arm, felt.force),
+          .squeeze = felt.squeeze,
+          .depth = felt.touching ? felt.depth : 0,
+          .contacts = felt.touching ? 1 : 0};
+}
+
+}  // namespace
+
+RhombusTip rhombus_tip(const Shape& shape, const std::optional<Forceps>& forceps) {
+  if (forceps)
+    return {
+        .centre = {0, 0, forceps->tip_radius}, .radius = forceps->tip_radius, .opening = forceps->opening};
+  if (const auto* ball = std::get_if<Sphere>(&shape)) return {.centre = {}, .radius = ball->radius};
+  if (const auto* rod = std::get_if<Capsule>(&shape))
+    return {.centre = {0, 0, -rod->half_length}, .radius = rod->radius};
+  return lowest_end(shape);
+}
+
+rhombus::TouchInput touch_input(const RhombusTip& tip, const Pose& pose, double grip) {
+  return {.position = to_world(pose, tip.centre),
+          .axes = pose.axes,
+          .radius = tip.radius,
+          .grip = grip,
+          .opening = tip.opening * (1 - grip)};
+}
+
+RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Pose> poses) {
+  const std::size_t count = tips.size();
+  TURGOR_ASSERT(count <= std::size_t(rhombus::kMaxTouches), "at most kMaxTouches tools touch one body");
+  TURGOR_ASSERT(poses.size() == count, "one pose a tool");
+  return {.tips = std::move(tips),
+          .touches = std::vector<rhombus::Touching>(count),
+          .poses = {poses.begin(), poses.end()},
+          .inputs = std::vector<rhombus::TouchInput>(count),
+          .forces = std::vector<rhombus::TouchForce>(count)};
+}
+
+void tick(const rhombus::Model& model, RhombusTouch& touch, std::span<const ToolCommand> commands, double dt,
+          std::span<ToolReading> readings) {
+  TURGOR_ASSERT(commands.size() == touch.tips.size() && readings.size() == touch.tips.size(),
+                "one command and one reading a tool");
+  for (std::size_t t = 0; t < commands.size(); t++) {
+    touch.poses[t] = commands[t].pose;
+    touch.inputs[t] = touch_input(touch.tips[t], commands[t].pose, commands[t].grip);
+  }
+  rhombus::touch(model, touch.touches, touch.inputs, dt, touch.forces);
+  for (std::size_t t = 0; t < commands.size(); t++)
+    readings[t] = reading_of(touch.forces[t], touch.inputs[t].position - commands[t].pose.position);
+}
+
+void publish(const RhombusTouch& touch, RhombusTouchedNow& now) {
+  now.touches = touch.touches;
+  now.poses = touch.poses;
+  now.inputs = touch.inputs;
+  now.forces = touch.forces;
+}
+
+void tick(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusTouchedNow>& touched,
+          std::span<const ToolCommand> commands, double dt, std::span<ToolReading> readings) {
+  tick(model, touch, commands, dt, readings);
+  publish(touch, touched.writing());
+  touched.publish();
+}
+
+void prepare(const RhombusTouch& touch, latest<RhombusTouchedNow>& touched) {
+  for (int slot = 0; slot < 3; slot++) {  // each of latest's comes to the writer once
+    publish(touch, touched.writing());
+    touched.publish();
+    touched.read();
+  }
+}
+
+}  // namespace turgor::contact

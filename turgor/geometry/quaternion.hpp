@@ -1,0 +1,41 @@
+// Orientations as quaternions w, x, y, z: what files and devices speak. Inside they are axes (Mat3d).
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "turgor/core/vec.hpp"
+
+namespace turgor {
+
+using Quaternion = std::array<double, 4>;  // w, x, y, z
+
+inline double dot(const Quaternion& a, const Quaternion& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+}
+
+/// Of one that is not zero.
+inline Quaternion normalized(Quaternion q) {
+  const double length = std::sqrt(dot(q, q));
+  for (double& part : q) part /= length;
+  return q;
+}
+
+/// Between two orientations along the shorter way: `a` at 0, `b` at 1.
+inline Quaternion between(const Quaternion& a, const Quaternion& b, double s) {
+  const double sign = dot(a, b) < 0 ? -1 : 1;
+  Quaternion q;
+  for (std::size_t i = 0; i < 4; i++) q[i] = (1 - s) * a[i] + s * sign * b[i];
+  return dot(q, q) > 0 ? normalized(q) : a;
+}
+
+/// Columns are the axes that a unit quaternion turns x, y and z into.
+inline Mat3d axes_of(const Quaternion& q) {
+  const auto [w, x, y, z] = q;
+  return {{{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+           {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+           {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}}};
+}
+
+}  // namespace turgor

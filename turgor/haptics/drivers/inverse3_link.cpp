@@ -1,0 +1,84 @@
+#include "turgor/haptics/drivers/inverse3_link.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "turgor/core/one_line.hpp"
+#include "turgor/core/timing.hpp"
+
+namespace turgor::haptics {
+
+namespace {
+
+constexpr double kConnecting = 0.5;  // to a service on this machine [s]
+constexpr double kSending = 0.1;     // [s]
+constexpr double kSilence = 1;       // without an answer the connection is given up [s]
+constexpr double kListening = 0.05;  // between two looks whether to stop [s]
+constexpr double kGoodbye = 0.1;     // [s]
+
+}  // namespace
+
+std::string listed(const std::vector<std::string>& ids) {
+  return on_one_line(fmt::format("{}", fmt::join(ids, ", ")));
+}
+
+Status Inverse3Link::connect(const std::atomic<bool>& stops) {
+  session_is_told_ = arm_is_configured_ = is_understood_ = false;
+  Result<std::unique_ptr<WebSocket>> socket = WebSocket::connect(address_, kConnecting);
+  if (!socket)
+    return Error{fmt::format("{}; install and start the Haply Inverse Service (docs/devices.md)",
+                             socket.error().message)};
+  socket_ = std::move(*socket);
+  return await_answer(stops);  // it speaks first
+}
+
+Status Inverse3Link::talk(Vec3d force, const std::atomic<bool>& stops) {
+  if (Status sent = socket_->send(next_command(force), kSending); !sent) return socket_.reset(), sent;
+  return await_answer(stops);
+}
+
+/// Configuration goes with the first command of a connection, and with the first after an arm came back.
+std::string Inverse3Link::next_command(Vec3d force) {
+  arm_is_configured_ = arm_is_configured_ && arm_.is_there;
+  if (!arm_.is_there) return ask_for_all();
+  if (!arm_is_configured_) {
+    arm_is_configured_ = true;
+    return configuring_command(id_, !std::exchange(session_is_told_, true));
+  }
+  return arm_.is_calibrated ? force_command(id_, force) : probing_command(id_);
+}
+
+Status Inverse3Link::await_answer(const std::atomic<bool>& stops) {
+  const Timer silence;
+  while (!stops) {
+    Result<std::optional<std::string>> answer = socket_->receive(kListening);
+    if (!answer) return socket_.reset(), answer.error();
+    if (*answer) return hear(**answer), Done{};
+    if (silence.seconds() < kSilence) continue;
+    socket_.reset();
+    return Error{fmt::format("{}: no answer for {:g} s", address_, kSilence)};
+  }
+  return Done{};
+}
+
+void Inverse3Link::hear(const std::string& answer) {
+  const nlohmann::json message = parse_message(answer);
+  ids_ = arm_ids(message);
+  if (id_.empty() && which_.empty() && ids_.size() == 1) id_ = ids_[0];
+  if (id_.empty() && std::find(ids_.begin(), ids_.end(), which_) != ids_.end()) id_ = which_;
+  is_understood_ = message.is_object() && (id_.empty() || read_arm(message, id_, arm_));
+}
+
+void Inverse3Link::say_goodbye() noexcept {
+  if (!socket_) return;
+  try {
+    if (arm_.is_there && socket_->send(force_command(id_, {}), kGoodbye)) (void)socket_->receive(kGoodbye);
+  } catch (...) {  // no memory for it: the connection is closed all the same, and the arm lets go
+  }
+  socket_->close(kGoodbye);
+  socket_.reset();
+}
+
+}  // namespace turgor::haptics

@@ -1,0 +1,187 @@
+#include "turgor/haptics/loop.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/core/flush_denormals.hpp"
+#include "turgor/haptics/real_time.hpp"
+#include "turgor/haptics/ticker.hpp"
+
+namespace turgor::haptics {
+
+namespace {
+
+constexpr int kLastTicks = 50;    // after stop; a force that has not faded by then ends with the device
+constexpr double kUnheard = 0.1;  // without a call the thread of a device is no more [s]
+
+}  // namespace
+
+struct Loop::Thread {
+  Ticker ticker;
+  LoopParams params;
+  std::thread own;               // none where a device calls
+  RunningHand* pacer = nullptr;  // whose device calls and thereby keeps the time
+  int last_ticks = 0;
+  bool locked = false, stopped = false;
+  std::string no_priority, no_lock;
+  std::atomic<bool> began = false, ended = false;
+
+  struct Caller {
+    Thread* thread;
+    RunningHand* hand;
+  };
+  std::vector<Caller> callers;
+
+  Status begin(std::vector<Hand> hands);
+  Status begin_calls();
+  void run();
+  bool goes_on();
+  bool is_paced() const;
+  static void called(void* context, const DeviceInput& input, DeviceOutput& output);
+};
+
+/// A tick, unless the last one was.
+bool Loop::Thread::goes_on() {
+  if (ended) return false;
+  const bool more = step(ticker) && !(ticker.stopping && ++last_ticks > kLastTicks);
+  if (more) return true;
+  let_go(ticker);
+  publish_report(ticker, steady_seconds());
+  ended = true;
+  return false;
+}
+
+/// A device kept the time of this tick.
+bool Loop::Thread::is_paced() const {
+  return std::any_of(ticker.hands.begin(), ticker.hands.end(), [](const auto& hand) {
+    return hand->answered && hand->hand.device->pacing() == Pacing::kDevice;
+  });
+}
+
+void Loop::Thread::run() {
+  const FlushDenormals flush;
+  if (params.priority > 0) no_priority = take_priority(params.priority);
+  touch_stack();
+  began = true;
+  began.notify_all();
+  const double period = 1 / ticker.rate;
+  double next = steady_seconds();
+  while (goes_on()) {
+    const double now = steady_seconds();
+    next = is_paced() ? now : next + period;
+    if (now > next + period) {  // the times of whole ticks have passed
+      const double passed = std::floor((now - next) / period);
+      ticker.record.missed += std::uint64_t(passed);
+      next += passed * period;
+    }
+    if (!is_paced()) sleep_until(next);
+  }
+}
+
+/// On the thread of a device that calls.
+void Loop::Thread::called(void* context, const DeviceInput& input, DeviceOutput& output) {
+  const FlushDenormals flush;
+  const Caller& caller = *static_cast<Caller*>(context);
+  Box& box = caller.hand->box;
+  const double now = steady_seconds();
+  box.hand.write(input);
+  box.heard = now;
+  if (caller.thread->pacer == caller.hand) caller.thread->goes_on();
+  const Box::Given& given = box.given.read();
+  constexpr double kStale = 0.02;  // [s]
+  const bool fresh = !caller.thread->ended && now - given.time < kStale;
+  output = (fresh ? given.output : SafeOutput()).value();
+}
+
+Status Loop::Thread::begin(std::vector<Hand> hands) {
+  for (Hand& hand : hands) {
+    TURGOR_ASSERT(hand.device, "a hand holds a device");
+    auto running = std::make_unique<RunningHand>();
+    running->safety = make_safety(hand.device->spec(), hand.safety);
+    running->hand = std::move(hand);
+    if (running->calls() && !pacer) pacer = running.get();
+    if (running->hand.device->pacing() != Pacing::kLoop) params.rate = running->hand.device->spec().rate;
+    ticker.hands.push_back(std::move(running));
+  }
+  ticker.rate = params.rate;
+  ticker.called = pacer != nullptr;
+  ticker.commands.resize(ticker.hands.size());
+  ticker.readings.resize(ticker.hands.size());
+  if (params.lock_memory) no_lock = lock_memory(), locked = no_lock.empty();
+  if (pacer) return begin_calls();
+  own = std::thread([this] { run(); });
+  began.wait(false);
+  return Done{};
+}
+
+Status Loop::Thread::begin_calls() {
+  began = true;
+  for (const auto& hand : ticker.hands) callers.push_back({this, hand.get()});
+  for (Caller& caller : callers)
+    if (caller.hand->calls()) {
+      caller.hand->box.heard = steady_seconds();
+      if (Status status = caller.hand->hand.device->start(called, &caller); !status) return status;
+    }
+  return Done{};
+}
+
+Loop::Loop() : thread_(std::make_unique<Thread>()) {}
+
+Loop::~Loop() { stop(); }
+
+Result<std::unique_ptr<Loop>> Loop::start(std::vector<Hand> hands, ToolTick tick, void* context,
+                                          const LoopParams& params) {
+  if (hands.empty()) return Error{"the haptic loop: expected a device, found none"};
+  if (!(params.rate >= 1 && params.rate <= 1e5))
+    return Error{fmt::format("the haptic loop: expected a rate from 1 to 100000 Hz, found {}", params.rate)};
+  std::unique_ptr<Loop> loop(new Loop);
+  loop->thread_->params = params;
+  loop->thread_->ticker.tick = tick;
+  loop->thread_->ticker.context = context;
+  if (Status began = loop->thread_->begin(std::move(hands)); !began) return began.error();
+  return loop;
+}
+
+bool Loop::running() const {
+  const Thread& t = *thread_;
+  const bool calls = !t.pacer || steady_seconds() - t.pacer->box.heard < kUnheard;
+  return t.began && !t.ended && !t.ticker.threw && calls;
+}
+
+void Loop::stop() noexcept {
+  Thread& t = *thread_;
+  if (t.stopped) return;
+  t.stopped = true;
+  t.ticker.stopping = true;
+  if (t.own.joinable()) t.own.join();
+  while (t.pacer && running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (const auto& hand : t.ticker.hands) hand->hand.device->close();
+  t.ended = true;
+  if (t.locked) unlock_memory();
+}
+
+const HandStatus& Loop::status(std::size_t hand) { return thread_->ticker.hands.at(hand)->status.read(); }
+
+const TimingReport& Loop::report() { return thread_->ticker.report.read(); }
+
+std::vector<std::string> Loop::notes() const {
+  const Thread& t = *thread_;
+  std::vector<std::string> notes;
+  for (const std::string& note : {t.no_priority, t.no_lock})
+    if (!note.empty()) notes.push_back(note);
+  if (t.ticker.threw) notes.emplace_back("the model threw in a haptic tick; nothing is felt any more");
+  for (const auto& hand : t.ticker.hands) {
+    const std::string why = hand->hand.device->trouble();
+    if (hand->lost)
+      notes.push_back(fmt::format("the device {} was lost{}{}; its forces are off",
+                                  hand->hand.device->spec().name, why.empty() ? "" : ": ", why));
+  }
+  return notes;
+}
+
+}  // namespace turgor::haptics

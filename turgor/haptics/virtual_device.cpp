@@ -1,0 +1,225 @@
+#include "turgor/haptics/virtual_device.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/haptics/real_time.hpp"
+#include "turgor/haptics/rotation.hpp"
+
+namespace turgor::haptics {
+
+namespace {
+
+Vec3d rounded(Vec3d v, double step) {
+  if (step == 0) return v;
+  return {step * std::round(v.x / step), step * std::round(v.y / step), step * std::round(v.z / step)};
+}
+
+/// Dry friction over a time: speed towards zero by `change`, not beyond.
+Vec3d slowed(Vec3d speed, double change) {
+  const double length = norm(speed);
+  return length > change ? speed * (1 - change / length) : Vec3d{};
+}
+
+/// One substep of `motion` about the hand's target. `push` is all that does not depend on the motion.
+void step(const ExactStep& s, Vec3d push, double friction_change, ArmMotion& motion) {
+  const ArmMotion before = motion;
+  motion.place = before.place * s.xx + before.speed * s.xv + push * s.xu;
+  motion.speed = slowed(before.place * s.vx + before.speed * s.vv + push * s.vu, friction_change);
+}
+
+}  // namespace
+
+/// The exponential of [[0 1 0] [−k/m −b/m 1/m] [0 0 0]]·t: a Taylor series of a part of it, squared.
+ExactStep exact_step(double mass, double damping, double stiffness, double time) {
+  constexpr int kSquarings = 4, kTerms = 12;
+  const double t = time / (1 << kSquarings);
+  using Affine = ExactStep;
+  const auto times = [](const Affine& a, const Affine& b) {  // a after b
+    return Affine{a.xx * b.xx + a.xv * b.vx, a.xx * b.xv + a.xv * b.vv, a.xx * b.xu + a.xv * b.vu + a.xu,
+                  a.vx * b.xx + a.vv * b.vx, a.vx * b.xv + a.vv * b.vv, a.vx * b.xu + a.vv * b.vu + a.vu};
+  };
+  // Horner's scheme of 1 + A (1 + A/2 (1 + A/3 …)), the input's row being (0 0 1).
+  Affine sum;
+  for (int n = kTerms; n >= 1; n--) {
+    const double h = t / n, kx = -stiffness / mass * h, kv = -damping / mass * h, ku = h / mass;
+    sum = {1 + h * sum.vx,
+           h * sum.vv,
+           h * sum.vu,
+           kx * sum.xx + kv * sum.vx,
+           1 + kx * sum.xv + kv * sum.vv,
+           kx * sum.xu + kv * sum.vu + ku};
+  }
+  for (int i = 0; i < kSquarings; i++) sum = times(sum, sum);
+  return sum;
+}
+
+VirtualHand light_hand(std::function<HandTarget(double)> target) {
+  return {.mass = 0.1,
+          .inertia = 1e-4,
+          .damping = 3,
+          .angular_damping = 5e-3,
+          .stiffness = 300,
+          .angular_stiffness = 0.5,
+          .target = std::move(target)};
+}
+
+std::function<HandTarget(double)> path_through(std::vector<TimedTarget> samples) {
+  TURGOR_ASSERT(!samples.empty(), "a path has a place");
+  return [samples = std::move(samples)](double time) {
+    const auto next = std::upper_bound(samples.begin(), samples.end(), time,
+                                       [](double t, const TimedTarget& sample) { return t < sample.time; });
+    if (next == samples.begin()) return samples.front().target;
+    HandTarget target = std::prev(next)->target;
+    if (next == samples.end()) return target;
+    const contact::Pose &from = target.pose, &to = next->target.pose;
+    const double part = (time - std::prev(next)->time) / (next->time - std::prev(next)->time);
+    target.pose = {from.position + (to.position - from.position) * part,
+                   rotation(rotation_vector(to.axes * transposed(from.axes)) * part) * from.axes};
+    target.grip += (next->target.grip - target.grip) * part;
+    return target;
+  };
+}
+
+VirtualDevice::VirtualDevice(const VirtualArm& arm, VirtualHand hand, VirtualTime time)
+    : arm_(arm), hand_(std::move(hand)), clock_(time), step_(1 / (arm.rate * arm.substeps)) {
+  TURGOR_ASSERT(arm.mass > 0 && arm.inertia > 0 && arm.rate > 0 && arm.substeps > 0,
+                "an arm has mass and a rate");
+  TURGOR_ASSERT(arm.delay >= 0 && arm.delay <= kLongestDelay, "a delay is at most 64 ticks");
+  TURGOR_ASSERT(arm.velocity_window >= 0 && arm.velocity_window <= kLongestWindow,
+                "a velocity is taken over at most 64 ticks");
+  linear_ = exact_step(arm.mass + hand_.mass, arm.viscous + hand_.damping, hand_.stiffness, step_);
+  angular_ = exact_step(arm.inertia + hand_.inertia, arm.angular_viscous + hand_.angular_damping,
+                        hand_.angular_stiffness, step_);
+  spec_ = {.name = "virtual",
+           .workspace_low = arm.workspace_low,
+           .workspace_high = arm.workspace_high,
+           .force = arm.force,
+           .torque = arm.torque,
+           .grip_force = arm.grip_force,
+           .stiffness = 2 * arm.viscous * arm.rate,  // Colgate's bound
+           .damping = 0.5 * arm.mass * arm.rate,
+           .mass = arm.mass,
+           .has_orientation = true,
+           .has_grip = arm.grip_force > 0,
+           .rate = arm.rate};
+}
+
+HandTarget VirtualDevice::target(double time) const {
+  return hand_.target ? hand_.target(time) : HandTarget{};
+}
+
+Status VirtualDevice::open() {
+  open_ = true;
+  time_ = 0;
+  exchanges_ = 0;
+  given_ = {};
+  from_ = to_ = target(0);
+  place(from_.pose);
+  began_ = clock_ == VirtualTime::kClock ? steady_seconds() : 0;
+  return Done{};
+}
+
+void VirtualDevice::place(const contact::Pose& pose, Vec3d velocity, Vec3d angular_velocity) {
+  pose_ = pose;
+  velocity_ = velocity;
+  angular_velocity_ = angular_velocity;
+  read_.fill({pose, time_});
+}
+
+double VirtualDevice::kinetic_energy() const {
+  return 0.5 * (arm_.mass + hand_.mass) * dot(velocity_, velocity_) +
+         0.5 * (arm_.inertia + hand_.inertia) * dot(angular_velocity_, angular_velocity_);
+}
+
+bool VirtualDevice::exchange(const DeviceOutput& output, DeviceInput& input) noexcept {
+  if (!open_) return false;
+  const std::size_t slots = given_.size();
+  const auto acting = [&](std::size_t exchange) -> const DeviceOutput& {
+    return given_[(exchange + slots - std::size_t(arm_.delay)) % slots];
+  };
+  int steps = arm_.substeps;
+  if (clock_ == VirtualTime::kClock) {  // what was given before acts until now
+    constexpr double kLongest = 0.1;    // of a pause [s]
+    const double now = steady_seconds() - began_;
+    steps = std::max(0, int(std::min(now - time_, kLongest) / step_));
+    for (int i = 0; i < steps; i++) advance(acting(exchanges_));
+    if (now - time_ > kLongest) time_ = now;
+  }
+  exchanges_++;
+  given_[exchanges_ % slots] = within_limits(spec_, output);
+  if (clock_ == VirtualTime::kTicks)
+    for (int i = 0; i < steps; i++) advance(acting(exchanges_));
+  read(input);
+  return true;
+}
+
+void VirtualDevice::advance(const DeviceOutput& output) {
+  from_ = to_;
+  to_ = target(time_ + step_);
+  move(output);
+  turn(output);
+  stop_at_walls();
+  time_ += step_;
+}
+
+/// About the target's place in the middle of the substep; its speed pulls the hand's damper.
+void VirtualDevice::move(const DeviceOutput& output) {
+  const Vec3d goal = (from_.pose.position + to_.pose.position) * 0.5;
+  const Vec3d push = output.force + (to_.pose.position - from_.pose.position) * (hand_.damping / step_);
+  ArmMotion motion{pose_.position - goal, velocity_};
+  const bool sticks = velocity_ == Vec3d{} && norm(push - motion.place * hand_.stiffness) <= arm_.coulomb;
+  if (sticks) return;
+  step(linear_, push, arm_.coulomb * step_ / (arm_.mass + hand_.mass), motion);
+  pose_.position = goal + motion.place;
+  velocity_ = motion.speed;
+}
+
+/// The same for the rotation from the target's axes; right for turns that are small or about one axis.
+void VirtualDevice::turn(const DeviceOutput& output) {
+  const bool rests = output.torque == Vec3d{} && angular_velocity_ == Vec3d{} &&
+                     from_.pose.axes == to_.pose.axes && pose_.axes == to_.pose.axes;
+  if (rests) return;
+  const Vec3d sweep = rotation_vector(to_.pose.axes * transposed(from_.pose.axes));
+  const Mat3d goal = rotation(sweep * 0.5) * from_.pose.axes;
+  const Vec3d away = rotation_vector(pose_.axes * transposed(goal));
+  const Vec3d push = output.torque + sweep * (hand_.angular_damping / step_);
+  ArmMotion motion{away, angular_velocity_};
+  const bool sticks =
+      angular_velocity_ == Vec3d{} && norm(push - away * hand_.angular_stiffness) <= arm_.angular_coulomb;
+  if (sticks) return;
+  step(angular_, push, arm_.angular_coulomb * step_ / (arm_.inertia + hand_.inertia), motion);
+  pose_.axes = rotation(motion.place - away) * pose_.axes;
+  angular_velocity_ = motion.speed;
+}
+
+void VirtualDevice::stop_at_walls() {
+  for (int axis = 0; axis < 3; axis++) {
+    double& x = pose_.position[axis];
+    const double inside = std::clamp(x, arm_.workspace_low[axis], arm_.workspace_high[axis]);
+    if (inside != x) velocity_[axis] = 0;
+    x = inside;
+  }
+}
+
+void VirtualDevice::read(DeviceInput& input) {
+  const contact::Pose seen{rounded(pose_.position, arm_.encoder),
+                           rotation(rounded(rotation_vector(pose_.axes), arm_.angular_encoder))};
+  const std::size_t slots = read_.size();
+  const Sample& before = read_[(exchanges_ + slots - std::size_t(arm_.velocity_window)) % slots];
+  const double passed = time_ - before.time;
+  input = {.pose = seen,
+           .velocity = velocity_,
+           .angular_velocity = angular_velocity_,
+           .grip = to_.grip,
+           .buttons = to_.buttons,
+           .time = began_ + time_};
+  if (arm_.velocity_window > 0 && passed > 0) {
+    input.velocity = (seen.position - before.pose.position) / passed;
+    input.angular_velocity = rotation_vector(seen.axes * transposed(before.pose.axes)) / passed;
+  }
+  read_[exchanges_ % slots] = {seen, time_};
+}
+
+}  // namespace turgor::haptics

@@ -1,0 +1,174 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "turgor/io/ct.hpp"
+#include "turgor/models/lattice/resample.hpp"
+#include "turgor/pictures/outputs.hpp"
+
+namespace turgor {
+
+namespace {
+
+/// Where a cut is, for its sections: patient frame.
+struct CutPlace {
+  Vec3d middle;          // on the skin [m]
+  Vec3d line, into;      // unit
+  double length, depth;  // [m]
+};
+CutPlace place_of(const Grid& grid, const lattice::BladePath& path) {
+  const Vec3d middle = path.skin[path.skin.size() / 2];
+  const Vec3d along = path.skin.back() - path.skin.front();
+  return {grid.origin + grid.axes * middle, grid.axes * normalized(along), grid.axes * path.into, norm(along),
+          path.depth};
+}
+
+/// The plane that a cut crosses most squarely.
+Plane plane_across(Vec3d line) {
+  const Vec3d size{std::abs(line.x), std::abs(line.y), std::abs(line.z)};
+  if (size.x >= size.y && size.x >= size.z) return Plane::kSagittal;
+  return size.y >= size.z ? Plane::kCoronal : Plane::kAxial;
+}
+
+/// A fine grid around a point, along the patient's axes.
+Grid close_up_grid(Vec3d middle, double side, int samples) {
+  Grid grid;
+  grid.size = {samples, samples, samples};
+  const double spacing = side / samples;
+  grid.spacing = {spacing, spacing, spacing};
+  grid.origin = middle - Vec3d{1, 1, 1} * (0.5 * (side - spacing));
+  return grid;
+}
+
+/// A slice of that grid, one sample thick across the plane.
+Grid slice_of(Grid grid, Plane plane) {
+  const int axis = plane == Plane::kAxial ? 2 : plane == Plane::kCoronal ? 1 : 0;
+  grid.origin[axis] += grid.spacing[axis] * (grid.size[axis] / 2);
+  grid.size[axis] = 1;
+  return grid;
+}
+
+/// Before and after, across the cut, from near.
+Status add_close_sections(const LatticeBody& body, const lattice::State& rest, const Cut& cut, Window window,
+                          Outputs& outputs) {
+  const CutPlace place = place_of(body.model.grid, *cut.path);
+  const Plane plane = plane_across(place.line);
+  const double side = std::max(0.06, 6 * place.depth);
+  const Vec3d middle = place.middle + place.into * (0.25 * side);
+  constexpr int kSamples = 240, kHeight = 480;
+  const Grid grid = slice_of(close_up_grid(middle, side, kSamples), plane);
+  const auto section = [&](const lattice::State& state) {
+    const AddTime time(outputs.facts.drawing_seconds);
+    const lattice::ResampledCt now = lattice::resample_ct(*outputs.exec, body.model, state, body.ct, grid);
+    return draw_section(now.ct, plane, point_at(grid, Vec3d(grid.size - Int3{1, 1, 1}) * 0.5), window,
+                        kHeight);
+  };
+  const std::string name = cut.blade.name;
+  return add_picture(outputs, name + "-across.png", "section across " + name + ", before and after",
+                     side_by_side({section(rest), section(body.state)}, {"before", "after"}), true);
+}
+
+Status add_sections(const LatticeBody& body, const CtVolume& now, const Cut& cut, Window window,
+                    Outputs& outputs) {
+  const CutPlace place = place_of(body.model.grid, *cut.path);
+  const Vec3d point = place.middle + place.into * (0.5 * place.depth);
+  constexpr int kHeight = 420;
+  const auto three = [&](const CtVolume& ct) {
+    const AddTime time(outputs.facts.drawing_seconds);
+    std::vector<Image> images;
+    for (const Plane plane : {Plane::kAxial, Plane::kCoronal, Plane::kSagittal})
+      images.push_back(draw_section(ct, plane, point, window, kHeight));
+    return side_by_side(images, {"axial", "coronal", "sagittal"});
+  };
+  const std::string name = cut.blade.name;
+  const std::string caption = "sections through " + name;
+  if (const Status status =
+          add_picture(outputs, name + "-sections-before.png", caption + ", before", three(body.ct), true);
+      !status)
+    return status;
+  return add_picture(outputs, name + "-sections-after.png", caption + ", after", three(now), true);
+}
+
+/// The body alone: a table would stand in its light.
+Status add_volume_rendering(const LatticeBody& body, const lattice::State& rest, Outputs& outputs) {
+  const OutputScene& output = outputs.scene->output;
+  const Camera& camera = outputs.views.front().camera;
+  const auto drawn = [&](const lattice::State& state) {
+    const AddTime time(outputs.facts.drawing_seconds);
+    const lattice::ResampledCt alone = lattice::resample_ct(*outputs.exec, body.model, state, body.ct,
+                                                            body.ct.grid, {.keep_surroundings = false});
+    return draw_volume(*outputs.exec, alone.ct, output.volume_rendering, camera, output.width, output.height);
+  };
+  return add_picture(
+      outputs, body.name + "-volume.png",
+      fmt::format("volume rendering of {} ({}), before and after", body.name, output.volume_rendering),
+      side_by_side({drawn(rest), drawn(body.state)}, {"before", "after"}), true);
+}
+
+/// The name of a file of one of several bodies.
+std::string file_of(const Outputs& outputs, const LatticeBody& body, const std::string& name) {
+  return outputs.at_rest.size() == 1 ? name : body.name + "-" + name;
+}
+
+Status write_fields(const LatticeBody& body, const Grid& grid, Outputs& outputs) {
+  const AddTime time(outputs.facts.file_seconds);
+  const OutputScene& output = outputs.scene->output;
+  if (!output.displacement.empty()) {
+    const std::string file = file_of(outputs, body, output.displacement);
+    const VectorVolume field = lattice::resample_displacement(*outputs.exec, body.model, body.state, grid);
+    if (const Status status = write_displacement(outputs.folder / file, field); !status) return status;
+    outputs.facts.files.push_back(file);
+  }
+  if (!output.jacobian.empty()) {
+    const std::string file = file_of(outputs, body, output.jacobian);
+    const ScalarVolume field = lattice::resample_jacobian(*outputs.exec, body.model, body.state, grid);
+    if (const Status status = write_scalars(outputs.folder / file, field); !status) return status;
+    outputs.facts.files.push_back(file);
+  }
+  return Done{};
+}
+
+Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
+  const OutputScene& output = outputs.scene->output;
+  const LatticeBody& body = world.lattice_bodies[index];
+  const bool wanted = !output.deformed_ct.empty() || output.sections || !output.volume_rendering.empty();
+  const Grid grid =
+      output.deformed_size ? lattice::resized(body.ct.grid, *output.deformed_size) : body.ct.grid;
+  if (const Status status = write_fields(body, grid, outputs); !status || !wanted) return status;
+
+  const lattice::ResampledCt now = lattice::resample_ct(*outputs.exec, body.model, body.state, body.ct, grid,
+                                                        {.conserve_mass = output.conserve_mass});
+  const std::string file = output.deformed_ct.empty() ? "" : file_of(outputs, body, output.deformed_ct);
+  outputs.facts.deformed.push_back(
+      {body.name, file, grid.size, now.report.seconds, now.report.mass_error, now.report.folds});
+  outputs.facts.drawing_seconds += now.report.seconds;
+  if (!file.empty()) {
+    const AddTime time(outputs.facts.file_seconds);
+    if (const Status status = write_ct(outputs.folder / file, now.ct); !status) return status;
+    outputs.facts.files.push_back(file);
+  }
+  if (!output.volume_rendering.empty())
+    if (const Status status = add_volume_rendering(body, outputs.at_rest[index], outputs); !status)
+      return status;
+  if (!output.sections) return Done{};
+  const Result<Window> window = window_preset(output.window);
+  if (!window) return window.error();
+  for (const Cut& cut : world.cuts) {
+    if (std::size_t(cut.body) != index || !cut.path) continue;
+    if (const Status s = add_close_sections(body, outputs.at_rest[index], cut, *window, outputs); !s)
+      return s;
+    if (const Status s = add_sections(body, now.ct, cut, *window, outputs); !s) return s;
+  }
+  return Done{};
+}
+
+}  // namespace
+
+Status finish_ct_outputs(const World& world, Outputs& outputs) {
+  for (std::size_t b = 0; b < world.lattice_bodies.size(); b++)
+    if (const Status status = finish_body(world, b, outputs); !status) return status;
+  return Done{};
+}
+
+}  // namespace turgor

@@ -1,0 +1,52 @@
+// Surfaces in files: as they lie at every snapshot, and at the end.
+#include <fmt/format.h>
+
+#include "turgor/pictures/outputs.hpp"
+
+namespace turgor {
+
+namespace {
+
+std::vector<VertexField> fields_of(const ShownBody& body) {
+  std::vector<VertexField> fields{length_field("displacement", body.displacement)};
+  if (!body.stretch.empty()) fields.push_back(vertex_field("area strain [1]", body.stretch));
+  if (!body.pressure.empty()) fields.push_back(vertex_field("pressure [Pa]", body.pressure));
+  const std::vector<float> numbers(body.mesh_vertex.begin(), body.mesh_vertex.end());
+  if (!numbers.empty()) fields.push_back(vertex_field("mesh vertex", numbers));
+  return fields;
+}
+
+/// What tools press is worth looking at under the largest force: in the end they are away.
+const ShownBody& worth_keeping(const ShownBody& body, const std::vector<Pressed>& pressed) {
+  for (const Pressed& one : pressed)
+    if (one.id == body.id && one.force > 0 && body.look != Look::kSkin) return one.body;
+  return body;
+}
+
+}  // namespace
+
+Status write_meshes(const ShownWorld& shown, Outputs& outputs) {
+  const AddTime time(outputs.facts.file_seconds);
+  for (const ShownBody& body : shown.bodies) {
+    const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, shown.frame);
+    const Status status =
+        write_vtu(outputs.folder / file, shown_mesh(body), fields_of(body), outputs.scene->output.mesh_space);
+    if (!status) return status;
+    outputs.series.push_back({shown.time, file, body.name});
+  }
+  return Done{};
+}
+
+Status write_objs(const ShownWorld& shown, const std::vector<Pressed>& pressed, Outputs& outputs) {
+  const AddTime time(outputs.facts.file_seconds);
+  for (const ShownBody& body : shown.bodies) {
+    const std::string file = body.name + ".obj";
+    const Status status = write_obj(outputs.folder / file, shown_mesh(worth_keeping(body, pressed)),
+                                    outputs.scene->output.mesh_space);
+    if (!status) return status;
+    outputs.facts.files.push_back(file);
+  }
+  return Done{};
+}
+
+}  // namespace turgor

@@ -1,0 +1,84 @@
+// What a run leaves behind besides its report: pictures, meshes, the deformed CT, a video. Filled snapshot by
+// snapshot, the same way while simulating and when a recording is drawn again. It reads, and changes nothing
+// of what is simulated.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/core/timing.hpp"
+#include "turgor/io/mesh_files.hpp"
+#include "turgor/pictures/picture_parts.hpp"
+#include "turgor/sim/pressed.hpp"
+#include "turgor/sim/report/report.hpp"
+#include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+/// A picture that is drawn at every snapshot: the whole body, or one cut from near.
+struct SurfaceView {
+  std::string name;     // of its files
+  std::string caption;  // "the skin", "midline from near"
+  Camera camera;
+  bool colored = false;  // by output.color; else skin and wound as one sees them
+  Image first, last;     // the first snapshot, as one sees it, and the latest
+};
+
+struct Outputs {
+  const Exec* exec = nullptr;
+  const Scene* scene = nullptr;
+  std::filesystem::path folder;
+  RunFacts facts;
+  std::vector<SurfaceView> views;
+  std::vector<lattice::State> at_rest;              // lattices as in the CT, for pictures of before
+  std::vector<PvdEntry> series;                     // of meshes
+  std::vector<std::filesystem::path> video_frames;  // in a hidden folder
+  bool can_draw = true;                             // OpenGL works
+};
+
+/// Adds the wall time of its life to a sum [s].
+class AddTime {
+ public:
+  explicit AddTime(double& sum) : sum_(sum) {}
+  ~AddTime() { sum_ += timer_.seconds(); }
+  AddTime(const AddTime&) = delete;
+  AddTime& operator=(const AddTime&) = delete;
+
+ private:
+  double& sum_;
+  Timer timer_;
+};
+
+/// Cameras for the world at its first snapshot, and the folders.
+Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& world,
+                             const ShownWorld& shown, std::filesystem::path folder);
+/// Pictures and meshes of the world now.
+Status add_snapshot(const ShownWorld& shown, Outputs& outputs);
+/// Every how many frames the video takes a picture; 0 = there is none.
+int video_interval(const Outputs& outputs);
+Status add_video_frame(const ShownWorld& shown, Outputs& outputs);
+/// Before and after, bodies under the largest forces, sections, volume rendering, deformed CT, OBJ, video.
+Status finish_outputs(const World& world, const ShownWorld& shown, const std::vector<Pressed>& pressed,
+                      Outputs& outputs);
+
+/// Draws what was put together; nothing and a warning, once, when OpenGL is missing.
+std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs);
+/// Writes a picture and lists it in the report.
+Status add_picture(Outputs& outputs, const std::string& file, const std::string& caption, const Image& image,
+                   bool large);
+/// The same colours at every snapshot, so that pictures can be compared.
+ColorScale color_scale(const Scene& scene, SkinColor color);
+
+/// pressed_pictures.cpp: every body under the largest force of its tools.
+Status add_pressed_pictures(const std::vector<Pressed>& pressed, Outputs& outputs);
+/// mesh_outputs.cpp: surfaces for ParaView, one file a body and snapshot, and as OBJ at the end.
+Status write_meshes(const ShownWorld& shown, Outputs& outputs);
+Status write_objs(const ShownWorld& shown, const std::vector<Pressed>& pressed, Outputs& outputs);
+/// ct_outputs.cpp: the CT as it would be scanned now, in sections, volume rendering and files.
+Status finish_ct_outputs(const World& world, Outputs& outputs);
+
+}  // namespace turgor

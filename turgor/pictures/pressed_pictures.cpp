@@ -1,0 +1,129 @@
+// Bodies under the largest forces of their tools: the whole and from near, before and then, and in colours.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "turgor/pictures/outputs.hpp"
+
+namespace turgor {
+
+namespace {
+
+/// One that tools touch is flesh, though it may be skin elsewhere; as a recording has it.
+ShownBody as_flesh(const ShownBody& pressed) {
+  ShownBody body = pressed;
+  body.look = Look::kFlesh, body.wall_begin = body.triangles.size();
+  place_vertices(body);
+  return body;
+}
+
+/// A body as it lies at rest, untouched.
+ShownBody undeformed(const ShownBody& body) {
+  ShownBody rest = body;
+  std::fill(rest.displacement.begin(), rest.displacement.end(), Vec3{});
+  std::fill(rest.pressure.begin(), rest.pressure.end(), 0.0f);
+  place_vertices(rest);
+  return rest;
+}
+
+/// The tool with the largest force.
+const ShownTool& pressing_tool(const std::vector<ShownTool>& tools) {
+  return *std::max_element(tools.begin(), tools.end(), [](const ShownTool& a, const ShownTool& b) {
+    return norm(a.force) < norm(b.force);
+  });
+}
+
+/// Out of the surface at rest around a place; zero when there is none within reach.
+Vec3d outward_around(const ShownBody& body, Vec3d place, double reach) {
+  Vec3d sum;
+  for (const Int3 t : body.triangles) {
+    const Vec3d a(body.rest[std::size_t(t.x)]), b(body.rest[std::size_t(t.y)]),
+        c(body.rest[std::size_t(t.z)]);
+    if (norm(a - place) < reach) sum += cross(b - a, c - a);
+  }
+  return sum;
+}
+
+/// At what the pressing tool touches. From aside one sees the dent with the tool in it, from above, where it
+/// is left out, what lies below it.
+Camera camera_at_tool(const ShownBody& body, const ShownTool& tool, bool from_above, double aspect) {
+  const double reach = (from_above ? 0.7 : 0.8) * tool.size;
+  const Vec3d half{reach, reach, reach}, outward = outward_around(body, tool.pose.position, 2 * tool.size);
+  // Tools that pull are pulled in; forceps come from where their handles are.
+  const bool pulls = dot(tool.force, outward) < 0;
+  const Vec3d out = tool.has_jaws ? tool.pose.axes.column[2] : normalized(pulls ? outward : tool.force);
+  const Vec3d head = std::abs(out.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{0, -1, 0};
+  const Vec3d side = normalized(cross(out, head));
+  const Vec3d direction = from_above ? out + side * 0.45 + head * 0.25
+                                     : out * (tool.has_jaws ? 0.25 : 0.7) + side * 0.9 + head * 0.55;
+  return frame_box({tool.pose.position - half, tool.pose.position + half}, direction, out, aspect);
+}
+
+/// One picture of a body's surface, with tools and forces as they are.
+std::optional<Image> draw_body(const ShownBody& body, const std::vector<ShownTool>& tools,
+                               const Camera& camera, double arrow, Outputs& outputs) {
+  PictureParts parts;
+  add_body(body, SkinColor::kNone, nullptr, parts);
+  for (const ShownTool& tool : tools) add_tool(tool, {body.usual_force, arrow}, parts);
+  return draw_parts(parts, camera, outputs);
+}
+
+/// In colours that reach to the largest value, unless the scene says otherwise; without the tools.
+Status add_colored(const ShownBody& body, SkinColor color, const char* name, const char* caption,
+                   const Camera& camera, Outputs& outputs) {
+  const OutputScene& output = outputs.scene->output;
+  const std::vector<float> values = shown_values(body, color);
+  if (values.empty()) return Done{};  // this body does not know it
+  ColorScale scale = color_scale(*outputs.scene, color);
+  if (output.color != color || !output.color_range)
+    scale.high = *std::max_element(values.begin(), values.end());
+  PictureParts parts;
+  add_body(body, color, &scale, parts);
+  const std::optional<Image> image = draw_parts(parts, camera, outputs);
+  if (!image) return Done{};
+  return add_picture(outputs, fmt::format("{}-{}.png", body.name, name),
+                     fmt::format("{} under the largest force, the tool left out: {}", body.name, caption),
+                     *image, false);
+}
+
+/// Before, and then, side by side.
+Status add_pair(const Pressed& pressed, const ShownBody& body, const char* name, const char* caption,
+                const Camera& camera, double arrow, Outputs& outputs) {
+  const auto before = draw_body(undeformed(body), {}, camera, arrow, outputs),
+             then = draw_body(body, pressed.tools, camera, arrow, outputs);
+  if (!before || !then) return Done{};
+  const std::string force =
+      fmt::format("{:.3g} N at {:.2f} s", norm(pressing_tool(pressed.tools).force), pressed.time);
+  return add_picture(outputs, fmt::format("{}-{}.png", body.name, name),
+                     fmt::format("{} {}, before and under the largest force", body.name, caption),
+                     side_by_side({*before, *then}, {"before", force}), true);
+}
+
+Status add_pictures(const Pressed& pressed, Outputs& outputs) {
+  const ShownBody body = as_flesh(pressed.body);
+  const ShownTool& tool = pressing_tool(pressed.tools);
+  const double aspect = double(outputs.scene->output.width) / outputs.scene->output.height;
+  const Camera whole = outputs.views.front().camera, near = camera_at_tool(body, tool, false, aspect),
+               above = camera_at_tool(body, tool, true, aspect);
+  Status status = add_pair(pressed, body, "near", "from near", near, 0.5 * tool.size, outputs);
+  if (status)
+    status = add_pair(pressed, body, "whole", "as a whole", whole, 0.2 * norm(body.box.high - body.box.low),
+                      outputs);
+  if (status)
+    status = add_colored(body, SkinColor::kDisplacement, "displacement", "displacement", above, outputs);
+  if (status)
+    status = add_colored(body, SkinColor::kPressure, "pressure", "contact pressure", above, outputs);
+  return status;
+}
+
+}  // namespace
+
+Status add_pressed_pictures(const std::vector<Pressed>& pressed, Outputs& outputs) {
+  for (const Pressed& one : pressed)
+    if (one.force > 0 && outputs.can_draw)
+      if (const Status status = add_pictures(one, outputs); !status) return status;
+  return Done{};
+}
+
+}  // namespace turgor

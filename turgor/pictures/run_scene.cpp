@@ -1,0 +1,210 @@
+#include "turgor/pictures/run_scene.hpp"
+
+#include <optional>
+
+#include "turgor/io/file.hpp"
+#include "turgor/pictures/outputs.hpp"
+#include "turgor/sim/recording/recording.hpp"
+#include "turgor/sim/report/report_cloth.hpp"
+#include "turgor/sim/report/report_touch.hpp"
+#include "turgor/sim/run.hpp"
+#include "turgor/view/video.hpp"
+
+namespace turgor {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void tell(const RunCallbacks& callbacks, const std::string& sentence) {
+  if (callbacks.note && !sentence.empty()) callbacks.note(sentence);
+}
+
+void append(std::vector<std::string>& list, std::vector<std::string> more) {
+  for (std::string& one : more) list.push_back(std::move(one));
+}
+
+Result<OutputFolder> open_folder(const Scene& scene, bool is_replay, const RunOptions& options,
+                                 const RunCallbacks& callbacks) {
+  Result<OutputFolder> folder = OutputFolder::create(
+      options.out.empty() ? default_folder(scene.file, is_replay) : options.out, options.foreign);
+  if (folder) tell(callbacks, doomed_note(*folder));
+  return folder;
+}
+
+Status check_inputs(const Scene& scene, const OutputFolder& folder) {
+  for (const LatticeScene& body : scene.lattice_bodies)
+    for (const fs::path& input : {body.ct.file, body.labels, body.direction_field})
+      if (const Status status = folder.check_input(input); !status) return status;
+  return Done{};
+}
+
+/// Report and page are written last, and with them the folder gets its name.
+Status complete(const Timer& total, Json& report, Outputs& outputs, OutputFolder& folder,
+                const RunCallbacks& callbacks) {
+  outputs.facts.total_seconds = total.seconds();
+  add_outputs(report, outputs.facts);
+  Status status = write_file(folder.path() / "report.html", report_html(report, folder.path()));
+  if (status) status = write_file(folder.path() / kReportFile, json_text(report) + "\n");
+  if (status) status = folder.commit();
+  if (status) tell(callbacks, kept_note(folder));
+  return status;
+}
+
+/// A run on its way into its folder.
+struct FolderRun {
+  const Exec& exec;
+  const Scene& scene;
+  World& world;
+  Outputs& outputs;
+  const RunCallbacks& callbacks;
+  std::optional<RecordingWriter> recording;
+  std::optional<LiveRun> live;
+};
+
+Status take_snapshot(FolderRun& run, const World& world, const ShownWorld& shown) {
+  Status status = add_snapshot(shown, run.outputs);
+  if (status && run.recording) {
+    const AddTime time(run.outputs.facts.file_seconds);
+    status = run.recording->add_snapshot(world, shown);
+  }
+  if (status && run.callbacks.snapshot) status = run.callbacks.snapshot(shown);
+  return status;
+}
+
+Result<Simulated> simulate_into(FolderRun& run) {
+  RunEvents events;
+  if (run.callbacks.begin) events.progress = run.callbacks.begin("simulating", "");
+  events.frame = run.callbacks.frame;
+  if (run.live)
+    events.frame = [&run](const World& world) {
+      run.live->touch->wait_for_frame();
+      return !run.callbacks.frame || run.callbacks.frame(world);
+    };
+  events.snapshot = [&run](const World& w, const ShownWorld& shown) { return take_snapshot(run, w, shown); };
+  events.picture = [&run](const ShownWorld& shown) { return add_video_frame(shown, run.outputs); };
+  events.picture_every = video_interval(run.outputs);
+  const Timer timer;
+  Result<Simulated> done = simulate(run.exec, run.scene, run.world, events);
+  if (run.live) run.live->touch->stop();
+  run.outputs.facts.simulation_seconds = timer.seconds();
+  return done;
+}
+
+/// The report as the simulation decides it; the recording has it, too.
+Result<Json> report_of(FolderRun& run, const Simulated& done) {
+  RunFacts& facts = run.outputs.facts;
+  facts.drawing_seconds += done.show_seconds;
+  if (!done.stopped.empty()) facts.warnings.push_back(done.stopped);
+  append(facts.warnings, cloth_warnings(run.world));
+  append(facts.warnings, touch_warnings(run.world));
+  if (run.live) append(facts.warnings, haptics_warnings(*run.live));
+  Json report = simulation_report(run.exec, run.scene, run.world, done.measures, facts);
+  if (run.live) report["haptics"] = haptics_report(*run.live);
+  if (!done.stopped.empty()) report["stopped"] = done.stopped, report["finite"] = done.finite;
+  if (!run.recording) return report;
+  const AddTime time(facts.file_seconds);
+  const Status status =
+      run.recording->finish(run.world, done.shown, done.measures.pressed, json_text(report, -1));
+  run.recording.reset();
+  if (!status) return status.error();
+  facts.files.push_back("recording.h5");
+  return report;
+}
+
+/// In the open folder.
+Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, OutputFolder& folder,
+                      const RunOptions& options, const RunCallbacks& callbacks) {
+  Result<World> world = load_world(exec, scene, callbacks.begin);
+  if (!world) return world.error();
+  ShownWorld first;
+  show(exec, *world, first);
+  Result<Outputs> outputs = make_outputs(exec, scene, *world, first, folder.path());
+  if (!outputs) return outputs.error();
+  outputs->facts.load_seconds = total.seconds();
+  append(outputs->facts.warnings, notes_of(*world));
+  if (scene.output.video && !has_ffmpeg())
+    outputs->facts.warnings.push_back("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)");
+  FolderRun run{exec, scene, *world, *outputs, callbacks, std::nullopt, std::nullopt};
+  if (scene.output.recording) {
+    Result<RecordingWriter> writer = RecordingWriter::create(folder.path() / "recording.h5", scene, *world);
+    if (!writer) return writer.error();
+    run.recording.emplace(std::move(*writer));
+  }
+  if (options.live) {
+    Result<LiveRun> live = start_live(*world, *options.live, scene.duration);
+    if (!live) return live.error();
+    run.live.emplace(std::move(*live));
+  }
+  const Result<Simulated> done = simulate_into(run);
+  if (!done) return done.error();
+  Result<Json> report = report_of(run, *done);
+  if (!report) return report.error();
+  const Timer finishing;
+  Status status = finish_outputs(*world, done->shown, done->measures.pressed, *outputs);
+  outputs->facts.output_seconds = finishing.seconds();
+  if (status) status = complete(total, *report, *outputs, folder, callbacks);
+  return status ? report : status.error();
+}
+
+/// In the open folder.
+Result<Json> replay_into(const Exec& exec, const Recording& recording, const Scene& scene, const Timer& total,
+                         OutputFolder& folder, const RunCallbacks& callbacks) {
+  Result<World> world = load_world(exec, scene, callbacks.begin, Purpose::kDraw);
+  if (!world) return world.error();
+  ShownWorld shown;
+  std::vector<Pressed> pressed;
+  Status status = recording.check_world(*world);
+  if (status) status = recording.restore(exec, 0, *world, shown);
+  if (status) status = recording.restore_touch(*world, pressed);
+  if (!status) return status.error();
+  Json report = Json::parse(recording.report(), nullptr, false);
+  if (!report.is_object() || !report.contains("timing"))
+    return Error{recording.path().string() + ": the recorded report is damaged"};
+  Result<Outputs> outputs = make_outputs(exec, scene, *world, shown, folder.path());
+  if (!outputs) return outputs.error();
+  const Progress progress = begin_work(callbacks.begin, "drawing");
+  for (int s = 0; s < recording.snapshot_count() && status; s++) {
+    status = recording.restore(exec, s, *world, shown);
+    if (status) status = add_snapshot(shown, *outputs);
+    if (status && callbacks.snapshot) status = callbacks.snapshot(shown);
+    if (progress) progress(double(s + 1) / recording.snapshot_count());
+  }
+  report["replayed_from"] = recording.path().string();
+  const Timer finishing;
+  if (status) status = finish_outputs(*world, shown, pressed, *outputs);
+  outputs->facts.output_seconds = finishing.seconds();
+  if (status) status = complete(total, report, *outputs, folder, callbacks);
+  return status ? Result<Json>(std::move(report)) : status.error();
+}
+
+}  // namespace
+
+fs::path default_folder(const fs::path& scene_file, bool is_replay) {
+  return fs::path("out") / (scene_file.stem().string() + (is_replay ? "-replay" : ""));
+}
+
+Result<Json> run_scene(const Exec& exec, const Scene& scene, const RunOptions& options,
+                       const RunCallbacks& callbacks) {
+  const Timer total;
+  Result<OutputFolder> folder = open_folder(scene, false, options, callbacks);
+  if (!folder) return folder.error();
+  if (const Status status = check_inputs(scene, *folder); !status) return status.error();
+  return run_into(exec, scene, total, *folder, options, callbacks);
+}
+
+Result<Json> replay_recording(const Exec& exec, const fs::path& file,
+                              const std::vector<std::string>& overrides, const RunOptions& options,
+                              const RunCallbacks& callbacks) {
+  const Timer total;
+  const Result<Recording> recording = Recording::open(file);
+  if (!recording) return recording.error();
+  const Result<Scene> scene = recording->scene(overrides);
+  if (!scene) return scene.error();
+  Result<OutputFolder> folder = open_folder(*scene, true, options, callbacks);
+  if (!folder) return folder.error();
+  if (const Status status = folder->check_input(file); !status) return status.error();
+  return replay_into(exec, *recording, *scene, total, *folder, callbacks);
+}
+
+}  // namespace turgor

@@ -1,0 +1,95 @@
+#include "turgor/sim/bodies/lattice/cut.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace turgor {
+
+namespace {
+
+/// Where a ray from `point` along an axis of the patient frame first meets the body; `point` when it does
+/// not.
+Vec3d first_body_point(const lattice::Model& model, Vec3d point, Vec3d direction, double length) {
+  const Grid& grid = model.grid;
+  const double stride = 0.5 * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  for (double t = 0; t <= length; t += stride) {
+    const Vec3d index = index_at(grid, point + direction * t);
+    const Int3 node{int(std::lround(index.x)), int(std::lround(index.y)), int(std::lround(index.z))};
+    if (!contains(grid, node)) continue;
+    if (lattice::is_body(model.tissue[std::size_t(node_slot(model.lattice, node))]))
+      return point + direction * t;
+  }
+  return point;
+}
+
+Vec3d placed_point(const lattice::Model& model, const Box& box, Vec3d fraction) {
+  const Vec3d extent = box.high - box.low;
+  Vec3d point = box.low + hadamard(fraction, extent);
+  for (int axis = 0; axis < 3; axis++) {
+    if (fraction[axis] != 0 && fraction[axis] != 1) continue;
+    Vec3d inwards;
+    inwards[axis] = fraction[axis] == 0 ? 1 : -1;
+    return first_body_point(model, point, inwards, extent[axis]);
+  }
+  return point;
+}
+
+/// The part of the path that the blade passes in this frame.
+double blade_fraction(const Cut& cut, double time) {
+  if (time < cut.blade.start || (cut.blade.duration > 0 && time == cut.blade.start)) return 0;
+  return cut.blade.duration > 0 ? std::min(1.0, (time - cut.blade.start) / cut.blade.duration) : 1;
+}
+
+}  // namespace
+
+Box body_box(const lattice::Model& model) {
+  constexpr double kFar = std::numeric_limits<double>::max();
+  Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+  const Int3 size = model.lattice.size;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        if (!lattice::is_body(model.tissue[std::size_t(node_slot(model.lattice, i, j, k))])) continue;
+        const Vec3d point = point_at(model.grid, {double(i), double(j), double(k)});
+        box = {min(box.low, point), max(box.high, point)};
+      }
+  return box;
+}
+
+lattice::Incision placed_blade(const lattice::Model& model, const lattice::Incision& fractions) {
+  const Box box = body_box(model);
+  lattice::Incision blade = fractions;
+  blade.from = placed_point(model, box, fractions.from);
+  blade.to = placed_point(model, box, fractions.to);
+  return blade;
+}
+
+Result<Cut> load_cut(const IncisionScene& scene, const LatticeBody& body) {
+  Cut cut;
+  cut.body = scene.body;
+  cut.blade = scene.by_fraction ? placed_blade(body.model, scene.blade) : scene.blade;
+  const Result<lattice::BladePath> trial = lattice::lay_blade(body.model, body.state, cut.blade);
+  if (!trial) return Error{fmt::format("{}: {}", scene.place, trial.error().message)};
+  return cut;
+}
+
+Status advance_blade(LatticeBody& body, Cut& cut, int index, double time) {
+  const double fraction = blade_fraction(cut, time);
+  if (fraction <= cut.done) return Done{};
+  if (!cut.path) {
+    Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade);
+    if (!path) return path.error();
+    cut.path = std::move(*path);
+    if (cut.blade.width > 0)
+      cut.edges = lattice::cut_region(body.model, body.state, *cut.path, cut.blade.width, index);
+  }
+  if (cut.blade.width == 0)
+    cut.edges += lattice::cut_edges(body.model, body.state, *cut.path, cut.done, fraction, index);
+  cut.done = fraction;
+  return Done{};
+}
+
+}  // namespace turgor

@@ -1,0 +1,59 @@
+#include "turgor/sim/bodies/sfem/patch_worker.hpp"
+
+#include <utility>
+
+#include "turgor/core/assert.hpp"
+
+namespace turgor {
+
+PatchWorker::PatchWorker() : thread_([this] { work(); }) {}
+
+PatchWorker::~PatchWorker() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void PatchWorker::begin(Build build) {
+  TURGOR_ASSERT(!is_busy_, "a worker builds one patch at a time");
+  is_busy_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    build_ = std::move(build);
+  }
+  changed_.notify_all();
+}
+
+bool PatchWorker::is_ready() {
+  const std::lock_guard lock(mutex_);
+  return built_.has_value();
+}
+
+BuiltPatch PatchWorker::finish() {
+  TURGOR_ASSERT(is_busy_, "a patch is finished after it was begun");
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return built_.has_value(); });
+  BuiltPatch built = std::move(*built_);
+  built_.reset();
+  is_busy_ = false;
+  return built;
+}
+
+void PatchWorker::work() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return ends_ || build_; });
+    if (!build_) return;
+    const Build build = std::exchange(build_, nullptr);
+    lock.unlock();
+    BuiltPatch built = build();
+    lock.lock();
+    built_ = std::move(built);
+    changed_.notify_all();
+  }
+}
+
+}  // namespace turgor

@@ -1,0 +1,31 @@
+// A frame of an sfem body: its ticks, and what is slower than them.
+#include <span>
+
+#include <fmt/format.h>
+
+#include "turgor/core/hash.hpp"
+#include "turgor/sim/live/exchanges.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+Status begin_body(const Exec& exec, SfemBody& body, const SfemScene& scene, const World& world) {
+  const Status begun = begin_touch(exec, body, world.tools, {scene.viscosity, scene.viscous_time});
+  return begun ? begun : Error{fmt::format("{}.patch: {}", scene.place, begun.error().message)};
+}
+
+void step_body(const Exec& exec, SfemBody& body, World& world, const FrameInput& input, FrameReport&) {
+  if (world.felt) {
+    const auto index = std::size_t(&body - world.sfem_bodies.data());
+    return make_frame(exec, body, input.to, input.to - input.from, *world.felt->sfem[index]);
+  }
+  touch_body(exec, body, world.tools, input.from, input.to);
+  turn_body(exec, body);
+}
+
+std::uint64_t state_hash(const SfemBody& body, std::uint64_t seed) {
+  seed = hash_values(std::span<const Vec3d>(body.now.x), seed);
+  return hash_values(std::span<const Vec3d>(body.now.force), seed);
+}
+
+}  // namespace turgor

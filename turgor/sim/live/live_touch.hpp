@@ -1,0 +1,62 @@
+// A world that is felt while it moves. A haptic thread ticks its tools, those in hands and those on paths;
+// frames go on beside it, by the clock, and neither waits for the other. Between start and stop the world
+// stays where it is in memory, its frames are made by step() as ever, and what the tools felt is the haptic
+// thread's; stop gives it back.
+//
+//   start   begins to tick; World::felt is set
+//   step    frames, each when wait_for_frame says so
+//   stop    ends the ticks; samples and limits of the tools are in the world again
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "turgor/core/result.hpp"
+#include "turgor/haptics/loop.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+/// A tool of the world in a hand.
+struct HeldTool {
+  int tool = 0;          // index into World::tools
+  haptics::Hand hand;    // its device is open
+  bool has_grip = true;  // the device says how far jaws are closed; else they close while its button is held
+};
+
+struct LiveParams {
+  haptics::LoopParams loop;
+  double longest = 600;  // so much of what tools feel is kept, what comes later is only felt [s]
+};
+
+/// How frames kept up.
+struct FrameTiming {
+  long frames = 0, late = 0;  // late: begun more than a frame's time after they were due
+  double latest = 0;          // [s]
+};
+
+class LiveTouch {
+ public:
+  /// Error: see haptics::Loop::start; a tool that is not in the world.
+  static Result<std::unique_ptr<LiveTouch>> start(World& world, std::vector<HeldTool> held,
+                                                  const LiveParams& params);
+  ~LiveTouch();  // stops
+  LiveTouch(const LiveTouch&) = delete;
+  LiveTouch& operator=(const LiveTouch&) = delete;
+
+  /// Until the world's next frame is due; at once when it is late.
+  void wait_for_frame();
+  void stop();
+
+  const haptics::TimingReport& timing();
+  FrameTiming frames() const;
+  std::vector<std::string> notes() const;
+
+ private:
+  struct Parts;
+  explicit LiveTouch(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace turgor

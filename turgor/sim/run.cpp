@@ -1,0 +1,73 @@
+#include "turgor/sim/run.hpp"
+
+#include <fmt/format.h>
+
+#include "turgor/core/timing.hpp"
+
+namespace turgor {
+
+namespace {
+
+/// A run on its way.
+struct Running {
+  const Exec& exec;
+  const World& world;
+  const RunEvents& events;
+  Simulated result;
+};
+
+void show_now(Running& run) {
+  const Timer timer;
+  show(run.exec, run.world, run.result.shown);
+  run.result.show_seconds += timer.seconds();
+  note_surface_seconds(run.result.shown, run.result.measures.pressed);
+}
+
+Status take_snapshot(Running& run) {
+  show_now(run);
+  return run.events.snapshot ? run.events.snapshot(run.world, run.result.shown) : Done{};
+}
+
+Status take_picture(Running& run) {
+  if (!run.events.picture || run.events.picture_every <= 0) return Done{};
+  if (run.world.frame % run.events.picture_every != 0) return Done{};
+  show_now(run);
+  return run.events.picture(run.result.shown);
+}
+
+/// Why the run ends after this frame; empty when it goes on.
+std::string reason_to_stop(const Running& run, const Scene& scene, bool finite) {
+  if (!finite)
+    return fmt::format(
+        "stopped after {:.3f} s of {} s: the numbers of the next step were not finite, the state before it "
+        "was kept; a smaller skin tension or a higher frame rate may help",
+        time_of(run.world), scene.duration);
+  if (run.events.frame && !run.events.frame(run.world))
+    return fmt::format("stopped after {:.3f} s of {} s, as was asked", time_of(run.world), scene.duration);
+  return {};
+}
+
+}  // namespace
+
+Result<Simulated> simulate(const Exec& exec, const Scene& scene, World& world, const RunEvents& events) {
+  Running run{exec, world, events, {}};
+  run.result.measures = make_measures(world);
+  if (const Status first = take_snapshot(run); !first) return first.error();
+  const int frames = frame_count(scene);
+  for (int frame = 1; frame <= frames && run.result.stopped.empty(); frame++) {
+    const bool planned = is_snapshot(scene, frame);
+    const Result<FrameReport> report = step(exec, world, planned);
+    if (!report) return report.error();
+    run.result.finite = report->finite;
+    measure_frame(exec, world, *report, planned || !report->finite, run.result.measures);
+    run.result.stopped = reason_to_stop(run, scene, report->finite);
+    const bool stops = !run.result.stopped.empty();
+    Status status = stops ? Status(Done{}) : take_picture(run);
+    if (status && (planned || stops)) status = take_snapshot(run);
+    if (!status) return status.error();
+    if (events.progress) events.progress(double(frame) / frames);
+  }
+  return std::move(run.result);
+}
+
+}  // namespace turgor

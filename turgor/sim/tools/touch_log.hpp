@@ -1,0 +1,58 @@
+// What a tool did and felt, tick by tick: commands and readings whole, so that the hand that held it can be
+// replayed (hand.hpp). A log has an end: what comes after it is counted, not kept.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "turgor/contact/tool_io.hpp"
+
+namespace turgor {
+
+constexpr double kTick = 1e-3;                            // of the haptic loop [s]
+constexpr std::size_t kMostTicks = std::size_t(1) << 22;  // that a log keeps: 70 minutes
+
+/// One tick of one tool.
+struct ForceSample {
+  double time = 0;            // [s]
+  Vec3d position;             // of the tool's origin [m]
+  Vec3d force, torque;        // on the tool, the torque about its origin [N] [N·m]
+  int contacts = 0;           // places that bear force
+  double depth = 0;           // of the tool's deepest point below the surface at rest [m]
+  double path = 0;            // that the tool has gone until now [m]
+  float tick_seconds = 0;     // wall time of the tick, of all tools of its body together
+  bool new_patch = false;     // the patch was rebuilt before this tick
+  bool beyond_patch = false;  // the tool reaches beyond the patch
+  bool hold = false;          // the rest of the command: see contact::ToolCommand
+  double grip = 0;
+  Mat3d axes;
+};
+ForceSample sample_of(double time, const contact::ToolCommand& command, const contact::ToolReading& reading);
+contact::ToolCommand command_of(const ForceSample& sample);
+
+class TouchLog {
+ public:
+  /// Where the tool is before the first tick.
+  void start(const contact::ToolCommand& command) { start_ = sample_of(0, command, {}); }
+  const ForceSample& start() const { return start_; }
+
+  /// From here on no append allocates, and at most so many are kept: for a haptic thread.
+  void preallocate(std::size_t most);
+  /// Sets ForceSample::path. When the log is full the sample is only counted.
+  void append(ForceSample sample);
+  std::size_t missed() const { return missed_; }
+
+  auto begin() const { return samples_.begin(); }
+  auto end() const { return samples_.end(); }
+  std::size_t size() const { return samples_.size(); }
+  bool empty() const { return samples_.empty(); }
+  const ForceSample& operator[](std::size_t i) const { return samples_[i]; }
+  const ForceSample& back() const { return samples_.back(); }
+
+ private:
+  ForceSample start_;
+  std::vector<ForceSample> samples_;
+  std::size_t most_ = kMostTicks, missed_ = 0;
+};
+
+}  // namespace turgor

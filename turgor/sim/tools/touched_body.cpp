@@ -1,0 +1,24 @@
+#include "turgor/sim/tools/touched_body.hpp"
+
+namespace turgor {
+
+contact::ToolCommand command_at(const TouchingTool& tool, double time) {
+  if (!tool.hand.empty()) return hand_at(tool.hand, time).command;
+  const PathRow row = path_at(tool.path, time);
+  return {.pose = {row.position, axes_of(row.orientation)}, .grip = tool.grip, .hold = row.hold};
+}
+
+contact::ToolCommand next_command(TouchingTool& tool, double time) {
+  contact::ToolCommand command = command_at(tool, time);
+  if (tool.hand.empty())
+    command.grip = contact::next_grip(tool.grip, command.hold, holding_time(tool), kTick);
+  tool.grip = command.grip;
+  return command;
+}
+
+double holding_time(const TouchingTool& tool) {
+  constexpr double kWithoutJaws = 0.05;
+  return tool.forceps ? tool.closing_time : kWithoutJaws;
+}
+
+}  // namespace turgor
