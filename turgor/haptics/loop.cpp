@@ -176,7 +176,8 @@ std::vector<std::string> Loop::notes() const {
     if (!note.empty()) notes.push_back(note);
   if (t.ticker.threw) notes.emplace_back("the model threw in a haptic tick; nothing is felt any more");
   for (const auto& hand : t.ticker.hands) {
-    const std::string why = hand->hand.device->trouble();
+    const std::string why = hand->hand.device->trouble(), remarks = hand->hand.device->remarks();
+    if (!remarks.empty()) notes.push_back(fmt::format("{}: {}", hand->hand.device->spec().name, remarks));
     if (hand->lost)
       notes.push_back(fmt::format("the device {} was lost{}{}; its forces are off",
                                   hand->hand.device->spec().name, why.empty() ? "" : ": ", why));

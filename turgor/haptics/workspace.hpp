@@ -23,7 +23,8 @@ inline contact::Pose to_world(const Workspace& workspace, const contact::Pose& p
 inline DeviceOutput to_device(const Workspace& workspace, const contact::ToolReading& reading) {
   const Mat3d back = transposed(workspace.axes);
   return {.force = back * reading.force * workspace.force_scale,
-          .torque = back * reading.torque * workspace.force_scale};
+          .torque = back * reading.torque * workspace.force_scale,
+          .grip_force = reading.squeeze * workspace.force_scale};
 }
 
 /// Buttons that mean something to the loop, as bits of DeviceInput::buttons.

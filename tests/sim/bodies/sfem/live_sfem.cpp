@@ -5,6 +5,7 @@
 
 #include "sim/sfem_scene_text.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
+#include "turgor/sim/pressed.hpp"
 
 namespace turgor {
 namespace {
@@ -43,7 +44,11 @@ void expect_like_offline(const std::string& keys, const std::vector<std::string>
   const Scene scene = test::body_scene(test::fresh_folder(), keys, overrides);
   World offline = test::sfem_world(Exec(1), scene), live = test::sfem_world(Exec(1), scene);
   constexpr double kEnd = 0.3, kFrame = 1.0 / 60;
-  for (int frame = 0; frame < 18; frame++) ASSERT_TRUE(step(Exec(1), offline));
+  std::vector<Pressed> pressed = make_pressed(offline);
+  for (int frame = 0; frame < 18; frame++) {
+    ASSERT_TRUE(step(Exec(1), offline));
+    look_at_pressed(Exec(1), offline, pressed);
+  }
 
   SfemBody& body = live.sfem_bodies[0];
   contact::SfemExchange exchange;
@@ -55,7 +60,9 @@ void expect_like_offline(const std::string& keys, const std::vector<std::string>
     while (!hand.done && hand.ticks < 17 * hand.frames)
       std::this_thread::sleep_for(std::chrono::microseconds(100));
     make_frame(Exec(1), body, double(hand.frames) * kFrame, kFrame, exchange);
-    pictures += shown_surface(Exec(1), body, double(hand.frames) * kFrame).pressure.empty() ? 0 : 1;
+    ShownBody shown;
+    show(Exec(1), body, shown);
+    pictures += shown.pressure.empty() ? 0 : 1;
     while (body.worker && body.worker->is_busy() && !body.worker->is_ready())
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     hand.frames++;
@@ -68,7 +75,7 @@ void expect_like_offline(const std::string& keys, const std::vector<std::string>
   EXPECT_EQ(pictures, hand.frames);
   EXPECT_GE(body.touch.taken, 2) << "the patch followed";
   const auto &samples = offline.tools[0].samples, &felt = hand.log;
-  const double largest = offline.sfem_bodies[0].largest_force;
+  const double largest = pressed[0].force;
   double off = 0;
   for (std::size_t i = 0; i < 295; i++) off = std::max(off, norm(samples[i].force - felt[i].force));
   std::printf("%ld patches, %ld frames; largest %.4f N, apart by up to %.4f N, %.4f N a tick\n",
