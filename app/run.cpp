@@ -1,6 +1,5 @@
 // `turgor run`: simulates a scene, or draws a recording again, into a folder that appears when it is
-// complete. The work is the library's (pictures/run_scene.hpp); here are its options, bars and table.
-#include <cmath>
+// complete. The work is the library's (pictures/run_scene.hpp); here are its options, bars and summary.
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -12,6 +11,7 @@
 #include "turgor/core/progress.hpp"
 #include "turgor/pictures/run_scene.hpp"
 #include "turgor/sim/report/require.hpp"
+#include "turgor/sim/report/summary.hpp"
 
 namespace turgor {
 
@@ -47,92 +47,6 @@ RunCallbacks make_callbacks(bool quiet, std::optional<ProgressBar>& bar) {
   return callbacks;
 }
 
-void print_row(const std::string& what, const std::string& value) { fmt::print("  {:<34}{}\n", what, value); }
-
-void print_touch(const Json& report) {
-  const auto value = [](const Json& table, const char* key) { return table.at(key).get<double>(); };
-  for (const Json& body : bodies_of(report, BodyKind::kSfem)) {
-    const Json &mesh = body.at("mesh"), &green = body.at("green"), &patch = body.at("patch");
-    fmt::print("{}: {} nodes, {} elements, {:.0f} ml\n", body.at("name").get<std::string>(),
-               mesh.at("vertices").get<long>(), mesh.at("elements").get<long>(), value(mesh, "volume_ml"));
-    print_row("Green's functions", fmt::format("{:.0f} MB, {} in {:.2f} s", value(green, "store_bytes") / 1e6,
-                                               green.at("on_demand").get<bool>()    ? "on demand, factor"
-                                               : green.at("from_cache").get<bool>() ? "from the cache"
-                                                                                    : "computed",
-                                               value(green, "seconds")));
-    print_row("patches, built beside the ticks",
-              fmt::format("{} of at most {} local nodes (median {:.2f} ms, longest {:.2f} ms)",
-                          patch.at("rebuilds").get<long>(), patch.at("local_nodes_most").get<long>(),
-                          value(patch, "rebuild_p50_ms"), value(patch, "rebuild_max_ms")));
-    print_row("largest jump at a hand-over", fmt::format("{:.4f} N", value(patch, "force_jump_max_N")));
-  }
-  for (const Json& tool : report.value("tools", Json::array())) {
-    fmt::print("{}\n", tool.at("name").get<std::string>());
-    print_row("largest force",
-              fmt::format("{:.3f} N at {:.2f} s", value(tool, "force_max_N"), value(tool, "force_max_at_s")));
-    print_row("deepest below the surface at rest", fmt::format("{:.1f} mm", value(tool, "depth_max_mm")));
-    const bool by_frame = tool.value("force_every_ms", 1.0) > 1;
-    const double p50 = value(tool, "tick_p50_us"), p99 = value(tool, "tick_p99_us"),
-                 most = value(tool, "tick_max_us");
-    if (by_frame)
-      print_row("a frame, one force", fmt::format("{:.1f} ms, 99 of 100 {:.1f} ms, longest {:.1f} ms",
-                                                  p50 * 1e-3, p99 * 1e-3, most * 1e-3));
-    else
-      print_row("a tick, one force",
-                fmt::format("{:.1f} µs, 99 of 100 {:.1f} µs, longest {:.1f} µs", p50, p99, most));
-  }
-}
-
-void print_clothes(const Json& report) {
-  for (const Json& cloth : bodies_of(report, BodyKind::kCloth)) {
-    const auto value = [&cloth](const char* key) { return cloth.at(key).get<double>(); };
-    fmt::print("{}: {} vertices, {} springs, {:.0f} bytes a vertex\n", cloth.at("name").get<std::string>(),
-               cloth.at("vertices").get<long>(), cloth.at("springs").get<long>(),
-               value("memory_bytes_per_vertex"));
-    print_row("a step (median, 99 of 100)",
-              fmt::format("{:.2f} ms, {:.2f} ms", value("step_p50_ms"), value("step_p99_ms")));
-    print_row("pairs too near, triangles crossing",
-              fmt::format("{}, {}", cloth.at("pairs_too_near").get<long>(),
-                          cloth.at("triangles_crossing").get<long>()));
-  }
-}
-
-void print_summary(const Json& report, const fs::path& goal) {
-  const auto number = [](const Json& value) {
-    return value.is_number() ? value.get<double>() : std::nan("");
-  };
-  for (const Json& body : bodies_of(report, BodyKind::kLattice))
-    fmt::print("{}: {} nodes, {} skin triangles, {:.0f} bytes a node\n", body.at("name").get<std::string>(),
-               body.at("body_nodes").get<long>(), body.at("skin_triangles").get<long>(),
-               number(body.at("memory_bytes_per_node")));
-  for (const Json& wound : report.at("wounds")) {
-    fmt::print("{}\n", wound.at("name").get<std::string>());
-    print_row("gape, largest and mean", fmt::format("{:.1f} mm, {:.1f} mm", number(wound.at("gape_max_mm")),
-                                                    number(wound.at("gape_mean_mm"))));
-    print_row("opening area",
-              fmt::format("{:.0f} mm² over {:.0f} mm of skin", number(wound.at("opening_area_mm2")),
-                          number(wound.at("length_mm"))));
-    print_row("angle to Langer's lines",
-              fmt::format("{:.0f}°, {:.0f} N/m across the cut", number(wound.at("angle_to_lines_deg")),
-                          number(wound.at("tension_across_cut_N_per_m"))));
-  }
-  print_touch(report);
-  print_clothes(report);
-  const Json& timing = report.at("timing");
-  fmt::print("time\n");
-  print_row("a frame (median, 99 of 100)",
-            fmt::format("{:.1f} ms, {:.1f} ms", number(timing.at("frame_p50_ms")),
-                        number(timing.at("frame_p99_ms"))));
-  print_row("reading and building", fmt::format("{:.1f} s", number(timing.at("load_s"))));
-  const auto seconds = [&](const char* key) { return number(timing.value(key, Json())); };
-  print_row("physics, drawing, files", fmt::format("{:.1f} s, {:.1f} s, {:.1f} s", seconds("physics_s"),
-                                                   seconds("drawing_s"), seconds("files_s")));
-  print_row("in all", fmt::format("{:.1f} s", number(timing.at("total_s"))));
-  for (const Json& warning : report.at("warnings")) fmt::print("warning: {}\n", warning.get<std::string>());
-  fmt::print("pictures and files   {}\nreport               {}\n", goal.string(),
-             (goal / "report.html").string());
-}
-
 /// Where the results are.
 fs::path goal_of(const CommandOptions& options, const Json& report) {
   const fs::path scene = report.at("scene").at("file").get<std::string>();
@@ -152,7 +66,7 @@ void run(const Exec& exec, const CommandOptions& options) {
           ? required(run_scene(exec, required(read_scene(options.scene, options.overrides)), goal, callbacks))
           : required(replay_recording(exec, options.replay, options.overrides, goal, callbacks));
   bar.reset();
-  if (!options.quiet) print_summary(report, goal_of(options, report));
+  if (!options.quiet) fmt::print("{}", summary_text(report, goal_of(options, report)));
   if (options.replay.empty() && !report.value("finite", true))
     throw Failure{kNotFinite,
                   fmt::format("{}: {}", options.scene.string(), report.at("stopped").get<std::string>())};

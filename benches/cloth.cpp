@@ -71,7 +71,7 @@ void random_step(benchmark::State& bench) {
       bench.SkipWithError("a step was not finite");
       return;
     }
-    if (!crossing_triangles(exec, surface(model, state)).empty()) {
+    if (!crossing_triangles(exec, model_surface(model, state)).empty()) {
       bench.SkipWithError("the cloth crosses itself");
       return;
     }

@@ -36,7 +36,7 @@ void replay(const turgor::Recording& recording) {
     for (const turgor::LatticeBody& body : world.lattice_bodies)
       for (const float x : body.state.u.x) require(std::isfinite(x));
     for (const turgor::ClothBody& body : world.cloth_bodies)
-      for (const turgor::Vec3 x : turgor::cloth::surface(body.model, body.state).vertices)
+      for (const turgor::Vec3 x : turgor::cloth::model_surface(body.model, body.state).vertices)
         require(std::isfinite(dot(x, x)));
   }
   (void)bool(recording.restore_touch(world, pressed));

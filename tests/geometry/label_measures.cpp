@@ -27,7 +27,7 @@ TEST(LabelMeasures, ABoxHasItsVolumeItsCentreAndItsMean) {
 
 TEST(LabelMeasures, DensitiesAreCountedByKind) {
   const CtVolume ct{{.size = {4, 2, 1}, .spacing = {1, 1, 1}, .origin = {}, .axes = {}},
-                    {-1000, -201, -200, -100, -20, 0, 199, 200}};
+                    {-1000, -450, -449, -100, -30, 0, 199, 200}};
   const HuSummary hu = summarize(ct);
   EXPECT_EQ(hu.lowest, -1000);
   EXPECT_EQ(hu.highest, 200);

@@ -39,7 +39,7 @@ void look(const Exec& exec, const Model& model, const State& state, const StepRe
           Course& course) {
   ASSERT_TRUE(report.finite);
   course.caught += report.caught;
-  course.crossed_frames += !crossing_triangles(exec, surface(model, state)).empty();
+  course.crossed_frames += !crossing_triangles(exec, model_surface(model, state)).empty();
 }
 
 TriMesh together(TriMesh a, const TriMesh& b) {

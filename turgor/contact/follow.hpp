@@ -12,7 +12,7 @@ namespace turgor::contact {
 
 struct FollowParams {
   double radius = 0.02;        // of the patch [m]
-  double hysteresis = 0.35;    // how far a touch may wander from where the patch was centred [radius]
+  double hysteresis = 0.25;    // how far a touch may wander from where the patch was centred [radius]
   double blend_time = 0.05;    // a jump of the force dies away with this time constant [s]
   double largest_step = 0.02;  // and by at most this much a tick [N]
 };

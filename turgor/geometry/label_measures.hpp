@@ -25,7 +25,7 @@ struct HuSummary {
   double mean = 0;                              // [HU]
   double air = 0, fat = 0, soft = 0, bone = 0;  // fractions; see the bounds below
 };
-constexpr int kAirBelow = -200, kFatBelow = -20, kBoneFrom = 200;  // [HU]
+constexpr int kAirBelow = -449, kFatBelow = -30, kBoneFrom = 200;  // where a lattice bins them, too [HU]
 HuSummary summarize(const CtVolume& ct);
 
 }  // namespace turgor

@@ -175,6 +175,19 @@ Status Hdf5File::write_text(const std::string& name, const std::string& text) {
   return Done{};
 }
 
+Status Hdf5File::write_attribute(const std::string& name, const std::string& attribute,
+                                 const std::string& text) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+  H5Tset_size(type, text.size() + 1);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  Handle set(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  Handle made(H5Acreate2(set, attribute.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const bool written = made.valid() && H5Awrite(made, type, text.c_str()) >= 0;
+  if (!made.give_back() || !set.give_back() || !written)
+    return error(name, "cannot write (is the disk full?)");
+  return Done{};
+}
+
 Status Hdf5File::flush() {
   if (H5Fflush(id_, H5F_SCOPE_GLOBAL) < 0) return error("flush", "cannot write (is the disk full?)");
   return Done{};
@@ -230,6 +243,31 @@ Result<std::string> Hdf5File::read_text(const std::string& name) const {
     return error(name, "the text is damaged");
   text.resize(std::min(text.size(), text.find('\0')));
   return text;
+}
+
+std::string Hdf5File::read_attribute(const std::string& name, const std::string& attribute) const {
+  constexpr std::size_t kLongest = 1 << 16;  // bytes
+  const Handle made(H5Aopen_by_name(id_, name.c_str(), attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+                    H5Aclose);
+  if (!made.valid()) return "";
+  const Handle type(H5Aget_type(made), H5Tclose), space(H5Aget_space(made), H5Sclose);
+  if (!type.valid() || H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0) return "";
+  if (H5Sget_simple_extent_npoints(space) != 1 || H5Tget_size(type) > kLongest) return "";
+  std::string text(H5Tget_size(type), '\0');
+  if (H5Aread(made, type, text.data()) < 0) return "";
+  text.resize(std::min(text.size(), text.find('\0')));
+  return text;
+}
+
+std::vector<std::string> Hdf5File::datasets() const {
+  std::vector<std::string> names;
+  const H5O_iterate_t add = [](hid_t, const char* name, const H5O_info_t* object, void* all) {
+    if (object->type == H5O_TYPE_DATASET)
+      static_cast<std::vector<std::string>*>(all)->push_back(std::string("/") + name);
+    return 0;
+  };
+  H5Ovisit2(id_, H5_INDEX_NAME, H5_ITER_INC, add, &names, H5O_INFO_BASIC);
+  return names;
 }
 
 #define TURGOR_HDF5_TYPE(T)                                                                             \

@@ -32,11 +32,14 @@ class Hdf5File {
   Status write(const std::string& name, std::span<const T> values, std::size_t columns = 1,
                Hdf5Packing packing = Hdf5Packing::kCompressed);
   Status write_text(const std::string& name, const std::string& text);
+  /// What a dataset that was written says about itself, as its unit.
+  Status write_attribute(const std::string& name, const std::string& attribute, const std::string& text);
   /// Everything written so far survives a crash of the program.
   Status flush();
   /// Ends a file that was written; nothing else may be done with it then.
   Status close();
 
+  const std::filesystem::path& path() const { return path_; }
   bool has(const std::string& name) const;
   /// Reads a dataset of exactly `count` values. Error: missing, of another size or type, or damaged.
   template <class T>
@@ -44,6 +47,10 @@ class Hdf5File {
   /// The number of values of a dataset. Error: missing, or more than `most`.
   Result<std::size_t> count(const std::string& name, std::size_t most) const;
   Result<std::string> read_text(const std::string& name) const;
+  /// Empty when there is no such dataset, or none of this attribute.
+  std::string read_attribute(const std::string& name, const std::string& attribute) const;
+  /// Names of all datasets, ascending.
+  std::vector<std::string> datasets() const;
 
  private:
   Hdf5File(std::filesystem::path path, std::int64_t id) : path_(std::move(path)), id_(id) {}

@@ -11,6 +11,8 @@ std::vector<VertexField> fields_of(const ShownBody& body) {
   std::vector<VertexField> fields{length_field("displacement", body.displacement)};
   if (!body.stretch.empty()) fields.push_back(vertex_field("area strain [1]", body.stretch));
   if (!body.pressure.empty()) fields.push_back(vertex_field("pressure [Pa]", body.pressure));
+  const std::vector<float> numbers(body.mesh_vertex.begin(), body.mesh_vertex.end());
+  if (!numbers.empty()) fields.push_back(vertex_field("mesh vertex", numbers));
   return fields;
 }
 

@@ -5,6 +5,7 @@
 #include "sim/four_kinds.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/live/live_run.hpp"
+#include "turgor/sim/report/summary.hpp"
 
 namespace turgor {
 namespace {
@@ -135,6 +136,13 @@ TEST(LiveTouch, a_simulated_hand_goes_the_path_and_is_pushed_back) {
   const Json report = haptics_report(*live);
   EXPECT_GT(report.at("ticks").get<long>(), 500);
   EXPECT_EQ(report.at("safety").at("not_finite").get<long>(), 0);
+  const std::string told =
+      summary_text({{"haptics", report}, {"timing", Json::object()}, {"warnings", Json::array()}}, "out");
+  for (const char* row :
+       {"ticks a second", "ticks missed, of 1", "from tick to tick, 99 of 100", "work of a tick, 99 of 100",
+        "from pose to force, median", "largest jump of a force from tick to tick",
+        "safety actions, after the soft start"})
+    EXPECT_NE(told.find(row), std::string::npos) << row << "\n" << told;
   EXPECT_FALSE(start_live(world, {.tool = "hook"}, 1)) << "no such tool";
   EXPECT_FALSE(start_live(world, {.device = "hovercraft"}, 1)) << "no such device";
 }

@@ -3,6 +3,7 @@
 #include "sim/block_scene.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/io/image.hpp"
+#include "turgor/sim/report/summary.hpp"
 
 namespace turgor {
 namespace {
@@ -66,15 +67,44 @@ TEST(Report, ThePageIsOneFileWithPicturesAndCurvesInside) {
   EXPECT_EQ(html.find("url(http"), std::string::npos);
 }
 
+TEST(Report, TheTerminalNamesTheSameMeasuresAsThePage) {
+  const BlockRun run = block_run();
+  const std::string text = summary_text(run.report, "out/block");
+  EXPECT_NE(text.find("cut\n  angle to Langer's lines             90.0°\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n  gape, largest                     "), std::string::npos) << text;
+  EXPECT_NE(text.find("\n  simulating                          1.25 s\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\nwarning: something & else\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("out/block/report.html\n"), std::string::npos) << text;
+}
+
+TEST(Report, EveryLatticeHasItsOwnSolver) {
+  const std::filesystem::path folder = test::fresh_folder();
+  ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  const Result<Scene> scene = parse_scene(
+      "[body.one]\nmodel = \"lattice\"\nct = \"block.nii\"\nblock = 4\nsolver = { sweeps = 3 }\n"
+      "[body.two]\nmodel = \"lattice\"\nct = \"block.nii\"\nblock = 4\nskin = { law = \"area\" }\n"
+      "solver = { method = \"pbd\", sweeps = 7 }\n",
+      folder / "s.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+  const Exec exec(1);
+  const World world = test::block_world(exec, *scene);
+  const Json report = simulation_report(exec, *scene, world, make_measures(world), {});
+  EXPECT_EQ(report["bodies"][0]["method"], "descent");
+  EXPECT_EQ(report["bodies"][0]["sweeps"], 3);
+  EXPECT_EQ(report["bodies"][1]["method"], "pbd");
+  EXPECT_EQ(report["bodies"][1]["sweeps"], 7);
+  EXPECT_FALSE(report["scene"].contains("method"));
+}
+
 /// Text that would be a tag, end an attribute or start a program, were it not escaped.
 const std::string kEvil = "\"><script>alert('1')</script>\nsystem(\"id\")\n#\x1b[31m\xff";
 
-/// Every text of the report becomes evil, numbers stay; keys that lead to files stay, too.
+/// Every text of the report becomes evil, numbers stay; so do keys that lead to files and names of columns.
 void poison(Json& node) {
   if (node.is_string()) node = kEvil;
   if (node.is_structured())
     for (auto& [key, value] : node.items())
-      if (key != "pictures") poison(value);
+      if (key != "pictures" && !key.ends_with("columns")) poison(value);
 }
 
 TEST(Report, WhateverTextSceneAndFilesBringIsTextOnThePage) {
@@ -89,16 +119,21 @@ TEST(Report, WhateverTextSceneAndFilesBringIsTextOnThePage) {
                       {"depth_max_mm", 2},
                       {"tick_p50_us", 1.0},
                       {"tick_p99_us", 1.0},
+                      {"series_columns", {"time_s", "force_N", "depth_mm", "path_mm", "contacts"}},
                       {"series", Json::array({{0, 1, 1, 0, 1}, {1, 2, 2, 1, 1}})}}};
   const Json row = Json::array({0.0, 1.0, 2.0, 3.0}), rows = Json::array({row, row});
-  report["profiles"] = {{{"name", kEvil}, {"rows", rows}}};
-  const Json part = {{"name", kEvil}, {"cloth", kEvil}, {"kind", kEvil}, {"series", rows}, {"vertices", 3}};
+  report["profiles"] = {{{"name", kEvil}, {"columns", {"distance_mm", "displacement_mm"}}, {"rows", rows}}};
+  const Json part = {{"name", kEvil},  {"cloth", kEvil},
+                     {"kind", kEvil},  {"series_columns", {"time_s", "force_N"}},
+                     {"series", rows}, {"vertices", 3}};
   report["bodies"] = {{{"name", kEvil},
                        {"model", "cloth"},
                        {"step_p50_ms", 1},
                        {"triangles_crossing", 0},
                        {"method", kEvil},
+                       {"series_columns", {"time_s", "step_ms", "largest_speed_m_per_s", "contacts"}},
                        {"series", rows},
+                       {"snapshot_columns", {"time_s", "residual_relative", "energy_J"}},
                        {"snapshots", rows},
                        {"obstacles", {part}},
                        {"holds", {part}}}};

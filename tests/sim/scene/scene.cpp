@@ -108,6 +108,8 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {"", "s.toml:1:1: body is missing: a scene needs at least one body, as in [body.torso]"},
       {"[body]\n", "s.toml:1:1: body: a scene needs at least one body, as in [body.torso]"},
       {"[world\n", "s.toml:1:7: not TOML: "},
+      {"[world]\n[body.a]\nct = \"\"\"a\nblock = 2\n\n",
+       "s.toml:3: not TOML: the text that begins here with three quotes never ends"},
       {small_scene("", "[wrold]\n"), "s.toml:5:2: wrold is not a key of a scene; did you mean world?"},
       {small_scene("skin = { tensoin = 3 }"),
        "s.toml:4:10: body.torso.skin.tensoin is not a key of a scene; did you mean tension?"},
@@ -335,6 +337,22 @@ TEST(Scene, AnOverrideWithoutAValueRemovesAKey) {
   EXPECT_NE(error_of(text, {"body.torso.ct="}).find("ct is missing"), std::string::npos);
   EXPECT_NE(error_of(text, {"output.video="}).find("no output.video that could be removed"),
             std::string::npos);
+}
+
+TEST(Scene, FilesOfOverridesThatAreNotHereAreLookedForInAFolderForEveryKindOfBody) {
+  const std::string text =
+      "[body.a]\nmodel = \"sfem\"\nmesh = \"in-file.msh\"\n[body.b]\nmodel = \"rhombus\"\nsurface = "
+      "\"b.obj\"\n"
+      "[body.c]\nmodel = \"cloth\"\nmesh = \"c.obj\"\n[tool.t]\nbody = \"a\"\nshape = { sphere = 0.01 "
+      "}\npath = \"t.csv\"\n";
+  const Result<Scene> scene =
+      parse_scene(text, "/scenes/s.toml",
+                  {"body.b.surface=my/b.obj", "body.c.mesh=my/c.obj", "tool.t.path=/abs/t.csv"}, "/then");
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(std::get<SolidFile>(scene->sfem_bodies[0].source).file, "/scenes/in-file.msh");
+  EXPECT_EQ(std::get<SurfaceFile>(scene->rhombus_bodies[0].source).file, "/then/my/b.obj");
+  EXPECT_EQ(std::get<GarmentFile>(scene->cloth_bodies[0].source).file, "/then/my/c.obj");
+  EXPECT_EQ(std::get<PathFile>(scene->tools[0].motion).file, "/abs/t.csv");
 }
 
 TEST(Scene, KnownKeysAreListedOnce) {

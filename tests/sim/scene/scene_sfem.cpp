@@ -129,6 +129,8 @@ TEST(SceneSfem, MistakesAreNamedWithTheirPlace) {
       {tool("body = \"c\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0]]"), "the scene has no body c"},
       {tool("body = \"b\"\npath = [[0, 0, 0, 0]]"), "shape is missing: as in { sphere = 0.006 } [m]"},
       {tool("body = \"b\"\nshape = { cube = 1 }\npath = [[0, 0, 0, 0]]"), "tool.t.shape.cube is not a key"},
+      {tool("body = \"b\"\nshape = { sphere = 1, capsule = [1, 1] }\npath = [[0, 0, 0, 0]]"),
+       "a tool has one shape: either sphere or capsule, not both"},
       {tool("body = \"b\"\nshape = { sphere = 1 }"),
        "path or press or grasp or hand is missing: how the tool moves"},
       {tool("body = \"b\"\nshape = { sphere = 1 }\npath = [[0, 0, 0, 0], [1, nan, 0, 0]]"),

@@ -161,8 +161,12 @@ Status move_hold(const Model& model, State& state, int mesh_vertex, Vec3 goal);
 /// Lets it go, with the velocity it has.
 Status release(const Model& model, State& state, int mesh_vertex);
 
-/// The sheet as it lies now, in the numbering and with the triangles of the model.
-TriMesh surface(const Model& model, const State& state);
+/// The mesh that was given as it lies now: its triangles, with its numbers.
+TriMesh surface(const Model& model, const State& state, std::vector<Int3> mesh_triangles);
+/// How far each vertex of the mesh is from where it was given [m].
+std::vector<Vec3> displacements(const Model& model, const State& state);
+/// The sheet as it lies now, in the numbering and with the triangles of the model; without normals.
+TriMesh model_surface(const Model& model, const State& state);
 
 /// Memory of a model and its state while it runs.
 std::size_t memory_bytes(const Model& model, const State& state);

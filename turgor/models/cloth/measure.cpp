@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "turgor/geometry/surface_check.hpp"
+#include "turgor/models/cloth/fields.hpp"
 
 namespace turgor::cloth {
 
@@ -30,20 +31,6 @@ void for_each_half_spring(const Model& model, const State& state, const Visit& v
     for_springs_of(model, v, [&](double k, double rest, std::size_t other) {
       visit(k, rest, norm(Vec3d(state.x[other]) - Vec3d(state.x[v])));
     });
-}
-
-template <class T>
-std::size_t bytes(const std::vector<T>& list) {
-  return list.capacity() * sizeof(T);
-}
-template <class T>
-std::size_t bytes(const aligned_vector<T>& list) {
-  return list.capacity() * sizeof(T);
-}
-std::size_t bytes(const Vectors& a) { return bytes(a.x) + bytes(a.y) + bytes(a.z); }
-std::size_t bytes(const NearPoints& near) {
-  return bytes(near.begin) + bytes(near.bucket) + bytes(near.index) + bytes(near.x) + bytes(near.y) +
-         bytes(near.z);
 }
 
 }  // namespace
@@ -110,33 +97,10 @@ SelfDistance self_distance(const Exec& exec, const Model& model, const State& st
       result.smallest = std::min(result.smallest, distance);
       result.too_near += distance < 0.99 * thickness;
     });
-  result.crossings = int(crossing_triangles(exec, surface(model, state)).size());
+  result.crossings = int(crossing_triangles(exec, model_surface(model, state)).size());
   return result;
 }
 
-std::size_t memory_bytes(const Model& model, const State& state) {
-  const Rows& rows = model.rows;
-  const System& system = state.system;
-  const Contacts& contacts = state.contacts;
-  std::size_t sum = bytes(model.original) + bytes(model.place) + bytes(model.mass) + bytes(model.triangles) +
-                    bytes(model.triangle_begin) + bytes(model.chunk_triangles.begin) +
-                    bytes(model.chunk_triangles.triangle) + bytes(model.near.begin) + bytes(model.near.item) +
-                    bytes(model.coarse.triangles) + bytes(model.coarse.edges) + bytes(model.x_rest);
-  sum += bytes(rows.slot_begin) + bytes(rows.first) + bytes(rows.gathered) + bytes(rows.rest) +
-         bytes(rows.stiffness);
-  sum += bytes(system.along) + bytes(system.across) + bytes(state.free_mass) + bytes(state.near_points);
-  for (const Vectors* field : {&state.x, &state.v, &system.force, &system.inverse[0], &system.inverse[1],
-                               &system.change, &system.before, &system.air[0], &system.air[1], &system.search,
-                               &system.image, &system.left, &contacts.middles})
-    sum += bytes(*field);
-  sum += bytes(contacts.list) + bytes(contacts.begin) + bytes(contacts.item) + bytes(contacts.touched) +
-         bytes(contacts.midpoints);
-  for (const auto& found : contacts.found) sum += bytes(found);
-  const Crossing& crossing = state.crossing;
-  sum += bytes(crossing.boxes) + bytes(crossing.meetings) + bytes(crossing.met) + bytes(crossing.caught) +
-         bytes(crossing.zone);
-  for (const auto& found : crossing.found) sum += bytes(found);
-  return sum;
-}
+std::size_t memory_bytes(const Model& model, const State& state) { return bytes_of_fields(model, state); }
 
 }  // namespace turgor::cloth

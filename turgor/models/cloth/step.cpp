@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "turgor/core/hash.hpp"
+#include "turgor/models/cloth/fields.hpp"
 #include "turgor/models/cloth/strain_limit.hpp"
 #include "turgor/models/cloth/system.hpp"
 
@@ -90,19 +91,30 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   return report;
 }
 
-TriMesh surface(const Model& model, const State& state) {
+TriMesh model_surface(const Model& model, const State& state) {
   TriMesh mesh{.triangles = model.triangles};
   for (int v = 0; v < model.count; v++) mesh.vertices.push_back(state.x[std::size_t(v)]);
-  mesh.normals = vertex_normals(mesh);
   return mesh;
 }
 
+TriMesh surface(const Model& model, const State& state, std::vector<Int3> mesh_triangles) {
+  const std::vector<Vec3> normals = vertex_normals(model_surface(model, state));  // smooth over welded seams
+  TriMesh mesh{.triangles = std::move(mesh_triangles)};
+  for (const int v : model.place) {
+    mesh.vertices.push_back(state.x[std::size_t(v)]);
+    mesh.normals.push_back(normals[std::size_t(v)]);
+  }
+  return mesh;
+}
+
+std::vector<Vec3> displacements(const Model& model, const State& state) {
+  std::vector<Vec3> moved;
+  for (const int v : model.place) moved.push_back(state.x[std::size_t(v)] - model.x_rest[std::size_t(v)]);
+  return moved;
+}
+
 std::uint64_t state_hash(const Model& model, const State& state) {
-  std::uint64_t hash = kHashSeed;
-  for (const Vectors* field : {&state.x, &state.v})
-    for (const auto* values : {&field->x, &field->y, &field->z})
-      hash = hash_values(std::span<const Real>(values->data(), std::size_t(model.count)), hash);
-  return hash;
+  return hash_of_fields(state, 0, std::size_t(model.count), kHashSeed);
 }
 
 }  // namespace turgor::cloth

@@ -4,6 +4,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/models/lattice/fields.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
 namespace turgor::lattice {
@@ -132,33 +133,16 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   return report;
 }
 
-std::size_t memory_bytes(const Model& model, const State& state) {
-  const std::size_t slots = model.inverse_mass.size();
-  const std::size_t per_slot =
-      2 * sizeof(Real) + sizeof(Tissue) + sizeof(std::int16_t) + 9 * sizeof(Real) + 2;
-  const Skin& skin = model.skin;
-  return slots * per_slot + model.cell_young.size() * sizeof(Real) + model.around.size() +
-         state.row_cut.size() + state.cut_edges.size() * sizeof(CutEdge) +
-         skin.triangles.size() * (sizeof(SkinTriangle) + 1) + skin.corners.size() * sizeof(Skin::Corner) +
-         (skin.pull.size() + skin.lines.size()) * sizeof(Vec3) +
-         (skin.nodes.size() + skin.corner_begin.size() + skin.row_begin.size() + skin.layer_begin.size()) *
-             sizeof(int);
-}
+std::size_t memory_bytes(const Model& model, const State& state) { return bytes_of_fields(model, state); }
 
 std::uint64_t state_hash(const Model& model, const State& state) {
   std::uint64_t hash = kHashSeed;
   const Lattice& l = model.lattice;
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
-      for (int parity = 0; parity < 2; parity++) {
-        const auto begin = std::size_t(row_slot(l, j, k) + parity * l.half),
-                   count = std::size_t(half_count(l, parity));
-        for (const VecField* field : {&state.u, &state.v})
-          for (const auto* values : {&field->x, &field->y, &field->z})
-            hash = hash_values(std::span<const Real>(values->data() + begin, count), hash);
-        for (const auto* bytes : {&state.cut, &state.removed})
-          hash = hash_values(std::span<const std::uint8_t>(bytes->data() + begin, count), hash);
-      }
+      for (int parity = 0; parity < 2; parity++)
+        hash = hash_of_fields(state, std::size_t(row_slot(l, j, k) + parity * l.half),
+                              std::size_t(half_count(l, parity)), hash);
   return hash;
 }
 

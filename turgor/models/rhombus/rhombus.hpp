@@ -142,6 +142,8 @@ StepReport step(const Exec& exec, const Model& model, State& state);
 /// as linear.
 double energy(const Model& model, const State& state);
 
+/// Memory of a model and its state while it runs.
+std::size_t memory_bytes(const Model& model, const State& state);
 /// Equal for equal displacements.
 std::uint64_t state_hash(const State& state);
 

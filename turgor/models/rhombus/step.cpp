@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "turgor/core/hash.hpp"
+#include "turgor/models/rhombus/fields.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/models/rhombus/touching.hpp"
 
@@ -228,6 +229,10 @@ double energy(const Model& model, const State& state) {
   return sum;
 }
 
-std::uint64_t state_hash(const State& state) { return hash_values(std::span(state.displacement)); }
+std::size_t memory_bytes(const Model& model, const State& state) { return bytes_of_fields(model, state); }
+
+std::uint64_t state_hash(const State& state) {
+  return hash_of_fields(state, 0, state.displacement.size(), kHashSeed);
+}
 
 }  // namespace turgor::rhombus

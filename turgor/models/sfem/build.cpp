@@ -2,6 +2,7 @@
 #include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/models/sfem/check_body.hpp"
 #include "turgor/models/sfem/elements.hpp"
+#include "turgor/models/sfem/fields.hpp"
 
 namespace turgor::sfem {
 
@@ -91,6 +92,8 @@ Result<Model> build(const Exec& exec, Body body, const Params& params) {
   choose_kept_nodes(exec, model);
   return model;
 }
+
+std::size_t memory_bytes(const Model& model) { return bytes_of_fields(model); }
 
 std::uint64_t content_hash(const Model& model) {
   constexpr std::uint64_t kVersion = 1;  // of what the store holds and how it is computed

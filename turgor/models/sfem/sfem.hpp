@@ -126,6 +126,8 @@ void fetch_columns(const Exec& exec, Model& model, const std::vector<int>& verti
 /// wrong with it.
 Status check_green(const Model& model);
 
+/// Memory of a model while it runs: mesh, K, its factor and the Green's functions.
+std::size_t memory_bytes(const Model& model);
 /// Equal for equal mesh, materials, fixed vertices, kept nodes, formulation and precision.
 std::uint64_t content_hash(const Model& model);
 

@@ -6,7 +6,6 @@
 
 #include "turgor/geometry/box.hpp"
 #include "turgor/haptics/virtual_device.hpp"
-#include "turgor/sim/report/json_numbers.hpp"
 
 namespace turgor {
 
@@ -61,18 +60,6 @@ Result<std::unique_ptr<haptics::Device>> open_hand(const TouchingTool& tool, con
   return device;
 }
 
-/// In so many units a second [s].
-Json spread_of(const haptics::Spread& spread, double units) {
-  return {{"p50", rounded(spread.p50 * units)},
-          {"p99", rounded(spread.p99 * units)},
-          {"p999", rounded(spread.p999 * units)},
-          {"max", rounded(spread.largest * units)}};
-}
-
-double missed_part(const haptics::TimingReport& timing) {
-  return double(timing.missed) / double(std::max<std::uint64_t>(1, timing.missed + timing.ticks));
-}
-
 }  // namespace
 
 Result<LiveRun> start_live(World& world, const LiveOptions& options, double duration) {
@@ -95,58 +82,6 @@ Result<LiveRun> start_live(World& world, const LiveOptions& options, double dura
   if (!touch) return touch.error();
   live.touch = std::move(*touch);
   return live;
-}
-
-Json haptics_report(LiveRun& live) {
-  const haptics::TimingReport timing = live.touch->timing();
-  const haptics::SafetyCounts& safety = timing.safety;
-  const FrameTiming frames = live.touch->frames();
-  constexpr double kUs = 1e6;
-  return {{"device", live.device->spec().name},
-          {"tool", live.tool},
-          {"ticks", timing.ticks},
-          {"seconds", rounded(timing.seconds)},
-          {"rate_asked_per_s", rounded(timing.rate_asked)},
-          {"rate_per_s", rounded(timing.rate)},
-          {"missed", rounded(missed_part(timing))},
-          {"missed_ticks", timing.missed},
-          {"period_us", spread_of(timing.period, kUs)},
-          {"jitter_us", spread_of(timing.jitter, kUs)},
-          {"compute_us", spread_of(timing.compute, kUs)},
-          {"latency_us", spread_of(timing.latency, kUs)},
-          {"model_age_ms", spread_of(timing.age, kMs)},
-          {"force_jump_max_N", rounded(timing.force_jump)},
-          {"torque_jump_max_Nm", rounded(timing.torque_jump)},
-          {"asked_jump_max_N", rounded(timing.asked_jump)},
-          {"lowest_energy_mJ", rounded(timing.lowest_energy * 1e3)},
-          {"safety",
-           {{"not_finite", safety.not_finite},
-            {"silent", safety.silent},
-            {"waiting", safety.waiting},
-            {"ramping", safety.ramping},
-            {"damped", safety.damped},
-            {"slewed", safety.slewed},
-            {"saturated", safety.saturated},
-            {"lost", safety.lost}}},
-          {"frames", frames.frames},
-          {"frames_late", frames.late},
-          {"frame_latest_ms", rounded(frames.latest * kMs)},
-          {"notes", live.touch->notes()}};
-}
-
-std::vector<std::string> haptics_warnings(LiveRun& live) {
-  const haptics::TimingReport timing = live.touch->timing();
-  const FrameTiming frames = live.touch->frames();
-  std::vector<std::string> warnings = live.touch->notes();
-  constexpr double kTold = 1e-3;
-  if (missed_part(timing) > kTold)
-    warnings.push_back(fmt::format("the haptic loop missed {} of {} ticks: the machine has other work to do",
-                                   timing.missed, timing.missed + timing.ticks));
-  if (frames.late > 0)
-    warnings.push_back(
-        fmt::format("{} of {} frames began late, by up to {:.0f} ms: bodies moved more slowly than the hand",
-                    frames.late, frames.frames, frames.latest * kMs));
-  return warnings;
 }
 
 }  // namespace turgor

@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
+#include "turgor/models/lattice/fields.hpp"
 #include "turgor/sim/recording/recording_cloth.hpp"
+#include "turgor/sim/recording/recording_fields.hpp"
 #include "turgor/sim/recording/recording_touch.hpp"
 
 namespace turgor {
@@ -57,51 +59,26 @@ Status write_body(Hdf5File& file, const LatticeBody& body) {
   return Writing(file, fmt::format("/bodies/{}/", body.name))
       .array<std::uint64_t>("ct_hash", {body.ct_hash})
       .array<std::int32_t>("lattice_size", {grid.size.x, grid.size.y, grid.size.z})
-      .array("lattice_origin", flat({grid.origin}))
-      .array("lattice_spacing", flat({grid.spacing}))
+      .array("lattice_origin", flat({grid.origin}), 1, "m")
+      .array("lattice_spacing", flat({grid.spacing}), 1, "m")
       .array("lattice_axes", flat({grid.axes.column[0], grid.axes.column[1], grid.axes.column[2]}), 3)
       .array<std::uint64_t>("skin_triangles", {model.skin.triangles.size()})
-      .array("rest_points", rest, 3)
+      .array("rest_points", rest, 3, "m")
       .status();
 }
 
 Status write_state(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
-  std::vector<float> displacement;
-  std::vector<std::uint8_t> cut, removed, family, incision;
-  for (const int s : body_slots(body.model)) {
-    const Vec3 u = body.state.u[std::size_t(s)];
-    displacement.insert(displacement.end(), {u.x, u.y, u.z});
-    cut.push_back(body.state.cut[std::size_t(s)]);
-    removed.push_back(body.state.removed[std::size_t(s)]);
-  }
-  std::vector<std::int32_t> slot;
-  std::vector<float> fraction;
-  for (const lattice::CutEdge& edge : body.state.cut_edges) {
-    slot.push_back(edge.slot);
-    family.push_back(edge.family);
-    incision.push_back(edge.incision);
-    fraction.push_back(edge.fraction);
-  }
-  const Status status = Writing(out.file, fmt::format("{}/bodies/{}/", out.group, body.name))
-                            .array("displacement", displacement, 3)
-                            .array("cut", cut)
-                            .array("removed", removed)
-                            .array("skin_cut", body.state.skin_cut)
-                            .array("row_cut", body.state.row_cut)
-                            .array("cut_edge_slot", slot)
-                            .array("cut_edge_family", family)
-                            .array("cut_edge_incision", incision)
-                            .array("cut_edge_fraction", fraction)
-                            .status();
-  return status ? write_tools(out, body, id) : status;
+  Writing writing(out.file, fmt::format("{}/bodies/{}/", out.group, body.name));
+  write_fields(writing, body.state, {Axis::kSlot, body_slots(body.model)});
+  return writing.status() ? write_tools(out, body, id) : writing.status();
 }
 
 Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
   const lattice::BladePath path = cut.path.value_or(lattice::BladePath{});
   return Writing(file, fmt::format("{}/cuts/{}/", group, cut.blade.name))
-      .array("path", flat(path.skin), 3)
+      .array("path", flat(path.skin), 3, "m")
       .array("frame", flat({path.into, path.across}), 3)
-      .array<double>("progress", {path.depth, cut.done, double(cut.edges)})
+      .array<double>("progress", {path.depth, cut.done, double(cut.edges)}, 1, "m, 1, 1")
       .status();
 }
 
@@ -118,33 +95,14 @@ Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
   const std::vector<int> slots = body_slots(body.model);
   lattice::State state = lattice::make_state(body.model);
   Reading reading(in.file, fmt::format("{}/bodies/{}/", in.group, body.name));
-  const auto u = reading.array<float>("displacement", 3 * slots.size());
-  const auto cut = reading.array<std::uint8_t>("cut", slots.size());
-  const auto removed = reading.array<std::uint8_t>("removed", slots.size());
-  state.skin_cut = reading.array<std::uint8_t>("skin_cut", state.skin_cut.size());
-  state.row_cut = reading.array<std::uint8_t>("row_cut", state.row_cut.size());
-  const std::size_t edges = reading.count("cut_edge_slot", kFamilyCount * slots.size());
-  const auto slot = reading.array<std::int32_t>("cut_edge_slot", edges);
-  const auto family = reading.array<std::uint8_t>("cut_edge_family", edges);
-  const auto incision = reading.array<std::uint8_t>("cut_edge_incision", edges);
-  const auto fraction = reading.array<float>("cut_edge_fraction", edges);
+  read_fields(reading, state, {Axis::kSlot, slots}, kFamilyCount * slots.size());
   if (!reading.status()) return reading.status();
-  for (std::size_t n = 0; n < slots.size(); n++) {
-    const auto s = std::size_t(slots[n]);
-    const Vec3 moved{u[3 * n], u[3 * n + 1], u[3 * n + 2]};
-    if (!std::isfinite(dot(moved, moved)))
-      return Error{fmt::format("{}: {}: a displacement is not a number", in.path, in.group)};
-    state.u.set(s, moved);
-    state.u_before.set(s, moved);
-    state.cut[s] = cut[n];
-    state.removed[s] = removed[n];
-  }
-  for (std::size_t e = 0; e < edges; e++) {
-    state.cut_edges.push_back({slot[e], family[e], incision[e], fraction[e]});
-    if (!is_edge(in.world, body.model, state.cut_edges.back()))
+  state.u_before = state.u;
+  for (const lattice::CutEdge& edge : state.cut_edges) {
+    if (!is_edge(in.world, body.model, edge))
       return Error{fmt::format("{}: {}: a cut edge is not one of the body's", in.path, in.group)};
-    state.cut[std::size_t(slot[e])] |=
-        std::uint8_t(1u << family[e]);  // also where the lower end is outside the body
+    state.cut[std::size_t(edge.slot)] |=
+        std::uint8_t(1u << edge.family);  // also where the lower end is outside the body
   }
   body.state = std::move(state);
   body.state.time = time_of(in.world);
@@ -180,7 +138,7 @@ Result<RecordingWriter> RecordingWriter::create(const fs::path& path, const Scen
 Status RecordingWriter::add_snapshot(const World& world, const ShownWorld& shown) {
   const std::string group = snapshot_group(snapshots_++);
   if (const Status status = Writing(file_, group + "/")
-                                .array<double>("time", {time_of(world)})
+                                .array<double>("time", {time_of(world)}, 1, "s")
                                 .array<std::int32_t>("frame", {world.frame})
                                 .status();
       !status)
@@ -240,16 +198,10 @@ Result<Scene> Recording::scene(const std::vector<std::string>& more_overrides) c
   }
   std::vector<std::string> overrides = split_lines(parts[2]);
   overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
-  Result<Scene> scene = parse_scene(parts[1], parts[0], overrides);
+  // A file that --set named was relative to the folder of the recorded run.
+  Result<Scene> scene = parse_scene(parts[1], parts[0], overrides, parts[3]);
   if (!scene)
     return Error{fmt::format("{}: the recorded scene is not one: {}", path_.string(), scene.error().message)};
-  // A file that --set named was relative to the folder of the recorded run.
-  const auto reset = [&](fs::path& file) {
-    std::error_code ignored;
-    if (file.is_relative() && !file.empty() && !fs::exists(file, ignored)) file = fs::path(parts[3]) / file;
-  };
-  for (LatticeScene& body : scene->lattice_bodies)
-    reset(body.ct.file), reset(body.labels), reset(body.direction_field);
   return scene;
 }
 

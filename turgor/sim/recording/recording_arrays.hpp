@@ -31,9 +31,12 @@ class Writing {
  public:
   Writing(Hdf5File& file, std::string group) : file_(file), group_(std::move(group)) {}
 
+  /// `unit` becomes an attribute; of columns that differ, all their names.
   template <class T>
-  Writing& array(const std::string& name, const std::vector<T>& values, std::size_t columns = 1) {
+  Writing& array(const std::string& name, const std::vector<T>& values, std::size_t columns = 1,
+                 const std::string& unit = "") {
     if (status_) status_ = file_.write<T>(group_ + name, std::span<const T>(values), columns);
+    if (status_ && !unit.empty()) status_ = file_.write_attribute(group_ + name, "unit", unit);
     return *this;
   }
   Writing& text(const std::string& name, const std::string& value) {
@@ -65,6 +68,10 @@ class Reading {
     const Result<std::size_t> found = file_.count(group_ + name, most);
     if (!found) status_ = found.error();
     return found ? *found : 0;
+  }
+  /// What was read is wrong; the first such sentence stays.
+  void fail(const std::string& name, const std::string& what) {
+    if (status_) status_ = Error{file_.path().string() + ": " + group_ + name + ": " + what};
   }
   const Status& status() const { return status_; }
   const std::string& group() const { return group_; }

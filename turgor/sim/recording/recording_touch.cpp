@@ -11,7 +11,11 @@ namespace {
 
 constexpr std::size_t kMostVertices = std::size_t(1) << 24, kMostRows = kMostTicks + 1;
 constexpr std::size_t kPose = 16;    // numbers of a shown tool: position, axes, force, opening
-constexpr std::size_t kSample = 27;  // numbers of a tick, in the order of sample_row
+constexpr std::size_t kSample = 27;  // numbers of a tick, in the order of append
+constexpr const char *kPoseUnits = "m, m, m, 1, 1, 1, 1, 1, 1, 1, 1, 1, N, N, N, m",
+                     *kSampleUnits =
+                         "s, m, m, m, N, N, N, N m, N m, N m, 1, m, m, s, 1, 1, 1, 1, 1, 1, 1, 1, "
+                         "1, 1, 1, 1, 1";
 
 std::vector<float> flat(const std::vector<Vec3>& points) {
   std::vector<float> values;
@@ -84,12 +88,13 @@ Status write_shown(Hdf5File& file, const std::string& group, double time, const 
   std::vector<std::int32_t> triangles;
   for (const Int3 t : surface.triangles) triangles.insert(triangles.end(), {t.x, t.y, t.z});
   return Writing(file, group)
-      .array<double>("time", {time})
-      .array("rest", flat(surface.rest), 3)
-      .array("displacement", flat(surface.displacement), 3)
-      .array("pressure", surface.pressure)
+      .array<double>("time", {time}, 1, "s")
+      .array("rest", flat(surface.rest), 3, "m")
+      .array("displacement", flat(surface.displacement), 3, "m")
+      .array("pressure", surface.pressure, 1, "Pa")
       .array("triangles", triangles, 3)
-      .array("tools", tool_rows(tools), kPose)
+      .array<std::int32_t>("mesh_vertex", {surface.mesh_vertex.begin(), surface.mesh_vertex.end()})
+      .array("tools", tool_rows(tools), kPose, kPoseUnits)
       .status();
 }
 
@@ -110,12 +115,15 @@ Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std:
   const std::size_t corners = reading.count("triangles", 3 * 3 * kMostVertices);
   const auto triangles = reading.array<std::int32_t>("triangles", corners);
   const auto tools = reading.array<double>("tools", kPose * tool_count);
+  const std::size_t numbers = reading.count("mesh_vertex", count);
+  const auto mesh_vertex = reading.array<std::int32_t>("mesh_vertex", numbers);
   if (!reading.status()) return reading.status().error();
   const bool sound = std::all_of(triangles.begin(), triangles.end(),
                                  [count](int v) { return v >= 0 && std::size_t(v) < count; }) &&
-                     corners % 3 == 0 && (known == 0 || known == count) && is_finite(rest) &&
-                     is_finite(displacement);
+                     corners % 3 == 0 && (known == 0 || known == count) &&
+                     (numbers == 0 || numbers == count) && is_finite(rest) && is_finite(displacement);
   if (!sound) return Error{fmt::format("{}: the surface is damaged", group)};
+  surface.mesh_vertex.assign(mesh_vertex.begin(), mesh_vertex.end());
   surface.rest = vectors(rest), surface.displacement = vectors(displacement);
   surface.triangles.clear();
   for (std::size_t i = 0; i < corners; i += 3)
@@ -131,7 +139,7 @@ Status write_deepest(Hdf5File& file, const ShownWorld& shown, const Pressed& pre
   const std::string group = fmt::format("/deepest/{}/", body.name);
   const Status status = write_shown(file, group, touched ? pressed.time : shown.time, body,
                                     touched ? pressed.tools : tools_on(shown, pressed.id));
-  return status ? Writing(file, group).array<double>("force", {pressed.force}).status() : status;
+  return status ? Writing(file, group).array<double>("force", {pressed.force}, 1, "N").status() : status;
 }
 
 Status read_deepest(const Hdf5File& file, const World& world, const TouchedBody& body, Pressed& pressed) {
@@ -202,8 +210,9 @@ Status write_touch(Hdf5File& file, const World& world, const ShownWorld& shown,
     std::vector<double> rows;
     append(rows, tool.samples.start());
     for (const ForceSample& sample : tool.samples) append(rows, sample);
-    const Status status =
-        Writing(file, fmt::format("/tools/{}/", tool.name)).array("ticks", rows, kSample).status();
+    const Status status = Writing(file, fmt::format("/tools/{}/", tool.name))
+                              .array("ticks", rows, kSample, kSampleUnits)
+                              .status();
     if (!status) return status;
   }
   Status status = Done{};

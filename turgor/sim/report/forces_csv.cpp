@@ -5,10 +5,31 @@
 #include <fmt/format.h>
 
 #include "turgor/io/file.hpp"
+#include "turgor/sim/report/quantity.hpp"
 
 namespace turgor {
 
 namespace {
+
+using namespace units;
+using F = ForceSample;
+
+/// What the tool felt; what it did stands before, in the columns of a hand.
+const Quantity<F> kFelt[] = {
+    {"force_x", kNewtons, "", [](const F& s) -> Json { return s.force.x; }},
+    {"force_y", kNewtons, "", [](const F& s) -> Json { return s.force.y; }},
+    {"force_z", kNewtons, "", [](const F& s) -> Json { return s.force.z; }},
+    {"torque_x", kTorque, "", [](const F& s) -> Json { return s.torque.x; }},
+    {"torque_y", kTorque, "", [](const F& s) -> Json { return s.torque.y; }},
+    {"torque_z", kTorque, "", [](const F& s) -> Json { return s.torque.z; }},
+    {"contacts", kCount, "", [](const F& s) -> Json { return s.contacts; }},
+    {"depth", kMetres, "", [](const F& s) -> Json { return s.depth; }},
+    {"path", kMetres, "", [](const F& s) -> Json { return s.path; }},
+};
+
+std::string cell(const Json& value) {
+  return value.is_number_float() ? fmt::format("{:.9g}", value.get<double>()) : value.dump();
+}
 
 /// The columns of a hand, to the last bit: read back, they move the tool in just the same way.
 void append_command(const ForceSample& s, std::string& text) {
@@ -24,18 +45,16 @@ void append_command(const ForceSample& s, std::string& text) {
 void append_row(const std::string& tool, const ForceSample& s, std::string& text) {
   text += tool;
   append_command(s, text);
-  fmt::format_to(std::back_inserter(text), ",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},{:.9g},{:.9g}\n",
-                 s.force.x, s.force.y, s.force.z, s.torque.x, s.torque.y, s.torque.z, s.contacts, s.depth,
-                 s.path);
+  for (const Quantity<F>& column : kFelt) text += "," + cell(column.of(s));
+  text += "\n";
 }
 
 }  // namespace
 
 Status write_forces(const std::filesystem::path& path, const std::vector<TouchingTool>& tools) {
-  std::string text = fmt::format(
-      "tool,{},force_x_N,force_y_N,force_z_N,torque_x_Nm,torque_y_Nm,torque_z_Nm,"
-      "contacts,depth_m,path_m\n",
-      fmt::join(hand_columns(), ","));
+  std::string text = fmt::format("tool,{}", fmt::join(hand_columns(), ","));
+  for (const Quantity<F>& column : kFelt) text += "," + full_key(column.key, column.unit);
+  text += "\n";
   for (const TouchingTool& tool : tools) {
     append_row(tool.name, tool.samples.start(), text);
     for (const ForceSample& s : tool.samples) append_row(tool.name, s, text);

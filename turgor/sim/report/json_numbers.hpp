@@ -4,12 +4,15 @@
 #include <cmath>
 #include <initializer_list>
 
+#include <nlohmann/json.hpp>
+
 #include "turgor/core/vec.hpp"
-#include "turgor/sim/report/report.hpp"
 
 namespace turgor {
 
-constexpr double kMm = 1e3, kMm2 = 1e6, kMs = 1e3;
+using Json = nlohmann::ordered_json;
+
+constexpr double kMm = 1e3;
 
 /// Six significant digits: more would only pretend.
 inline double rounded(double value) {

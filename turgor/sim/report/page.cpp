@@ -1,42 +1,25 @@
 #include "turgor/sim/report/page.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 
 #include <fmt/format.h>
 
 #include "turgor/io/xml_text.hpp"
+#include "turgor/sim/report/amount.hpp"
 
 namespace turgor::page {
 
 namespace {
 
-/// What a key leads to, table by table; null when there is no such thing.
-const Json* find(const Json& item, std::string_view key) {
-  const Json* at = &item;
-  for (std::size_t begin = 0; begin <= key.size();) {
-    const std::size_t end = std::min(key.find('.', begin), key.size());
-    const std::string part(key.substr(begin, end - begin));
-    if (!at->is_object() || !at->contains(part)) return nullptr;
-    at = &at->at(part);
-    begin = end + 1;
-  }
-  return at;
+std::string with_unit(const Caption& caption) {
+  return *caption.unit.text ? fmt::format("{} [{}]", caption.label, caption.unit.text) : caption.label;
 }
+
+std::string name_of(const Json& item) { return item.contains("name") ? shown(item.at("name")) : ""; }
 
 }  // namespace
 
-std::string shown(const Json& value) {
-  if (value.is_string()) return xml_text(value.get<std::string>());
-  if (value.is_number_integer()) return fmt::format("{}", value.get<std::int64_t>());
-  if (!value.is_number()) return "";
-  const double number = value.get<double>(), size = std::abs(number);
-  if (number == 0) return "0";
-  if (size >= 100 && size < 1e6) return fmt::format("{:.0f}", number);
-  if (size >= 10 && size < 1e6) return fmt::format("{:.1f}", number);
-  return size >= 0.01 && size < 1e6 ? fmt::format("{:.2f}", number) : fmt::format("{:.2g}", number);
-}
+std::string shown(const Json& value) { return xml_text(number_of(value)); }
 
 std::string table_row(const std::vector<std::string>& cells, const char* tag) {
   std::string row = "<tr>";
@@ -44,15 +27,16 @@ std::string table_row(const std::vector<std::string>& cells, const char* tag) {
   return row + "</tr>\n";
 }
 
-std::string quantity_table(const Json& items, const char* heading, const std::vector<Quantity>& quantities) {
+std::string quantity_table(const Json& items, const char* heading, const std::vector<Caption>& captions) {
   std::vector<std::string> cells = {heading};
-  for (const Json& item : items) cells.push_back(shown(item.at("name")));
+  for (const Json& item : items) cells.push_back(name_of(item));
   std::string table = "<div class=\"scroll\"><table>" + table_row(cells, "th");
-  for (const Quantity& q : quantities) {
-    cells = {q.label};
+  for (const Caption& caption : captions) {
+    if (!(caption.shown & kInTable)) continue;
+    cells = {with_unit(caption)};
     bool any = false;
     for (const Json& item : items) {
-      const Json* value = find(item, q.key);
+      const Json* value = find(item, caption.key);
       any = any || value;
       cells.push_back(value ? shown(*value) : "–");
     }
@@ -61,11 +45,30 @@ std::string quantity_table(const Json& items, const char* heading, const std::ve
   return table + "</table></div>\n";
 }
 
-Curve curve_of(const std::string& label, const Json& rows, std::size_t x, std::size_t y) {
+std::string quantity_figures(const Json& items, const std::vector<Caption>& captions) {
+  std::string html;
+  for (const Json& item : items)
+    for (const Caption& caption : captions) {
+      const Json* value = find(item, caption.key);
+      if (!caption.figure.empty() && value)
+        html += key_figure(xml_text(amount(*value, caption.unit)),
+                           fmt::format(fmt::runtime(caption.figure), name_of(item)));
+    }
+  return html;
+}
+
+Curve curve_of(const std::string& label, const Json& item, const SeriesKeys& series, std::string_view x,
+               std::string_view y) {
   Curve curve{label, {}};
+  const Json columns = item.value(series.columns, Json::array()),
+             rows = item.value(series.rows, Json::array());
+  const auto place = [&columns](std::string_view name) {
+    return std::size_t(std::find(columns.begin(), columns.end(), name) - columns.begin());
+  };
+  const std::size_t at_x = place(x), at_y = place(y);
   for (const Json& row : rows)
-    if (row.at(x).is_number() && row.at(y).is_number())
-      curve.points.emplace_back(row.at(x).get<double>(), row.at(y).get<double>());
+    if (std::max(at_x, at_y) < row.size() && row.at(at_x).is_number() && row.at(at_y).is_number())
+      curve.points.emplace_back(row.at(at_x).get<double>(), row.at(at_y).get<double>());
   return curve;
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "turgor/sim/report/plot.hpp"
+#include "turgor/sim/report/quantity.hpp"
 #include "turgor/sim/report/report.hpp"
 
 namespace turgor::page {
@@ -13,29 +15,26 @@ namespace turgor::page {
 std::string shown(const Json& value);
 std::string table_row(const std::vector<std::string>& cells, const char* tag);
 
-/// A table of quantities: a row each, a column for each of `items`. A key may lead into tables:
-/// "mesh.elements".
-struct Quantity {
-  const char* key;
-  const char* label;
-};
-std::string quantity_table(const Json& items, const char* heading, const std::vector<Quantity>& quantities);
+/// A row a quantity, a column for each of `items`; what none of them has is left out.
+std::string quantity_table(const Json& items, const char* heading, const std::vector<Caption>& captions);
+/// Key figures of those that are marked so.
+std::string quantity_figures(const Json& items, const std::vector<Caption>& captions);
 
-/// Two columns of a series as a curve.
-Curve curve_of(const std::string& label, const Json& rows, std::size_t x, std::size_t y);
+/// Where a series and the names of its columns are.
+struct SeriesKeys {
+  const char* columns = "series_columns";
+  const char* rows = "series";
+};
+/// Two columns of a series as a curve; empty when it has none of these names.
+Curve curve_of(const std::string& label, const Json& item, const SeriesKeys& series, std::string_view x,
+               std::string_view y);
 /// A plot on the page; empty without points.
 std::string drawn(const Plot& plot);
 
 /// A large number with what it is.
 std::string key_figure(const std::string& value, const std::string& label);
 
-}  // namespace turgor::page
-
-namespace turgor {
-
-/// report_html_touch.cpp: key figures, curves and tables of bodies and tools; empty when there are none.
-std::string touch_figures(const Json& report);
+/// Of tools and what they touch; empty without tools.
 std::string touch_curves(const Json& report);
-std::string touch_tables(const Json& report);
 
-}  // namespace turgor
+}  // namespace turgor::page

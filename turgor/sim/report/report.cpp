@@ -9,18 +9,18 @@
 
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/sim/report/json_numbers.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/report/report_compare.hpp"
+#include "turgor/sim/report/report_lattice.hpp"
 #include "turgor/sim/report/report_rhombus.hpp"
 #include "turgor/sim/report/report_touch.hpp"
+#include "turgor/sim/report/section.hpp"
 
 namespace turgor {
 
 namespace {
 
-Json of_size(Int3 v) { return Json::array({v.x, v.y, v.z}); }
-Json of_mm(Vec3d v) { return numbers({v.x * kMm, v.y * kMm, v.z * kMm}); }
+using namespace units;
 
 std::string processor_name() {
   std::ifstream cpuinfo("/proc/cpuinfo");
@@ -38,93 +38,57 @@ Json machine_report(const Exec& exec) {
           {"system", std::string(system.sysname) + " " + system.release}};
 }
 
-std::string ct_source(const CtSource& source) { return source.phantom ? "phantom" : source.file.string(); }
+struct Timing {
+  const Measures& measures;
+  const RunFacts& facts;
+};
+using T = Timing;
 
-Json report_body(const ReportInput&, const LatticeScene& scene, const LatticeBody& body, BodyId) {
-  const lattice::Model& model = body.model;
-  const std::size_t bytes = lattice::memory_bytes(model, body.state);
-  const Vec3d step(model.lattice.step);
-  return {{"name", body.name},
-          {"model", model_name(BodyKind::kLattice)},
-          {"ct",
-           {{"source", ct_source(scene.ct)},
-            {"size", of_size(body.ct.grid.size)},
-            {"spacing_mm", of_mm(body.ct.grid.spacing)},
-            {"content_hash", hash_text(body.ct_hash)}}},
-          {"lattice_size", of_size(model.lattice.size)},
-          {"lattice_step_mm", of_mm(step)},
-          {"nodes", node_count(model.lattice)},
-          {"body_nodes", model.body_nodes},
-          {"free_nodes", model.free_nodes},
-          {"skin_triangles", model.skin.triangles.size()},
-          {"memory_bytes", bytes},
-          {"memory_bytes_per_node", rounded(double(bytes) / node_count(model.lattice))},
-          {"read_s", rounded(body.read_seconds)},
-          {"build_s", rounded(body.build_seconds)},
-          {"state_hash", hash_text(lattice::state_hash(model, body.state))}};
+double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+double mean(const std::vector<double>& values) {
+  return values.empty() ? 0 : sum(values) / double(values.size());
 }
 
-Json wound_report(const CutMeasures& cut) {
-  Json profile = Json::array(), series = Json::array();
-  for (const lattice::GapePoint& point : cut.wound.profile)
-    profile.push_back(numbers({point.along * kMm, point.gape * kMm}));
-  for (const WoundSample& s : cut.series)
-    series.push_back(numbers({s.time, s.gape_max * kMm, s.gape_mean * kMm, s.opening_area * kMm2}));
-  return {{"name", cut.name},
-          {"body", cut.body},
-          {"kind", cut.region ? "region" : "edges"},
-          {"depth_mm", rounded(cut.depth * kMm)},
-          {"width_mm", rounded(cut.width * kMm)},
-          {cut.region ? "nodes_removed" : "edges_cut", cut.edges},
-          {"angle_to_lines_deg", rounded(cut.pull.angle)},
-          {"tension_across_cut_N_per_m", rounded(cut.pull.opening)},
-          {"tension_along_cut_N_per_m", rounded(cut.pull.lengthwise)},
-          {"length_mm", rounded(cut.wound.length * kMm)},
-          {"gape_max_mm", rounded(cut.wound.gape_max * kMm)},
-          {"gape_mean_mm", rounded(cut.wound.gape_mean * kMm)},
-          {"opening_area_mm2", rounded(cut.wound.opening_area * kMm2)},
-          {"edge_displacement_mm", rounded(cut.wound.edge_displacement * kMm)},
-          {"profile_columns", {"along_mm", "gape_mm"}},
-          {"profile", profile},
-          {"series_columns", {"time_s", "gape_max_mm", "gape_mean_mm", "opening_area_mm2"}},
-          {"series", series}};
-}
-
-Json solver_report(const Measures& measures) {
-  Json samples = Json::array();
-  for (const SolverSample& s : measures.solver)
-    samples.push_back(numbers({s.time, s.residual.largest, s.residual.rms, s.energy, s.largest_speed}));
-  return {
-      {"columns", {"time_s", "residual_largest_N", "residual_rms_N", "energy_J", "largest_speed_m_per_s"}},
-      {"samples", samples}};
-}
+const Quantity<T> kTiming[] = {
+    {"load", kSeconds, "reading and building", [](const T& t) -> Json { return t.facts.load_seconds; },
+     kInSummary},
+    {"simulation", kSeconds, "", [](const T& t) -> Json { return t.facts.simulation_seconds; }, kInReport},
+    {"physics", kSeconds, "physics", [](const T& t) -> Json { return sum(t.measures.frame_seconds); },
+     kInSummary},
+    {"frames", kCount, "", [](const T& t) -> Json { return t.measures.frame_seconds.size(); }, kInReport},
+    {"frame_mean", kMilliseconds, "", [](const T& t) -> Json { return mean(t.measures.frame_seconds); },
+     kInReport},
+    {"frame_p50", kMilliseconds, "a frame, median",
+     [](const T& t) -> Json { return percentile(t.measures.frame_seconds, 0.5); }, kInSummary,
+     "a frame (median)"},
+    {"frame_p99", kMilliseconds, "a frame, 99 of 100",
+     [](const T& t) -> Json { return percentile(t.measures.frame_seconds, 0.99); }, kInSummary,
+     "a frame (99 of 100)"},
+    {"frame_max", kMilliseconds, "",
+     [](const T& t) -> Json { return percentile(t.measures.frame_seconds, 1); }, kInReport},
+};
+/// Known when everything is written.
+const Quantity<RunFacts> kOutputTiming[] = {
+    {"drawing", kSeconds, "drawing", [](const RunFacts& f) -> Json { return f.drawing_seconds; }, kInSummary},
+    {"files", kSeconds, "writing files", [](const RunFacts& f) -> Json { return f.file_seconds; },
+     kInSummary},
+    {"output", kSeconds, "", [](const RunFacts& f) -> Json { return f.output_seconds; }, kInReport},
+    {"total", kSeconds, "in all", [](const RunFacts& f) -> Json { return f.total_seconds; }, kInSummary},
+};
 
 Json timing_report(const Measures& measures, const RunFacts& facts) {
-  const std::vector<double>& frames = measures.frame_seconds;
-  const double sum = std::accumulate(frames.begin(), frames.end(), 0.0);
-  Json series = Json::array();
-  for (const double seconds : frames) series.push_back(rounded(seconds * kMs));
-  return {{"load_s", rounded(facts.load_seconds)},
-          {"simulation_s", rounded(facts.simulation_seconds)},
-          {"physics_s", rounded(sum)},
-          {"frames", frames.size()},
-          {"frame_mean_ms", rounded(frames.empty() ? 0 : sum / double(frames.size()) * kMs)},
-          {"frame_p50_ms", rounded(percentile(frames, 0.5) * kMs)},
-          {"frame_p99_ms", rounded(percentile(frames, 0.99) * kMs)},
-          {"frame_max_ms", rounded(percentile(frames, 1) * kMs)},
-          {"frame_ms", series}};
+  Json json = values_of(kTiming, Timing{measures, facts}), series = Json::array();
+  for (const double seconds : measures.frame_seconds)
+    series.push_back(rounded(seconds * kMilliseconds.scale));
+  json["frame_ms"] = series;
+  return json;
 }
 
 Json scene_report(const Scene& scene) {
-  Json json{{"file", scene.file.string()},
-            {"overrides", scene.overrides},
-            {"duration_s", scene.duration},
-            {"frame_rate_per_s", scene.frame_rate}};
-  if (scene.lattice_bodies.empty()) return json;
-  const lattice::SolverParams& solver = scene.lattice_bodies[0].params.solver;
-  json["method"] = solver.method == lattice::Method::kPbd ? "pbd" : "descent";
-  json["sweeps"] = solver.sweeps;
-  return json;
+  return {{"file", scene.file.string()},
+          {"overrides", scene.overrides},
+          {"duration_s", scene.duration},
+          {"frame_rate_per_s", scene.frame_rate}};
 }
 
 }  // namespace
@@ -173,21 +137,19 @@ void add_outputs(Json& report, const RunFacts& facts) {
   Json pictures = Json::array(), deformed = Json::array();
   for (const ReportPicture& p : facts.pictures)
     pictures.push_back({{"file", p.file}, {"caption", p.caption}, {"large", p.large}});
-  for (const DeformedCtReport& d : facts.deformed)
-    deformed.push_back({{"body", d.body},
-                        {"file", d.file},
-                        {"size", of_size(d.size)},
-                        {"resample_s", rounded(d.seconds)},
-                        {"mass_error", rounded(d.mass_error)},
-                        {"folded_tetrahedra", d.folds}});
+  for (const DeformedCtReport& d : facts.deformed) deformed.push_back(deformed_report(d));
   report["deformed_ct"] = deformed;
   report["pictures"] = pictures;
   report["files"] = facts.files;
   report["warnings"] = facts.warnings;
-  report["timing"]["drawing_s"] = rounded(facts.drawing_seconds);
-  report["timing"]["files_s"] = rounded(facts.file_seconds);
-  report["timing"]["output_s"] = rounded(facts.output_seconds);
-  report["timing"]["total_s"] = rounded(facts.total_seconds);
+  report["timing"].update(values_of(kOutputTiming, facts));
+}
+
+Section timing_section() {
+  std::vector<Caption> captions = captions_of(kTiming);
+  const std::vector<Caption> more = captions_of(kOutputTiming);
+  captions.insert(captions.end(), more.begin(), more.end());
+  return {"", "time", [](const Json& report) { return Json::array({report.at("timing")}); }, captions};
 }
 
 }  // namespace turgor

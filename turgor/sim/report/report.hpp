@@ -7,16 +7,13 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "turgor/core/exec.hpp"
+#include "turgor/sim/report/json_numbers.hpp"
 #include "turgor/sim/report/measures.hpp"
 #include "turgor/sim/scene/scene.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
-
-using Json = nlohmann::ordered_json;
 
 /// "0.1.0"
 std::string program_version();

@@ -7,8 +7,8 @@
 
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/sim/report/json_numbers.hpp"
 #include "turgor/sim/report/page.hpp"
+#include "turgor/sim/report/section.hpp"
 
 namespace turgor {
 
@@ -32,85 +32,173 @@ Vec3d mean_force(const std::vector<Vec3d>& force, double dt) {
   return frames > 0 ? sum / double(frames) : sum;
 }
 
-Json force_series(const ClothBody& body, const std::vector<Vec3d>& force) {
-  Json series = Json::array();
-  for (std::size_t n = 0; n < force.size(); n++)
-    series.push_back(numbers({body.samples[n].time, norm(force[n])}));
-  return series;
+using namespace units;
+
+struct ForceAt {
+  double time = 0;  // [s]
+  Vec3d force;      // [N]
+};
+const Quantity<ForceAt> kForce[] = {
+    {"time", kSeconds, "time", [](const ForceAt& f) -> Json { return f.time; }},
+    {"force", kNewtons, "force", [](const ForceAt& f) -> Json { return norm(f.force); }},
+};
+
+std::vector<ForceAt> forces_over_time(const ClothBody& body, const std::vector<Vec3d>& force) {
+  std::vector<ForceAt> forces;
+  for (std::size_t n = 0; n < force.size(); n++) forces.push_back({body.samples[n].time, force[n]});
+  return forces;
+}
+
+/// What lies on an obstacle, or pulls at a hold.
+struct Bearing {
+  const World& world;
+  const ClothBody& body;
+  const ClothObstacle* obstacle = nullptr;
+  const ClothHold* hold = nullptr;
+  Vec3d mean;  // force of the latest half second [N]
+};
+
+/// None without gravity.
+Json weight_of(const Bearing& b, double whole) {
+  const double g = norm(b.world.gravity);
+  return g > 0 ? Json(dot(b.mean, b.world.gravity) / g / whole) : Json();
+}
+Json three(Vec3d f) { return numbers({f.x, f.y, f.z}); }
+
+double largest_force(const ClothHold& hold) {
+  double largest = 0;
+  for (const Vec3d force : hold.force) largest = std::max(largest, norm(force));
+  return largest;
 }
 
 /// What each obstacle bears: the force on it, and how much of the cloth's weight that is.
-Json obstacle_report(const World& world, const ClothBody& body, const ClothObstacle& obstacle) {
-  const Vec3d f = mean_force(obstacle.force, world.dt);
-  const double g = norm(world.gravity);
-  Json json{{"name", obstacle.name},       {"cloth", body.name},
-            {"kind", kind_name(obstacle)}, {"force_N", numbers({f.x, f.y, f.z})},
-            {"weight_N", nullptr},         {"weight_share", nullptr}};
-  if (g > 0) {
-    const double weight = dot(f, world.gravity) / g;
-    json["weight_N"] = rounded(weight);
-    json["weight_share"] = rounded(weight / (body.model.total_mass * g));
-  }
-  json["series"] = force_series(body, obstacle.force);
-  return json;
-}
-
+const Quantity<Bearing> kObstacle[] = {
+    {"name", kNone, "", [](const Bearing& b) -> Json { return b.obstacle->name; }, kInReport},
+    {"cloth", kNone, "cloth", [](const Bearing& b) -> Json { return b.body.name; }},
+    {"kind", kNone, "kind", [](const Bearing& b) -> Json { return kind_name(*b.obstacle); }},
+    {"force_N", kNone, "", [](const Bearing& b) { return three(b.mean); }, kInReport},
+    {"weight", kNewtons, "weight it bears", [](const Bearing& b) { return weight_of(b, 1); }, kEverywhere},
+    {"weight_share",
+     {"", "1"},
+     "part of the cloth's weight",
+     [](const Bearing& b) { return weight_of(b, b.body.model.total_mass * norm(b.world.gravity)); }},
+};
 /// What each hold takes.
-Json hold_report(const World& world, const ClothBody& body, const ClothHold& hold) {
-  const Vec3d f = mean_force(hold.force, world.dt);
-  double largest = 0;
-  for (const Vec3d force : hold.force) largest = std::max(largest, norm(force));
-  return {{"name", hold.scene.name},          {"cloth", body.name},
-          {"vertices", hold.vertices.size()}, {"force_N", numbers({f.x, f.y, f.z})},
-          {"largest_N", rounded(largest)},    {"series", force_series(body, hold.force)}};
+const Quantity<Bearing> kHold[] = {
+    {"name", kNone, "", [](const Bearing& b) -> Json { return b.hold->scene.name; }, kInReport},
+    {"cloth", kNone, "cloth", [](const Bearing& b) -> Json { return b.body.name; }},
+    {"vertices", kCount, "vertices", [](const Bearing& b) -> Json { return b.hold->vertices.size(); }},
+    {"force_N", kNone, "", [](const Bearing& b) { return three(b.mean); }, kInReport},
+    {"largest", kNewtons, "largest force", [](const Bearing& b) -> Json { return largest_force(*b.hold); },
+     kEverywhere},
+};
+
+using S = ClothSample;
+const Quantity<S> kSteps[] = {
+    {"time", kSeconds, "time", [](const S& s) -> Json { return s.time; }},
+    {"step", kMilliseconds, "wall time", [](const S& s) -> Json { return s.seconds; }},
+    {"largest_speed", kSpeed, "largest speed", [](const S& s) -> Json { return s.largest_speed; }},
+    {"contacts", kCount, "contacts", [](const S& s) -> Json { return s.contacts; }},
+};
+const Quantity<S> kSnapshots[] = {
+    {"time", kSeconds, "time", [](const S& s) -> Json { return s.time; }},
+    {"residual_relative", kNone, "|b - W dv| / |b|", [](const S& s) -> Json { return s.residual; }},
+    {"energy", kJoules, "energy", [](const S& s) -> Json { return s.energy; }},
+    {"longest_spring_relative", kNone, "longest spring", [](const S& s) -> Json { return s.stretch; }},
+};
+
+struct ClothPart {
+  const ClothBody& body;
+  std::size_t bytes;
+  cloth::SelfDistance self;
+  std::vector<double> seconds;  // of steps
+};
+using P = ClothPart;
+
+const Quantity<P> kCloth[] = {
+    {"name", kNone, "", [](const P& p) -> Json { return p.body.name; }, kInReport},
+    {"model", kNone, "", [](const P&) -> Json { return model_name(BodyKind::kCloth); }, kInReport},
+    {"vertices", kCount, "vertices", [](const P& p) -> Json { return p.body.model.count; }, kEverywhere},
+    {"triangles", kCount, "triangles", [](const P& p) -> Json { return p.body.model.triangles.size(); }},
+    {"springs", kCount, "springs", [](const P& p) -> Json { return p.body.model.spring_count; }, kEverywhere},
+    {"parts", kCount, "", [](const P& p) -> Json { return p.body.model.part_begin.size() - 1; }, kInReport},
+    {"area", kSquareMetres, "area", [](const P& p) -> Json { return p.body.model.area; }},
+    {"mass", kGrams, "mass", [](const P& p) -> Json { return p.body.model.total_mass; }},
+    {"mean_edge", kMillimetres, "mean edge", [](const P& p) -> Json { return p.body.model.mean_edge; }},
+    {"method", kNone, "solver",
+     [](const P& p) -> Json { return method_name(p.body.model.params.solver.method); }},
+    {"sweeps", kCount, "sweeps", [](const P& p) -> Json { return p.body.model.params.solver.sweeps; }},
+    {"memory_bytes_per_vertex",
+     {"", "bytes/vertex"},
+     "memory",
+     [](const P& p) -> Json { return double(p.bytes) / p.body.model.count; },
+     kEverywhere},
+    {"build", kSeconds, "", [](const P& p) -> Json { return p.body.build_seconds; }, kInReport},
+    {"step_p50", kMilliseconds, "a step, median",
+     [](const P& p) -> Json { return percentile(p.seconds, 0.5); }, kEverywhere, "a step of {} (median)"},
+    {"step_p99", kMilliseconds, "a step, 99 of 100",
+     [](const P& p) -> Json { return percentile(p.seconds, 0.99); }, kEverywhere},
+    {"thickness", kMillimetres, "thickness",
+     [](const P& p) -> Json { return p.body.model.params.collision.thickness; }},
+    {"smallest_distance", kMillimetres, "smallest distance of layers",
+     [](const P& p) { return std::isfinite(p.self.smallest) ? Json(p.self.smallest) : Json(); }},
+    {"pairs_too_near", kCount, "pairs nearer than 0.99 of the thickness",
+     [](const P& p) -> Json { return p.self.too_near; }, kEverywhere},
+    {"triangles_crossing", kCount, "pairs of triangles that cross",
+     [](const P& p) -> Json { return p.self.crossings; }, kEverywhere, "crossing triangles of {}"},
+    {"state_hash", kNone, "state hash",
+     [](const P& p) -> Json { return hash_text(cloth::state_hash(p.body.model, p.body.state)); }},
+};
+
+/// All obstacles, or holds, of all cloths.
+Json parts_of(const Json& report, const char* key) {
+  Json parts = Json::array();
+  for (const Json& cloth : bodies_of(report, BodyKind::kCloth))
+    for (const Json& part : items_of(cloth, key)) parts.push_back(part);
+  return parts;
 }
 
 }  // namespace
 
 Json report_body(const ReportInput& input, const ClothScene&, const ClothBody& body, BodyId) {
   const World& world = input.world;
-  const cloth::Model& model = body.model;
-  const cloth::Params& params = model.params;
-  const std::size_t bytes = cloth::memory_bytes(model, body.state);
-  const cloth::SelfDistance self = cloth::self_distance(input.exec, model, body.state);
-  std::vector<double> seconds;
-  Json series = Json::array(), snapshots = Json::array(), obstacles = Json::array(), holds = Json::array();
+  ClothPart part{.body = body,
+                 .bytes = cloth::memory_bytes(body.model, body.state),
+                 .self = cloth::self_distance(input.exec, body.model, body.state),
+                 .seconds = {}};
+  std::vector<ClothSample> measured;
   for (const ClothSample& s : body.samples) {
-    seconds.push_back(s.seconds);
-    series.push_back(numbers({s.time, s.seconds * kMs, s.largest_speed, double(s.contacts)}));
-    if (s.residual >= 0) snapshots.push_back(numbers({s.time, s.residual, s.energy, s.stretch}));
+    part.seconds.push_back(s.seconds);
+    if (s.residual >= 0) measured.push_back(s);
   }
-  for (const ClothObstacle& o : body.obstacles) obstacles.push_back(obstacle_report(world, body, o));
-  for (const ClothHold& hold : body.holds) holds.push_back(hold_report(world, body, hold));
-  Json json{{"name", body.name},
-            {"model", model_name(BodyKind::kCloth)},
-            {"vertices", model.count},
-            {"triangles", model.triangles.size()},
-            {"springs", model.spring_count},
-            {"parts", model.part_begin.size() - 1},
-            {"area_m2", rounded(model.area)},
-            {"mass_g", rounded(model.total_mass * 1e3)},
-            {"mean_edge_mm", rounded(model.mean_edge * kMm)},
-            {"method", method_name(params.solver.method)},
-            {"sweeps", params.solver.sweeps},
-            {"memory_bytes_per_vertex", rounded(double(bytes) / model.count)},
-            {"build_s", rounded(body.build_seconds)},
-            {"step_p50_ms", rounded(percentile(seconds, 0.5) * kMs)},
-            {"step_p99_ms", rounded(percentile(seconds, 0.99) * kMs)},
-            {"thickness_mm", rounded(params.collision.thickness * kMm)},
-            {"smallest_distance_mm", nullptr},
-            {"pairs_too_near", self.too_near},
-            {"triangles_crossing", self.crossings},
-            {"obstacles", obstacles},
-            {"holds", holds},
-            {"force_series_columns", {"time_s", "force_N"}},
-            {"series_columns", {"time_s", "step_ms", "largest_speed_m_per_s", "contacts"}},
-            {"series", series},
-            {"snapshot_columns", {"time_s", "residual_relative", "energy_J", "longest_spring_relative"}},
-            {"snapshots", snapshots},
-            {"state_hash", hash_text(cloth::state_hash(model, body.state))}};
-  if (std::isfinite(self.smallest)) json["smallest_distance_mm"] = rounded(self.smallest * kMm);
+  Json json = values_of(kCloth, part), obstacles = Json::array(), holds = Json::array();
+  for (const ClothObstacle& o : body.obstacles) {
+    obstacles.push_back(
+        values_of(kObstacle, Bearing{world, body, &o, nullptr, mean_force(o.force, world.dt)}));
+    add_rows(obstacles.back(), "series_columns", "series", kForce, forces_over_time(body, o.force));
+  }
+  for (const ClothHold& h : body.holds) {
+    holds.push_back(values_of(kHold, Bearing{world, body, nullptr, &h, mean_force(h.force, world.dt)}));
+    add_rows(holds.back(), "series_columns", "series", kForce, forces_over_time(body, h.force));
+  }
+  json["obstacles"] = std::move(obstacles), json["holds"] = std::move(holds);
+  json["force_series_columns"] = {"time_s", "force_N"};
+  add_rows(json, "series_columns", "series", kSteps, body.samples);
+  add_rows(json, "snapshot_columns", "snapshots", kSnapshots, measured);
   return json;
+}
+
+Section obstacle_section() {
+  return {"What cloth lies on (mean of the last half second)", "obstacle",
+          [](const Json& report) { return parts_of(report, "obstacles"); }, captions_of(kObstacle)};
+}
+Section hold_section() {
+  return {"What holds cloth", "hold", [](const Json& report) { return parts_of(report, "holds"); },
+          captions_of(kHold)};
+}
+Section cloth_section() {
+  return {"Cloth", "cloth", [](const Json& report) { return bodies_of(report, BodyKind::kCloth); },
+          captions_of(kCloth)};
 }
 
 std::vector<std::string> cloth_warnings(const World& world) {
@@ -126,81 +214,32 @@ std::vector<std::string> cloth_warnings(const World& world) {
 
 namespace page {
 
-std::string cloth_figures(const Json& report) {
-  std::string html;
-  for (const Json& cloth : bodies_of(report, BodyKind::kCloth))
-    html +=
-        key_figure(shown(cloth.at("step_p50_ms")) + " ms",
-                   "a step of " + shown(cloth.at("name")) + " (median)") +
-        key_figure(shown(cloth.at("triangles_crossing")), "crossing triangles of " + shown(cloth.at("name")));
-  return html;
-}
-
 std::string cloth_curves(const Json& report) {
-  const Json clothes = bodies_of(report, BodyKind::kCloth);
-  if (clothes.empty()) return "";
+  const Json cloths = bodies_of(report, BodyKind::kCloth);
+  if (cloths.empty()) return "";
+  constexpr SeriesKeys kForceSeries{"series_columns", "series"},
+      kStepSeries = kForceSeries, kSnapshotSeries{"snapshot_columns", "snapshots"};
   Plot step{"Wall time of a step", "time [s]", "time [ms]", {}},
       contacts{"Contacts", "time [s]", "contacts", {}},
       energy{"Elastic and kinetic energy", "time [s]", "energy [J]", {}},
       residual{"Residual of the linear system", "time [s]", "|b - W dv| / |b|", {}},
       force{"Force on what the cloth lies on", "time [s]", "force [N]", {}},
       hold{"Force of what holds the cloth", "time [s]", "force [N]", {}};
-  for (const Json& cloth : clothes) {
+  for (const Json& cloth : cloths) {
     const std::string name = cloth.at("name").get<std::string>();
-    step.curves.push_back(curve_of(name, cloth.at("series"), 0, 1));
-    contacts.curves.push_back(curve_of(name, cloth.at("series"), 0, 3));
-    energy.curves.push_back(curve_of(name, cloth.at("snapshots"), 0, 2));
-    residual.curves.push_back(curve_of(name, cloth.at("snapshots"), 0, 1));
-    for (const Json& obstacle : cloth.at("obstacles"))
-      force.curves.push_back(
-          curve_of(name + " on " + obstacle.at("name").get<std::string>(), obstacle.at("series"), 0, 1));
-    for (const Json& one : cloth.at("holds"))
-      hold.curves.push_back(
-          curve_of(name + " by " + one.at("name").get<std::string>(), one.at("series"), 0, 1));
+    step.curves.push_back(curve_of(name, cloth, kStepSeries, "time_s", "step_ms"));
+    contacts.curves.push_back(curve_of(name, cloth, kStepSeries, "time_s", "contacts"));
+    energy.curves.push_back(curve_of(name, cloth, kSnapshotSeries, "time_s", "energy_J"));
+    residual.curves.push_back(curve_of(name, cloth, kSnapshotSeries, "time_s", "residual_relative"));
+    for (const Json& part : items_of(cloth, "obstacles"))
+      force.curves.push_back(curve_of(name + " on " + part.at("name").get<std::string>(), part, kForceSeries,
+                                      "time_s", "force_N"));
+    for (const Json& part : items_of(cloth, "holds"))
+      hold.curves.push_back(curve_of(name + " by " + part.at("name").get<std::string>(), part, kForceSeries,
+                                     "time_s", "force_N"));
   }
   return "<h2>Cloth over time</h2>\n<div class=\"grid\">" + drawn(force) + drawn(hold) + drawn(energy) +
          drawn(contacts) + drawn(step) + drawn(residual) + "</div>\n";
-}
-
-std::string cloth_tables(const Json& report) {
-  const Json clothes = bodies_of(report, BodyKind::kCloth);
-  if (clothes.empty()) return "";
-  Json obstacles = Json::array(), holds = Json::array();
-  for (const Json& cloth : clothes) {
-    for (const Json& obstacle : cloth.at("obstacles")) obstacles.push_back(obstacle);
-    for (const Json& hold : cloth.at("holds")) holds.push_back(hold);
-  }
-  std::string lies_on;
-  if (!obstacles.empty())
-    lies_on = "<h2>What cloth lies on (mean of the last half second)</h2>\n" +
-              quantity_table(obstacles, "obstacle",
-                             {{"cloth", "cloth"},
-                              {"kind", "kind"},
-                              {"weight_N", "weight it bears [N]"},
-                              {"weight_share", "part of the cloth's weight [1]"}});
-  if (!holds.empty())
-    lies_on +=
-        "<h2>What holds cloth</h2>\n" +
-        quantity_table(holds, "hold",
-                       {{"cloth", "cloth"}, {"vertices", "vertices"}, {"largest_N", "largest force [N]"}});
-  return lies_on + "<h2>Cloth</h2>\n" +
-         quantity_table(clothes, "cloth",
-                        {{"vertices", "vertices"},
-                         {"triangles", "triangles"},
-                         {"springs", "springs"},
-                         {"area_m2", "area [m²]"},
-                         {"mass_g", "mass [g]"},
-                         {"mean_edge_mm", "mean edge [mm]"},
-                         {"method", "solver"},
-                         {"sweeps", "sweeps"},
-                         {"memory_bytes_per_vertex", "memory [bytes/vertex]"},
-                         {"step_p50_ms", "a step, median [ms]"},
-                         {"step_p99_ms", "a step, 99 of 100 [ms]"},
-                         {"thickness_mm", "thickness [mm]"},
-                         {"smallest_distance_mm", "smallest distance of layers [mm]"},
-                         {"pairs_too_near", "pairs nearer than 0.99 of the thickness"},
-                         {"triangles_crossing", "pairs of triangles that cross"},
-                         {"state_hash", "state hash"}});
 }
 
 }  // namespace page

@@ -10,10 +10,8 @@ Json report_body(const ReportInput& input, const ClothScene& scene, const ClothB
 std::vector<std::string> cloth_warnings(const World& world);
 
 namespace page {
-/// Key figures, curves and tables of cloths; empty when there are none.
-std::string cloth_figures(const Json& report);
+/// Empty when there is no cloth.
 std::string cloth_curves(const Json& report);
-std::string cloth_tables(const Json& report);
 }  // namespace page
 
 }  // namespace turgor

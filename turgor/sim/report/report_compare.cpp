@@ -3,57 +3,85 @@
 #include <algorithm>
 
 #include "turgor/core/timing.hpp"
-#include "turgor/sim/report/json_numbers.hpp"
+#include "turgor/sim/report/section.hpp"
 
 namespace turgor {
 
 namespace {
 
-/// Means over rings of a millimetre around the vertex that moved most.
-Json profile(const ShownBody& surface) {
+using namespace units;
+
+/// A ring around the vertex that moved most.
+struct Ring {
+  double distance = 0, displacement = 0;  // mean over its vertices [m]
+};
+const Quantity<Ring> kRing[] = {
+    {"distance", kMillimetres, "distance from the deepest place",
+     [](const Ring& r) -> Json { return r.distance; }},
+    {"displacement", kMillimetres, "displacement", [](const Ring& r) -> Json { return r.displacement; }},
+};
+
+/// Means over rings of a millimetre.
+std::vector<Ring> rings_of(const ShownBody& surface) {
   constexpr std::size_t kRings = 80;
-  constexpr double kRing = 1e-3;  // [m]
+  constexpr double kWidth = 1e-3;  // [m]
   std::size_t most = 0;
   for (std::size_t v = 1; v < surface.rest.size(); v++)
     if (norm(surface.displacement[v]) > norm(surface.displacement[most])) most = v;
   std::vector<double> sum(kRings), count(kRings);
   for (std::size_t v = 0; v < surface.rest.size(); v++) {
-    const auto ring = std::size_t(double(norm(surface.rest[v] - surface.rest[most])) / kRing);
+    const auto ring = std::size_t(double(norm(surface.rest[v] - surface.rest[most])) / kWidth);
     if (ring < kRings) sum[ring] += norm(surface.displacement[v]), count[ring]++;
   }
-  Json rows = Json::array();
+  std::vector<Ring> rings;
   for (std::size_t r = 0; r < kRings; r++)
-    if (count[r] > 0) rows.push_back(numbers({(double(r) + 0.5) * kRing * kMm, sum[r] / count[r] * kMm}));
-  return rows;
+    if (count[r] > 0) rings.push_back({(double(r) + 0.5) * kWidth, sum[r] / count[r]});
+  return rings;
 }
 
 double build_seconds(const SfemBody& body) { return body.facts.shape_seconds + body.facts.green_seconds; }
 double build_seconds(const RhombusBody& body) { return body.build_seconds; }
 double build_seconds(const LatticeBody& body) { return body.read_seconds + body.build_seconds; }
 
+struct Cost {
+  const TouchedBody& body;
+  const Pressed& pressed;
+  double build, interval;            // [s]
+  std::vector<double> tick_seconds;  // of all tools together
+  double depth = 0, dent = 0;        // [m]
+};
+
+const Quantity<Cost> kCost[] = {
+    {"name", kNone, "", [](const Cost& c) -> Json { return c.body.name; }, kInReport},
+    {"model", kNone, "model", [](const Cost& c) -> Json { return model_name(c.pressed.id.kind); }},
+    {"force_max", kNewtons, "largest force", [](const Cost& c) -> Json { return c.pressed.force; }},
+    {"force_max_at", kSeconds, "… at", [](const Cost& c) -> Json { return c.pressed.time; }},
+    {"depth_max", kMillimetres, "deepest press", [](const Cost& c) -> Json { return c.depth; }},
+    {"displacement_max", kMillimetres, "deepest dent", [](const Cost& c) -> Json { return c.dent; }},
+    {"build", kSeconds, "reading and building", [](const Cost& c) -> Json { return c.build; }},
+    {"force_every", kMilliseconds, "a force every", [](const Cost& c) -> Json { return c.interval; }},
+    {"force_p50", kMilliseconds, "… takes, median",
+     [](const Cost& c) -> Json { return percentile(c.tick_seconds, 0.5); }},
+    {"force_p99", kMilliseconds, "… 99 of 100",
+     [](const Cost& c) -> Json { return percentile(c.tick_seconds, 0.99); }},
+    {"surface_p50", kMilliseconds, "surface for a picture, median",
+     [](const Cost& c) -> Json { return percentile(c.pressed.surface_seconds, 0.5); }},
+};
+
 template <class Body>
-Json cost_row(const World& world, const Pressed& pressed, const Body& body) {
-  const BodyId id = pressed.id;
-  std::vector<double> seconds;
-  double depth = 0;
+Cost cost_of(const World& world, const Pressed& pressed, const Body& body) {
+  Cost cost{.body = body,
+            .pressed = pressed,
+            .build = build_seconds(body),
+            .interval = force_interval(world, pressed.id),
+            .tick_seconds = {}};
   for (const int t : body.tool_indices)
     for (const ForceSample& s : world.tools[std::size_t(t)].samples) {
-      if (t == body.tool_indices[0]) seconds.push_back(s.tick_seconds);  // of all tools together
-      depth = std::max(depth, s.depth);
+      if (t == body.tool_indices[0]) cost.tick_seconds.push_back(s.tick_seconds);
+      cost.depth = std::max(cost.depth, s.depth);
     }
-  double dent = 0;
-  for (const Vec3 u : pressed.body.displacement) dent = std::max(dent, double(norm(u)));
-  return {{"name", body.name},
-          {"model", model_name(id.kind)},
-          {"build_s", rounded(build_seconds(body))},
-          {"force_every_ms", rounded(force_interval(world, id) * kMs)},
-          {"force_p50_ms", rounded(percentile(seconds, 0.5) * kMs)},
-          {"force_p99_ms", rounded(percentile(seconds, 0.99) * kMs)},
-          {"surface_p50_ms", rounded(percentile(pressed.surface_seconds, 0.5) * kMs)},
-          {"force_max_N", rounded(pressed.force)},
-          {"force_max_at_s", rounded(pressed.time)},
-          {"depth_max_mm", rounded(depth * kMm)},
-          {"displacement_max_mm", rounded(dent * kMm)}};
+  for (const Vec3 u : pressed.body.displacement) cost.dent = std::max(cost.dent, double(norm(u)));
+  return cost;
 }
 
 }  // namespace
@@ -66,9 +94,9 @@ Json profile_report(const Measures& measures) {
   Json profiles = Json::array();
   for (const Pressed& pressed : measures.pressed) {
     if (!(pressed.force > 0) || pressed.body.rest.empty()) continue;
-    profiles.push_back({{"name", pressed.body.name},
-                        {"columns", {"distance_mm", "displacement_mm"}},
-                        {"rows", profile(pressed.body)}});
+    Json profile{{"name", pressed.body.name}};
+    add_rows(profile, "columns", "rows", kRing, rings_of(pressed.body));
+    profiles.push_back(std::move(profile));
   }
   return profiles;
 }
@@ -76,9 +104,21 @@ Json profile_report(const Measures& measures) {
 Json cost_report(const World& world, const Measures& measures) {
   Json rows = Json::array();
   for_each_touched(world, [&](BodyId id, const auto& body) {
-    if (!body.tool_indices.empty()) rows.push_back(cost_row(world, pressed_body(measures.pressed, id), body));
+    if (!body.tool_indices.empty()) {
+      const Pressed& pressed = pressed_body(measures.pressed, id);
+      rows.push_back(values_of(kCost, cost_of(world, pressed, body)));
+    }
   });
   return rows;
+}
+
+Section cost_section() {
+  return {"Side by side", "body",
+          [](const Json& report) {
+            const Json costs = items_of(report, "costs");
+            return costs.size() > 1 ? costs : Json::array();
+          },
+          captions_of(kCost)};
 }
 
 }  // namespace turgor

@@ -10,13 +10,14 @@
 #include "turgor/sim/report/page.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
+#include "turgor/sim/report/section.hpp"
 
 namespace turgor {
 
 namespace {
 
 namespace fs = std::filesystem;
-using page::curve_of, page::drawn, page::key_figure, page::quantity_table, page::shown, page::table_row;
+using page::curve_of, page::drawn, page::key_figure, page::shown;
 
 constexpr const char* kHead = R"(<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
@@ -60,32 +61,6 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-std::string wound_table(const Json& wounds) {
-  return quantity_table(wounds, "wound",
-                        {{"angle_to_lines_deg", "angle to Langer's lines [°]"},
-                         {"tension_across_cut_N_per_m", "skin tension across the cut [N/m]"},
-                         {"tension_along_cut_N_per_m", "skin tension along the cut [N/m]"},
-                         {"depth_mm", "depth [mm]"},
-                         {"length_mm", "length of the cut skin [mm]"},
-                         {"gape_max_mm", "gape, largest [mm]"},
-                         {"gape_mean_mm", "gape, mean [mm]"},
-                         {"opening_area_mm2", "opening area [mm²]"},
-                         {"edge_displacement_mm", "displacement of the lips [mm]"},
-                         {"edges_cut", "lattice edges cut"},
-                         {"nodes_removed", "lattice nodes removed"}});
-}
-
-std::string body_table(const Json& bodies) {
-  return quantity_table(bodies, "body",
-                        {{"body_nodes", "nodes of the body"},
-                         {"free_nodes", "of these, free to move"},
-                         {"skin_triangles", "skin triangles"},
-                         {"memory_bytes_per_node", "memory [bytes/node]"},
-                         {"read_s", "reading the CT [s]"},
-                         {"build_s", "building the body [s]"},
-                         {"state_hash", "state hash"}});
-}
-
 std::string pictures(const Json& report, const fs::path& folder) {
   std::string html = "<div class=\"grid\">\n";
   for (const Json& picture : report.at("pictures")) {
@@ -104,14 +79,16 @@ std::string curves(const Json& report) {
       profile{"Gape along the cut at the end", "along the cut [mm]", "gape [mm]", {}};
   for (const Json& wound : report.at("wounds")) {
     const std::string name = wound.at("name").get<std::string>();
-    gape.curves.push_back(curve_of(name, wound.at("series"), 0, 1));
-    profile.curves.push_back(curve_of(name, wound.at("profile"), 0, 1));
+    gape.curves.push_back(curve_of(name, wound, {}, "time_s", "gape_max_mm"));
+    profile.curves.push_back(curve_of(name, wound, {"profile_columns", "profile"}, "along_mm", "gape_mm"));
   }
-  const Json& samples = report.at("solver").at("samples");
+  const Json& solver = report.at("solver");
+  const page::SeriesKeys kSamples{"columns", "samples"};
   Plot residual{"Forces that the solver left over",
                 "time [s]",
                 "force [N]",
-                {curve_of("largest", samples, 0, 1), curve_of("root mean square", samples, 0, 2)},
+                {curve_of("largest", solver, kSamples, "time_s", "residual_largest_N"),
+                 curve_of("root mean square", solver, kSamples, "time_s", "residual_rms_N")},
                 true};
   for (Curve& curve : residual.curves)
     std::erase_if(curve.points, [](const auto& p) { return !(p.second > 0); });
@@ -122,40 +99,29 @@ std::string curves(const Json& report) {
   std::string html;
   if (!report.at("wounds").empty())
     html += "<h2>The wound</h2>\n<div class=\"grid\">" + drawn(gape) + drawn(profile) + "</div>\n";
-  html += touch_curves(report) + page::cloth_curves(report);
+  html += page::touch_curves(report) + page::cloth_curves(report);
   if (bodies_of(report, BodyKind::kLattice).empty()) return html;
   return html + "<h2>The solver</h2>\n<div class=\"grid\">" + drawn(residual) + drawn(frames) + "</div>\n";
 }
 
 std::string key_figures(const Json& report) {
   std::string html = "<div class=\"figures\">";
-  const auto figure = [&](const std::string& value, const std::string& label) {
-    html += key_figure(value, label);
-  };
-  html += touch_figures(report) + page::cloth_figures(report);
-  for (const Json& wound : report.at("wounds"))
-    figure(shown(wound.at("gape_max_mm")) + " mm", "gape of " + shown(wound.at("name")));
-  const Json& timing = report.at("timing");
-  figure(shown(timing.at("frame_p50_ms")) + " ms", "a frame (median)");
-  figure(shown(timing.at("frame_p99_ms")) + " ms", "a frame (99 of 100)");
-  const auto seconds = [&](const char* key) { return shown(timing.value(key, Json())); };
-  figure(shown(report.at("simulated_s")) + " s",
-         fmt::format("simulated in {} s, drawn in {} s, written in {} s", seconds("physics_s"),
-                     seconds("drawing_s"), seconds("files_s")));
+  for (const Section& section : report_sections())
+    html += page::quantity_figures(section.items(report), section.captions);
+  const auto seconds = [&](const char* key) { return shown(report.at("timing").value(key, Json())); };
+  html += key_figure(shown(report.at("simulated_s")) + " s",
+                     fmt::format("simulated in {} s, drawn in {} s, written in {} s", seconds("physics_s"),
+                                 seconds("drawing_s"), seconds("files_s")));
   return html + "</div>\n";
 }
 
-std::string deformed_table(const Json& report) {
-  if (report.at("deformed_ct").empty()) return "";
-  std::string html =
-      "<h2>The deformed CT</h2>\n<div class=\"scroll\"><table>" +
-      table_row({"body", "file", "resampling [s]", "error of mass [%]", "folded tetrahedra"}, "th");
-  for (const Json& d : report.at("deformed_ct"))
-    html += table_row(
-        {shown(d.at("body")), shown(d.at("file")), shown(d.at("resample_s")),
-         fmt::format("{:.3f}", 100 * d.at("mass_error").get<double>()), shown(d.at("folded_tetrahedra"))},
-        "td");
-  return html + "</table></div>\n";
+std::string tables(const Json& report) {
+  std::string html;
+  for (const Section& section : report_sections())
+    if (const Json items = section.items(report); *section.heading && !items.empty())
+      html += fmt::format("<h2>{}</h2>\n", section.heading) +
+              page::quantity_table(items, section.item, section.captions);
+  return html;
 }
 
 }  // namespace
@@ -164,23 +130,15 @@ std::string report_html(const Json& report, const fs::path& folder) {
   const Json &scene = report.at("scene"), &machine = report.at("machine");
   const std::string name = xml_text(fs::path(scene.at("file").get<std::string>()).stem().string());
   std::string html = fmt::format(fmt::runtime(kHead), name);
-  html += fmt::format(
-      "<h1>{}</h1>\n<p class=\"soft\">{}{} frames a second; {} threads on {}; turgor {}</p>\n", name,
-      scene.contains("method")
-          ? shown(scene.at("method")) + " with " + shown(scene.at("sweeps")) + " sweeps, "
-          : std::string(),
-      shown(scene.at("frame_rate_per_s")), shown(machine.at("threads")), shown(machine.at("processor")),
-      shown(report.at("version")));
+  html += fmt::format("<h1>{}</h1>\n<p class=\"soft\">{} frames a second; {} threads on {}; turgor {}</p>\n",
+                      name, shown(scene.at("frame_rate_per_s")), shown(machine.at("threads")),
+                      shown(machine.at("processor")), shown(report.at("version")));
   for (const Json& warning : report.at("warnings"))
     html += "<p class=\"warning\">" + shown(warning) + "</p>\n";
   html += key_figures(report);
   html += pictures(report, folder);
-  if (!report.at("wounds").empty()) html += "<h2>Measures</h2>\n" + wound_table(report.at("wounds"));
   html += curves(report);
-  html += deformed_table(report);
-  const Json lattices = bodies_of(report, BodyKind::kLattice);
-  if (!lattices.empty()) html += "<h2>Bodies</h2>\n" + body_table(lattices);
-  html += touch_tables(report) + page::cloth_tables(report);
+  html += tables(report);
   html += "<h2>Scene</h2>\n<pre><code>" + xml_text(report.at("scene_text").get<std::string>()) +
           "</code></pre>\n";
   for (const Json& text : scene.at("overrides")) html += "<p><code>--set " + shown(text) + "</code></p>\n";

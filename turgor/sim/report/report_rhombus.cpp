@@ -4,7 +4,7 @@
 
 #include "turgor/core/timing.hpp"
 #include "turgor/models/rhombus/tissues.hpp"
-#include "turgor/sim/report/json_numbers.hpp"
+#include "turgor/sim/report/section.hpp"
 
 namespace turgor {
 
@@ -16,33 +16,64 @@ struct SourceText {
   std::string operator()(const SurfaceOfBody&) const { return "the surface of another body"; }
 };
 
+using namespace units;
+
+struct RhombusPart {
+  const RhombusScene& scene;
+  const RhombusBody& body;
+  const Pressed& pressed;
+};
+using R = RhombusPart;
+
+const Quantity<R> kRhombus[] = {
+    {"name", kNone, "", [](const R& r) -> Json { return r.body.name; }, kInReport},
+    {"model", kNone, "", [](const R&) -> Json { return model_name(BodyKind::kRhombus); }, kInReport},
+    {"source", kNone, "made from",
+     [](const R& r) -> Json { return std::visit(SourceText{}, r.scene.source); }},
+    {"tissue", kNone, "tissue", [](const R& r) -> Json { return r.scene.tissue; }},
+    {"tissue_source", kNone, "",
+     [](const R& r) -> Json {
+       const rhombus::Tissue* tissue = rhombus::find_tissue(r.scene.tissue);
+       return tissue ? tissue->source : "";
+     },
+     kInReport},
+    {"vertices", kCount, "vertices", [](const R& r) -> Json { return r.body.model.surface.vertices.size(); },
+     kEverywhere},
+    {"triangles", kCount, "triangles",
+     [](const R& r) -> Json { return r.body.model.surface.triangles.size(); }},
+    {"volume", kMillilitres, "volume", [](const R& r) -> Json { return r.body.volume; }, kEverywhere},
+    {"normal", kTension, "k_N", [](const R& r) -> Json { return r.scene.params.chain.normal; }},
+    {"tangential", kTension, "k_T of the first unit",
+     [](const R& r) -> Json { return r.scene.params.chain.tangential; }},
+    {"decay", kNone, "β", [](const R& r) -> Json { return r.scene.params.chain.decay; }},
+    {"angle", kDegrees, "θ",
+     [](const R& r) -> Json { return r.scene.params.chain.angle * 180 / std::numbers::pi; }},
+    {"side", kMillimetres, "side of the rhombi",
+     [](const R& r) -> Json { return r.scene.params.chain.side; }},
+    {"bulge", kNone, "volume that bulges", [](const R& r) -> Json { return r.scene.params.bulge; }},
+    {"memory", kBytes, "memory",
+     [](const R& r) -> Json { return rhombus::memory_bytes(r.body.model, r.body.state); }},
+    {"build", kSeconds, "building", [](const R& r) -> Json { return r.body.build_seconds; }},
+    {"surface_p50", kMilliseconds, "surface for a picture, median",
+     [](const R& r) -> Json { return percentile(r.pressed.surface_seconds, 0.5); }},
+    {"pressed_volume", kMillilitres, "volume pressed in, most",
+     [](const R& r) -> Json { return r.body.pressed_volume; }},
+    {"force_max", kNewtons, "", [](const R& r) -> Json { return r.pressed.force; }, kInReport},
+    {"force_max_at", kSeconds, "", [](const R& r) -> Json { return r.pressed.time; }, kInReport},
+    {"jump_per_10_um", kNewtons, "largest jump of a force per 10 µm",
+     [](const R& r) -> Json { return r.body.jump; }},
+    {"jump_at", kSeconds, "… at", [](const R& r) -> Json { return r.body.jump_at; }},
+};
+
 }  // namespace
 
 Json report_body(const ReportInput& input, const RhombusScene& scene, const RhombusBody& body, BodyId id) {
-  const Pressed& pressed = pressed_body(input.measures.pressed, id);
-  const rhombus::ChainParams& chain = scene.params.chain;
-  const rhombus::Tissue* tissue = rhombus::find_tissue(scene.tissue);
-  return {{"name", body.name},
-          {"model", model_name(BodyKind::kRhombus)},
-          {"source", std::visit(SourceText{}, scene.source)},
-          {"tissue", scene.tissue},
-          {"tissue_source", tissue ? tissue->source : ""},
-          {"vertices", body.model.surface.vertices.size()},
-          {"triangles", body.model.surface.triangles.size()},
-          {"volume_ml", rounded(body.volume * 1e6)},
-          {"normal_N_per_m", rounded(chain.normal)},
-          {"tangential_N_per_m", rounded(chain.tangential)},
-          {"decay", rounded(chain.decay)},
-          {"angle_deg", rounded(chain.angle * 180 / std::numbers::pi)},
-          {"side_mm", rounded(chain.side * kMm)},
-          {"bulge", rounded(scene.params.bulge)},
-          {"build_s", rounded(body.build_seconds)},
-          {"surface_p50_ms", rounded(percentile(pressed.surface_seconds, 0.5) * kMs)},
-          {"pressed_volume_ml", rounded(body.pressed_volume * 1e6)},
-          {"force_max_N", rounded(pressed.force)},
-          {"force_max_at_s", rounded(pressed.time)},
-          {"jump_per_10_um_N", rounded(body.jump)},
-          {"jump_at_s", rounded(body.jump_at)}};
+  return values_of(kRhombus, RhombusPart{scene, body, pressed_body(input.measures.pressed, id)});
+}
+
+Section rhombus_section() {
+  return {"Bodies of rhombus chains", "body",
+          [](const Json& report) { return bodies_of(report, BodyKind::kRhombus); }, captions_of(kRhombus)};
 }
 
 }  // namespace turgor

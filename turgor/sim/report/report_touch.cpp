@@ -7,15 +7,16 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
-#include "turgor/sim/report/json_numbers.hpp"
 #include "turgor/sim/report/off_the_body.hpp"
 #include "turgor/sim/report/report_compare.hpp"
+#include "turgor/sim/report/section.hpp"
 
 namespace turgor {
 
 namespace {
 
-constexpr double kMicro = 1e6;
+using namespace units;
+
 constexpr std::size_t kMostRows = 2000;  // of a series; every tick is in forces.csv
 
 struct SourceText {
@@ -42,75 +43,209 @@ struct ShapeText {
   }
 };
 
-Json mesh_report(const SfemBody& body) {
-  const MeshQuality& q = body.facts.quality;
-  Json mesh{{"vertices", body.model.body.mesh.vertices.size()},
-            {"elements", element_count(body.model.body.mesh)},
-            {"free_nodes", body.model.vertex.size()},
-            {"kept_nodes", body.model.green.nodes.size()},
-            {"surface_nodes", body.model.green.surface_count},
-            {"surface_triangles", body.model.surface.triangles.size()},
-            {"volume_ml", rounded(body.facts.volume * 1e6)}};
-  if (body.facts.input_volume > 0) {
-    mesh["input_volume_ml"] = rounded(body.facts.input_volume * 1e6);
-    mesh["volume_error_percent"] = rounded(100 * (body.facts.volume / body.facts.input_volume - 1));
-  }
-  if (body.model.body.mesh.corners == 4)
-    mesh.update({{"min_dihedral_deg", rounded(q.min_dihedral)},
-                 {"max_dihedral_deg", rounded(q.max_dihedral)},
-                 {"shortest_edge_mm", rounded(q.shortest_edge * kMm)},
-                 {"longest_edge_mm", rounded(q.longest_edge * kMm)}});
-  return mesh;
-}
+struct SfemPart {
+  const SfemScene& scene;
+  const SfemBody& body;
+  const Pressed& pressed;
+  std::vector<double> rebuild_seconds, handover_seconds;
+  double jump = 0;  // [N]
+  int late = 0;     // patches not ready at the tick that takes them, were a tick to last its millisecond
+  int local_nodes = 0, points = 0;
+};
 
-Json patch_report(const SfemScene& scene, const SfemBody& body) {
-  std::vector<double> seconds, handovers;
-  double jump = 0;
-  int late = 0;  // not ready at the tick that takes it, were a tick to last its millisecond
-  int local = body.now.patch->local_nodes, points = int(body.now.patch->points.size());
-  Json series = Json::array();
+SfemPart sfem_part(const SfemScene& scene, const SfemBody& body, const Pressed& pressed) {
+  SfemPart part{.scene = scene,
+                .body = body,
+                .pressed = pressed,
+                .rebuild_seconds = {},
+                .handover_seconds = {},
+                .local_nodes = body.now.patch->local_nodes,
+                .points = int(body.now.patch->points.size())};
   for (const PatchRebuild& r : body.rebuilds) {
-    seconds.push_back(r.seconds);
-    handovers.push_back(r.handover_seconds);
-    jump = std::max(jump, r.force_jump);
-    late += r.seconds > double(kPatchTicks) * kTick;
-    local = std::max(local, r.local_nodes), points = std::max(points, r.points);
-    series.push_back(numbers({r.time, r.seconds * kMs, double(r.local_nodes), r.force_jump}));
+    part.rebuild_seconds.push_back(r.seconds);
+    part.handover_seconds.push_back(r.handover_seconds);
+    part.jump = std::max(part.jump, r.force_jump);
+    part.late += r.seconds > double(kPatchTicks) * kTick;
+    part.local_nodes = std::max(part.local_nodes, r.local_nodes);
+    part.points = std::max(part.points, r.points);
   }
-  return {{"radius_mm", rounded(scene.patch.radius * kMm)},
-          {"refinement", scene.patch.refinement},
-          {"local_nodes_most", local},
-          {"points_most", points},
-          {"rebuilds", body.rebuilds.size()},
-          {"rebuild_p50_ms", rounded(percentile(seconds, 0.5) * kMs)},
-          {"rebuild_p99_ms", rounded(percentile(seconds, 0.99) * kMs)},
-          {"rebuild_max_ms", rounded(percentile(seconds, 1) * kMs)},
-          {"rebuilds_too_late", late},
-          {"handover_max_ms", rounded(percentile(handovers, 1) * kMs)},
-          {"force_jump_max_N", rounded(jump)},
-          {"not_followed", body.kept_patches},
-          {"series_columns", {"time_s", "rebuild_ms", "local_nodes", "force_jump_N"}},
-          {"series", series}};
+  return part;
 }
 
-/// Wall times of ticks, those with a new patch left out: they are in the patch's part.
-std::vector<double> plain_tick_seconds(const TouchingTool& tool) {
-  std::vector<double> seconds;
-  for (const ForceSample& s : tool.samples)
-    if (!s.new_patch) seconds.push_back(s.tick_seconds);
-  return seconds;
+using B = SfemPart;
+/// Of tetrahedra alone.
+Json of_tets(const SfemPart& b, double value) {
+  return b.body.model.body.mesh.corners == 4 ? Json(value) : absent();
 }
 
-Json series_report(const TouchingTool& tool) {
-  Json series = Json::array();
-  const std::size_t stride = std::max<std::size_t>(1, (tool.samples.size() + kMostRows - 1) / kMostRows);
-  for (std::size_t i = 0; i < tool.samples.size(); i += stride) {
-    const ForceSample& s = tool.samples[i];
-    series.push_back(numbers({s.time, norm(s.force), s.depth * kMm, s.path * kMm, double(s.contacts),
-                              s.force.x, s.force.y, s.force.z}));
+const Quantity<B> kSfem[] = {
+    {"name", kNone, "", [](const B& b) -> Json { return b.body.name; }, kInReport},
+    {"model", kNone, "", [](const B&) -> Json { return model_name(BodyKind::kSfem); }, kInReport},
+    {"source", kNone, "made from",
+     [](const B& b) -> Json { return std::visit(SourceText{}, b.scene.source); }},
+    {"young", kPascals, "Young's modulus", [](const B& b) -> Json { return b.scene.material.young; }},
+    {"poisson", kNone, "Poisson's ratio", [](const B& b) -> Json { return b.scene.material.poisson; }},
+    {"formulation", kNone, "elements",
+     [](const B& b) -> Json {
+       return b.scene.formulation == sfem::Formulation::kAveraged ? "averaged" : "standard";
+     }},
+    {"mesh.vertices", kCount, "nodes",
+     [](const B& b) -> Json { return b.body.model.body.mesh.vertices.size(); }, kEverywhere},
+    {"mesh.elements", kCount, "elements of the mesh",
+     [](const B& b) -> Json { return element_count(b.body.model.body.mesh); }, kEverywhere},
+    {"mesh.free_nodes", kCount, "nodes that are free to move",
+     [](const B& b) -> Json { return b.body.model.vertex.size(); }},
+    {"mesh.kept_nodes", kCount, "nodes with Green's functions",
+     [](const B& b) -> Json { return b.body.model.green.nodes.size(); }},
+    {"mesh.surface_nodes", kCount, "", [](const B& b) -> Json { return b.body.model.green.surface_count; },
+     kInReport},
+    {"mesh.surface_triangles", kCount, "triangles of the surface",
+     [](const B& b) -> Json { return b.body.model.surface.triangles.size(); }},
+    {"mesh.volume", kMillilitres, "volume", [](const B& b) -> Json { return b.body.facts.volume; },
+     kEverywhere},
+    {"mesh.input_volume", kMillilitres, "",
+     [](const B& b) { return b.body.facts.input_volume > 0 ? Json(b.body.facts.input_volume) : absent(); },
+     kInReport},
+    {"mesh.volume_error", kPercent, "volume against the input",
+     [](const B& b) {
+       const SfemFacts& f = b.body.facts;
+       return f.input_volume > 0 ? Json(f.volume / f.input_volume - 1) : absent();
+     }},
+    {"mesh.min_dihedral", kDegrees, "smallest dihedral angle",
+     [](const B& b) { return of_tets(b, b.body.facts.quality.min_dihedral); }},
+    {"mesh.max_dihedral", kDegrees, "largest dihedral angle",
+     [](const B& b) { return of_tets(b, b.body.facts.quality.max_dihedral); }},
+    {"mesh.shortest_edge", kMillimetres, "",
+     [](const B& b) { return of_tets(b, b.body.facts.quality.shortest_edge); }, kInReport},
+    {"mesh.longest_edge", kMillimetres, "",
+     [](const B& b) { return of_tets(b, b.body.facts.quality.longest_edge); }, kInReport},
+    {"green.store", kBytes, "Green's functions",
+     [](const B& b) -> Json { return b.body.facts.cost.store_bytes; }, kEverywhere},
+    {"green.factor", kBytes, "", [](const B& b) -> Json { return b.body.facts.cost.factor_bytes; },
+     kInReport},
+    {"green.on_demand", kNone, "", [](const B& b) -> Json { return b.body.facts.on_demand; }, kInReport},
+    {"green.from_cache", kNone, "", [](const B& b) -> Json { return b.body.facts.from_cache; }, kInReport},
+    {"green.cache_file", kNone, "", [](const B& b) -> Json { return b.body.facts.cache_file; }, kInReport},
+    {"green.content_hash", kNone, "", [](const B& b) -> Json { return hash_text(b.body.facts.content_hash); },
+     kInReport},
+    {"green.seconds",
+     {"", "s"},
+     "Green's functions, computed or read in",
+     [](const B& b) -> Json { return b.body.facts.green_seconds; },
+     kEverywhere},
+    {"memory", kBytes, "memory of the model",
+     [](const B& b) -> Json { return sfem::memory_bytes(b.body.model); }},
+    {"shape", kSeconds, "reading and meshing", [](const B& b) -> Json { return b.body.facts.shape_seconds; }},
+    {"patch.radius", kMillimetres, "", [](const B& b) -> Json { return b.scene.patch.radius; }, kInReport},
+    {"patch.refinement", kCount, "", [](const B& b) -> Json { return b.scene.patch.refinement; }, kInReport},
+    {"patch.local_nodes_most", kCount, "local nodes of the patch, most",
+     [](const B& b) -> Json { return b.local_nodes; }, kEverywhere},
+    {"patch.points_most", kCount, "", [](const B& b) -> Json { return b.points; }, kInReport},
+    {"patch.rebuilds", kCount, "patches built", [](const B& b) -> Json { return b.body.rebuilds.size(); },
+     kEverywhere},
+    {"patch.rebuild_p50", kMilliseconds, "a patch beside the ticks, median",
+     [](const B& b) -> Json { return percentile(b.rebuild_seconds, 0.5); }, kEverywhere},
+    {"patch.rebuild_p99", kMilliseconds, "",
+     [](const B& b) -> Json { return percentile(b.rebuild_seconds, 0.99); }, kInReport},
+    {"patch.rebuild_max", kMilliseconds, "a patch, longest",
+     [](const B& b) -> Json { return percentile(b.rebuild_seconds, 1); }, kEverywhere},
+    {"patch.rebuilds_too_late", kCount, "patches that would have come too late",
+     [](const B& b) -> Json { return b.late; }},
+    {"patch.handover_max", kMilliseconds, "longest hand-over, within a tick",
+     [](const B& b) -> Json { return percentile(b.handover_seconds, 1); }},
+    {"patch.force_jump_max", kNewtons, "largest jump at a hand-over",
+     [](const B& b) -> Json { return b.jump; }, kEverywhere},
+    {"patch.not_followed", kCount, "", [](const B& b) -> Json { return b.body.kept_patches; }, kInReport},
+    {"surface_p50", kMilliseconds, "surface for a picture, median",
+     [](const B& b) -> Json { return percentile(b.pressed.surface_seconds, 0.5); }},
+    {"force_max", kNewtons, "", [](const B& b) -> Json { return b.pressed.force; }, kInReport},
+    {"force_max_at", kSeconds, "", [](const B& b) -> Json { return b.pressed.time; }, kInReport},
+    {"rotations.frames", kCount, "frames with large rotations",
+     [](const B& b) { return b.body.turning ? Json(b.body.turning->frames) : absent(); }},
+    {"rotations.not_converged", kCount, "… not solved to the end",
+     [](const B& b) { return b.body.turning ? Json(b.body.turning->unconverged) : absent(); }},
+    {"rotations.residual_max", kNone, "",
+     [](const B& b) { return b.body.turning ? Json(b.body.turning->largest_residual) : absent(); },
+     kInReport},
+};
+
+using R = PatchRebuild;
+const Quantity<R> kRebuilds[] = {
+    {"time", kSeconds, "time", [](const R& r) -> Json { return r.time; }},
+    {"rebuild", kMilliseconds, "wall time", [](const R& r) -> Json { return r.seconds; }},
+    {"local_nodes", kCount, "local nodes", [](const R& r) -> Json { return r.local_nodes; }},
+    {"force_jump", kNewtons, "jump of the force", [](const R& r) -> Json { return r.force_jump; }},
+};
+
+struct ToolPart {
+  const ToolScene& scene;
+  const TouchingTool& tool;
+  const World& world;
+  ForceSample most;  // with the largest force
+  int contacts = 0;
+  double depth = 0;  // [m]
+  bool beyond = false;
+  std::vector<double> tick_seconds;  // those with a new patch left out: they are in the patch's part
+};
+
+ToolPart tool_part(const ToolScene& scene, const TouchingTool& tool, const World& world) {
+  ToolPart part{.scene = scene, .tool = tool, .world = world, .most = {}, .tick_seconds = {}};
+  for (const ForceSample& s : tool.samples) {
+    if (norm(s.force) > norm(part.most.force)) part.most = s;
+    part.contacts = std::max(part.contacts, s.contacts);
+    part.depth = std::max(part.depth, s.depth);
+    part.beyond = part.beyond || s.beyond_patch;
+    if (!s.new_patch) part.tick_seconds.push_back(s.tick_seconds);
   }
-  return series;
+  return part;
 }
+
+using T = ToolPart;
+const Quantity<T> kTool[] = {
+    {"name", kNone, "", [](const T& t) -> Json { return t.tool.name; }, kInReport},
+    {"body", kNone, "touches", [](const T& t) -> Json { return touched_body(t.world, t.tool.body).name; }},
+    {"shape", kNone, "shape", [](const T& t) -> Json { return std::visit(ShapeText{}, t.scene.shape); }},
+    {"friction", kNone, "friction", [](const T& t) -> Json { return t.scene.friction; }},
+    {"force_max", kNewtons, "largest force", [](const T& t) -> Json { return norm(t.most.force); },
+     kEverywhere, "largest force on {}"},
+    {"force_max_at", kSeconds, "… at", [](const T& t) -> Json { return t.most.time; }, kEverywhere},
+    {"depth_max", kMillimetres, "deepest below the surface at rest",
+     [](const T& t) -> Json { return t.depth; }, kEverywhere, "deepest press of {}"},
+    {"contacts_max", kCount, "places that bear force, most", [](const T& t) -> Json { return t.contacts; }},
+    {"beyond_patch", kNone, "", [](const T& t) -> Json { return t.beyond; }, kInReport},
+    {"contact_level_most", kCount, "", [](const T& t) -> Json { return t.tool.limits.coarsest; }, kInReport},
+    {"contacts_dropped_ticks", kCount, "", [](const T& t) -> Json { return t.tool.limits.dropped_ticks; },
+     kInReport},
+    {"contacts_dropped_most", kCount, "", [](const T& t) -> Json { return t.tool.limits.dropped_most; },
+     kInReport},
+    {"slips", kCount, "", [](const T& t) -> Json { return t.tool.limits.slips; }, kInReport},
+    {"slipped_at", kSeconds, "", [](const T& t) -> Json { return t.tool.limits.slipped_at; }, kInReport},
+    {"yielding_ticks", kCount, "", [](const T& t) -> Json { return t.tool.limits.yielding_ticks; },
+     kInReport},
+    {"force_every", kMilliseconds, "a force every",
+     [](const T& t) -> Json { return force_interval(t.world, t.tool.body); }},
+    {"ticks", kCount, "forces", [](const T& t) -> Json { return t.tool.samples.size(); }},
+    {"tick_p50", kMicroseconds, "one force, median",
+     [](const T& t) -> Json { return percentile(t.tick_seconds, 0.5); }, kEverywhere,
+     "one force of {} (median)"},
+    {"tick_p99", kMicroseconds, "one force, 99 of 100",
+     [](const T& t) -> Json { return percentile(t.tick_seconds, 0.99); }, kEverywhere,
+     "one force of {} (99 of 100)"},
+    {"tick_max", kMicroseconds, "one force, longest",
+     [](const T& t) -> Json { return percentile(t.tick_seconds, 1); }, kEverywhere},
+};
+
+using F = ForceSample;
+const Quantity<F> kForces[] = {
+    {"time", kSeconds, "time", [](const F& s) -> Json { return s.time; }},
+    {"force", kNewtons, "force", [](const F& s) -> Json { return norm(s.force); }},
+    {"depth", kMillimetres, "depth below the surface at rest", [](const F& s) -> Json { return s.depth; }},
+    {"path", kMillimetres, "path of the tool", [](const F& s) -> Json { return s.path; }},
+    {"contacts", kCount, "places that bear force", [](const F& s) -> Json { return s.contacts; }},
+    {"force_x", kNewtons, "", [](const F& s) -> Json { return s.force.x; }},
+    {"force_y", kNewtons, "", [](const F& s) -> Json { return s.force.y; }},
+    {"force_z", kNewtons, "", [](const F& s) -> Json { return s.force.z; }},
+};
 
 /// What a tool asked that its body did not give.
 void add_limits(const TouchingTool& tool, std::vector<std::string>& warnings) {
@@ -136,71 +271,24 @@ void add_limits(const TouchingTool& tool, std::vector<std::string>& warnings) {
 }  // namespace
 
 Json report_body(const ReportInput& input, const SfemScene& scene, const SfemBody& body, BodyId id) {
-  const Pressed& pressed = pressed_body(input.measures.pressed, id);
-  const SfemFacts& facts = body.facts;
-  const bool averaged = scene.formulation == sfem::Formulation::kAveraged;
-  Json json{{"name", body.name},
-            {"model", model_name(BodyKind::kSfem)},
-            {"source", std::visit(SourceText{}, scene.source)},
-            {"young_Pa", rounded(scene.material.young)},
-            {"poisson", rounded(scene.material.poisson)},
-            {"formulation", averaged ? "averaged" : "standard"},
-            {"mesh", mesh_report(body)},
-            {"green",
-             {{"store_bytes", facts.cost.store_bytes},
-              {"factor_bytes", facts.cost.factor_bytes},
-              {"on_demand", facts.on_demand},
-              {"from_cache", facts.from_cache},
-              {"cache_file", facts.cache_file},
-              {"content_hash", hash_text(facts.content_hash)},
-              {"seconds", rounded(facts.green_seconds)}}},
-            {"shape_s", rounded(facts.shape_seconds)},
-            {"patch", patch_report(scene, body)},
-            {"surface_p50_ms", rounded(percentile(pressed.surface_seconds, 0.5) * kMs)},
-            {"force_max_N", rounded(pressed.force)},
-            {"force_max_at_s", rounded(pressed.time)}};
-  if (const auto& turning = body.turning)
-    json["rotations"] = {{"frames", turning->frames},
-                         {"not_converged", turning->unconverged},
-                         {"residual_max", rounded(turning->largest_residual)}};
+  Json json = values_of(kSfem, sfem_part(scene, body, pressed_body(input.measures.pressed, id)));
+  add_rows(json["patch"], "series_columns", "series", kRebuilds, body.rebuilds);
   return json;
 }
 
 Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& world) {
-  ForceSample most;
-  int contacts = 0;
-  double depth = 0;
-  bool beyond = false;
-  for (const ForceSample& s : tool.samples) {
-    if (norm(s.force) > norm(most.force)) most = s;
-    contacts = std::max(contacts, s.contacts);
-    depth = std::max(depth, s.depth);
-    beyond = beyond || s.beyond_patch;
-  }
-  const std::vector<double> ticks = plain_tick_seconds(tool);
-  return {{"name", tool.name},
-          {"body", touched_body(world, tool.body).name},
-          {"shape", std::visit(ShapeText{}, scene.shape)},
-          {"friction", rounded(scene.friction)},
-          {"force_max_N", rounded(norm(most.force))},
-          {"force_max_at_s", rounded(most.time)},
-          {"depth_max_mm", rounded(depth * kMm)},
-          {"contacts_max", contacts},
-          {"beyond_patch", beyond},
-          {"contact_level_most", tool.limits.coarsest},
-          {"contacts_dropped_ticks", tool.limits.dropped_ticks},
-          {"contacts_dropped_most", tool.limits.dropped_most},
-          {"slips", tool.limits.slips},
-          {"slipped_at_s", rounded(tool.limits.slipped_at)},
-          {"yielding_ticks", tool.limits.yielding_ticks},
-          {"force_every_ms", rounded(force_interval(world, tool.body) * kMs)},
-          {"ticks", tool.samples.size()},
-          {"tick_p50_us", rounded(percentile(ticks, 0.5) * kMicro)},
-          {"tick_p99_us", rounded(percentile(ticks, 0.99) * kMicro)},
-          {"tick_max_us", rounded(percentile(ticks, 1) * kMicro)},
-          {"series_columns",
-           {"time_s", "force_N", "depth_mm", "path_mm", "contacts", "force_x_N", "force_y_N", "force_z_N"}},
-          {"series", series_report(tool)}};
+  Json json = values_of(kTool, tool_part(scene, tool, world));
+  const std::size_t stride = std::max<std::size_t>(1, (tool.samples.size() + kMostRows - 1) / kMostRows);
+  add_rows(json, "series_columns", "series", kForces, tool.samples, stride);
+  return json;
+}
+
+Section tool_section() {
+  return {"Tools", "tool", [](const Json& report) { return items_of(report, "tools"); }, captions_of(kTool)};
+}
+Section sfem_section() {
+  return {"Bodies of finite elements", "body",
+          [](const Json& report) { return bodies_of(report, BodyKind::kSfem); }, captions_of(kSfem)};
 }
 
 std::vector<std::string> touch_warnings(const World& world) {

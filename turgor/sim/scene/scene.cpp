@@ -35,6 +35,19 @@ toml::table parse_override_value(const std::string& text) {
   return toml::table{{"value", text}};
 }
 
+/// The line where a text over several lines begins that has no end: of that, the parser says only that the
+/// file is over. 0 = there is none.
+int unclosed_text(std::string_view text) {
+  for (std::size_t begin = 0;;) {
+    begin = std::min(text.find("\"\"\"", begin), text.find("'''", begin));
+    if (begin == text.npos) return 0;
+    const std::size_t end = text.find(text.substr(begin, 3), begin + 3);
+    if (end == text.npos)
+      return 1 + int(std::count(text.begin(), text.begin() + std::ptrdiff_t(begin), '\n'));
+    begin = end + 3;
+  }
+}
+
 std::vector<std::string> split_key(std::string_view key) {
   std::vector<std::string> parts(1);
   for (const char c : key) {
@@ -91,37 +104,44 @@ Status apply_override(toml::table& root, const std::string& text, SceneProblems&
 }
 
 void read_world(SceneTable world, Scene& scene) {
-  world.read("gravity", scene.gravity, within(-1000, 1000, "m/s²"));
-  world.read("duration", scene.duration, inside(0, 3600, "s"));
-  world.read("frame_rate", scene.frame_rate, within(1, 1000, "1/s"));
+  world.begin_group("world");
+  world.read("gravity", scene.gravity, within(-1000, 1000, "m/s²"),
+             "a CT shows the body as gravity has already shaped it; add only what changes");
+  world.read("duration", scene.duration, inside(0, 3600, "s"), "simulated time");
+  world.read("frame_rate", scene.frame_rate, within(1, 1000, "1/s"),
+             "steps a second; a run has at most a million");
   world.finish();
 }
 
 void read_bodies(SceneTable bodies, Scene& scene) {
-  std::vector<std::pair<std::string, SceneTable>> rhombi,
-      clothes;  // read last: they may refer to other bodies
+  std::vector<std::pair<std::string, SceneTable>> rhombi, cloths;  // read last: they may refer to others
   for (const std::string& name : bodies.names()) {
     SceneTable body = bodies.table(name);
+    body.begin_group("body");
     std::string model = "lattice";
     body.require({"model"}, "\"lattice\", \"sfem\", \"rhombus\" or \"cloth\"");
-    body.read_choice("model", model, {"lattice", "sfem", "rhombus", "cloth"});
+    body.read_choice("model", model, {"lattice", "sfem", "rhombus", "cloth"},
+                     "`\"lattice\"`, a body from a CT that is cut and touched; `\"sfem\"`, a solid that "
+                     "tools touch; `\"rhombus\"`, a surface that tools touch and forceps pull; `\"cloth\"`");
     if (model == "sfem")
       scene.sfem_bodies.push_back(read_sfem_scene(body, name));
     else if (model == "rhombus")
       rhombi.emplace_back(name, body);
     else if (model == "cloth")
-      clothes.emplace_back(name, body);
+      cloths.emplace_back(name, body);
     else
       scene.lattice_bodies.push_back(read_lattice_scene(body, name));
   }
   for (const auto& [name, body] : rhombi)
     scene.rhombus_bodies.push_back(read_rhombus_scene(body, name, scene));
-  for (const auto& [name, body] : clothes) scene.cloth_bodies.push_back(read_cloth_scene(body, name, scene));
+  for (const auto& [name, body] : cloths) scene.cloth_bodies.push_back(read_cloth_scene(body, name, scene));
   bodies.finish();
 }
 
 IncisionScene read_incision(SceneTable table, const std::string& name, const Scene& scene) {
   IncisionScene incision;
+  table.begin_group("incision");
+  table.describe("body", "", "required", "the name of a body with `model = \"lattice\"`");
   incision.place = table.place();
   lattice::Incision& blade = incision.blade;
   blade.name = name;
@@ -132,13 +152,17 @@ IncisionScene read_incision(SceneTable table, const std::string& name, const Sce
   if (incision.by_fraction) {
     table.require({"from_fraction"}, "where the cut starts, 0 to 1 along the body's box");
     table.require({"to_fraction"}, "where the cut ends, 0 to 1 along the body's box");
-    table.read("from_fraction", from, within(0, 1));
-    table.read("to_fraction", to, within(0, 1));
+    table.read("from_fraction", from, within(0, 1),
+               "instead of `from`: in fractions of the box around the body, so that one scene fits every "
+               "patient. 0 or 1 along an axis means the surface of the body seen from that side: `[0.5, 0, "
+               "0.4]` is the front, in the middle");
+    table.read("to_fraction", to, within(0, 1), "instead of `to`");
   } else {
     table.require({"from", "from_fraction"}, "where the cut starts");
     table.require({"to", "to_fraction"}, "where the cut ends");
-    table.read("from", from, within(-100, 100, "m"));
-    table.read("to", to, within(-100, 100, "m"));
+    table.read("from", from, within(-100, 100, "m"),
+               {"where the cut starts, on or near the skin", "required"});
+    table.read("to", to, within(-100, 100, "m"), {"where it ends", "required"});
   }
   if (incision.by_fraction && (table.has("from") || table.has("to")))
     table.fail(table.has("from") ? "from" : "to",
@@ -147,10 +171,12 @@ IncisionScene read_incision(SceneTable table, const std::string& name, const Sce
   const bool both = table.has(incision.by_fraction ? "from_fraction" : "from") &&
                     table.has(incision.by_fraction ? "to_fraction" : "to");
   if (both && from == to) table.fail("to", "the cut has no length: it ends where it starts");
-  table.read("depth", blade.depth, inside(0, 1, "m"));
-  table.read("start", blade.start, not_negative("s"));
-  table.read("duration", blade.duration, not_negative("s"));
-  table.read("width", blade.width, within(0, 1, "m"));
+  table.read("depth", blade.depth, inside(0, 1, "m"), "below the skin");
+  table.read("start", blade.start, not_negative("s"), "when the blade starts");
+  table.read("duration", blade.duration, not_negative("s"),
+             "how long it takes from `from` to `to`; 0 = at once");
+  table.read("width", blade.width, within(0, 1, "m"),
+             "0 cuts edges; else the static region of the paper of this width, which leaves the body");
   if (blade.start >= scene.duration)
     table.fail("start", fmt::format("the cut starts at {} s, when the run of {} s is over", blade.start,
                                     scene.duration));
@@ -177,8 +203,8 @@ void read_tools(SceneTable tools, Scene& scene) {
 }
 
 /// The name of a volume file inside the output folder.
-void read_volume_name(SceneTable& output, std::string_view key, std::string& name) {
-  output.read(key, name);
+void read_volume_name(SceneTable& output, std::string_view key, std::string& name, Meaning meaning) {
+  output.read(key, name, meaning);
   if (name.empty()) return;
   const bool plain = name.find('/') == std::string::npos && name.front() != '.';
   const auto ends_with = [&](std::string_view ending) {
@@ -214,18 +240,23 @@ void check_output_names(SceneTable& output, const Scene& scene) {
 
 /// `key = false` turns it off, `key = NAME` chooses.
 void read_choice_or_off(SceneTable& table, std::string_view key, std::string& value,
-                        const std::vector<std::string>& choices) {
+                        const std::vector<std::string>& choices, Meaning meaning) {
   const toml::node* node = table.find(key);
   if (node && node->is_boolean() && !node->as_boolean()->get())
     value.clear();
   else
-    table.read_choice(key, value, choices);
+    table.read_choice(key, value, choices, meaning);
 }
 
 void read_output(SceneTable output, Scene& scene) {
   OutputScene& out = scene.output;
+  output.begin_group("output");
   SceneTable snapshots = output.table("snapshots");
-  snapshots.read("every", out.every, positive("s"));
+  snapshots.read(
+      "every", out.every, positive("s"),
+      "pictures, meshes and recorded states; the first and the last state always; at most 10 000 of them");
+  snapshots.describe("size", "pixels", "`[960, 720]`", "of pictures; at most as many as 4096 × 4096 has",
+                     within(64, 8192));
   if (const toml::node* size = snapshots.find("size")) {
     const std::vector<double> pixels = snapshots.numbers("size", *size, within(64, 8192, "pixels"));
     if (pixels.size() == 2)
@@ -238,11 +269,15 @@ void read_output(SceneTable output, Scene& scene) {
                                 {{"none", SkinColor::kNone},
                                  {"displacement", SkinColor::kDisplacement},
                                  {"stretch", SkinColor::kStretch},
-                                 {"pressure", SkinColor::kPressure}});
+                                 {"pressure", SkinColor::kPressure}},
+                                "what colours surfaces: `\"displacement\"`, `\"stretch\"` (lattices), "
+                                "`\"pressure\"` (of tools on sfem bodies), `\"none\"`");
   if (out.color == SkinColor::kStretch && scene.lattice_bodies.empty())
     output.fail("color", "stretch is known of the skin of a lattice, and the scene has none");
   if (out.color == SkinColor::kPressure && scene.sfem_bodies.empty())
     output.fail("color", "pressure is known of bodies with model = \"sfem\", and the scene has none");
+  output.describe("color_range", "m, 1 or Pa",
+                  "`[0, 0.01]`, stretch `[-0.2, 0.2]`, pressure 0 to Young's modulus", "ends of the colours");
   if (const toml::node* range = output.find("color_range")) {
     const std::vector<double> ends = output.numbers("color_range", *range, any_number("m, 1 or Pa"));
     if (ends.size() == 2 && ends[0] < ends[1])
@@ -251,25 +286,42 @@ void read_output(SceneTable output, Scene& scene) {
       output.fail_value("color_range", *range,
                         "[low, high] of the displacement [m], the stretch [1] or the pressure [Pa]");
   }
-  read_choice_or_off(output, "volume_rendering", out.volume_rendering, known_volume_presets());
-  output.read("sections", out.sections);
-  output.read_choice("window", out.window, known_windows());
-  read_volume_name(output, "deformed_ct", out.deformed_ct);
-  read_volume_name(output, "displacement", out.displacement);
-  read_volume_name(output, "jacobian", out.jacobian);
+  read_choice_or_off(output, "volume_rendering", out.volume_rendering, known_volume_presets(),
+                     "`\"skin\"`, `\"soft tissue\"`, `\"muscle\"`, `\"bone\"`, `\"lung\"`, or `false`");
+  output.read("sections", out.sections, "sections of the CT through every cut, before and after");
+  output.read_choice(
+      "window", out.window, known_windows(),
+      "grey values of sections: `\"abdomen\"`, `\"bone\"`, `\"lung\"`, `\"brain\"`, `\"air\"`");
+  read_volume_name(output, "deformed_ct", out.deformed_ct,
+                   "a file name: the CT as it would be scanned now (`.nii`, `.nii.gz`, `.nrrd`, `.mha`)");
+  read_volume_name(
+      output, "displacement", out.displacement,
+      "a file name: for each voxel where its tissue came from, minus where it is (mm, LPS; what ITK "
+      "calls a displacement field transform)");
+  read_volume_name(output, "jacobian", out.jacobian, "a file name: volume now over volume in the CT");
   check_output_names(output, scene);
   if (output.has("deformed_size")) {
     Int3 size{1, 1, 1};
-    output.read("deformed_size", size, within(1, 4096, "voxels"));
+    output.read("deformed_size", size, within(1, 4096, "voxels"),
+                {"of the deformed CT and the fields", "the CT's"});
     out.deformed_size = size;
   }
-  output.read("conserve_mass", out.conserve_mass);
-  output.read("meshes", out.meshes);
-  output.read("obj", out.obj);
-  output.read_choice<bool>("mesh_unit", out.mesh_space.is_mm, {{"m", false}, {"mm", true}});
-  output.read_choice<bool>("mesh_frame", out.mesh_space.is_ras, {{"LPS", false}, {"RAS", true}});
-  output.read("recording", out.recording);
-  output.read("video", out.video);
+  output.read("conserve_mass", out.conserve_mass, "divide densities by the local change of volume");
+  output.read("meshes", out.meshes,
+              "the surface at every snapshot as `.vtu`, and `meshes.pvd` for ParaView. Vertex i is vertex i "
+              "of the mesh that the scene names; of sfem bodies the array `mesh vertex` says which it is");
+  output.read(
+      "obj", out.obj,
+      "the final surface as OBJ, numbered likewise; of bodies that tools touch, under the largest force");
+  output.read_choice<bool>("mesh_unit", out.mesh_space.is_mm, {{"m", false}, {"mm", true}},
+                           "of `meshes` and `obj`: `\"m\"` or `\"mm\"`; 3D Slicer wants `\"mm\"`. "
+                           "Displacements are in the same unit, which is in the array's name");
+  output.read_choice<bool>("mesh_frame", out.mesh_space.is_ras, {{"LPS", false}, {"RAS", true}},
+                           "of `meshes` and `obj`: `\"LPS\"` as DICOM, or `\"RAS\"`. The files say which "
+                           "(`SPACE`), and 3D Slicer heeds that");
+  output.read("recording", out.recording,
+              "`recording.h5`, for `turgor run --replay` and for Python: see [recording.md](recording.md)");
+  output.read("video", out.video, "`video.mp4` of the cut, when ffmpeg is there");
   output.finish();
 }
 
@@ -351,16 +403,31 @@ const std::vector<std::string>& known_windows() {
   return kWindows;
 }
 
+std::vector<SceneKey> scene_keys(std::string_view text, const fs::path& file) {
+  SceneProblems problems{.file = file.string(), .folder = file.parent_path(), .lists_keys = true};
+  Scene scene;
+  try {
+    const toml::table root = toml::parse(text, file.string());
+    read_scene_table(SceneTable(root, "", problems), scene);
+  } catch (const toml::parse_error&) {
+  }
+  return std::move(problems.keys);
+}
+
 Result<Scene> parse_scene(std::string_view text, const fs::path& file,
-                          const std::vector<std::string>& overrides) {
+                          const std::vector<std::string>& overrides, const fs::path& override_folder) {
   Scene scene;
   scene.file = file, scene.text = text, scene.overrides = overrides;
   SceneProblems problems;
   problems.file = file.string(), problems.folder = file.parent_path();
+  problems.override_folder = override_folder;
   toml::table root;
   try {
     root = toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
+    if (const int line = unclosed_text(text); line > 0)
+      return Error{fmt::format("{}:{}: not TOML: the text that begins here with three quotes never ends",
+                               file.string(), line)};
     const auto& begin = error.source().begin;
     return Error{
         fmt::format("{}:{}:{}: not TOML: {}", file.string(), begin.line, begin.column, error.description())};

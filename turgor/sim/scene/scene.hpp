@@ -96,7 +96,9 @@ const std::vector<std::string>& known_windows();
 /// "FILE:LINE:COLUMN: KEY: expected …, found …".
 Result<Scene> read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 /// The same for text that was read already; `file` gives names in errors and the folder of relative paths.
+/// What overrides name is relative to the current folder or, when it is not there, to `override_folder`.
 Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& file,
-                          const std::vector<std::string>& overrides = {});
+                          const std::vector<std::string>& overrides = {},
+                          const std::filesystem::path& override_folder = {});
 
 }  // namespace turgor

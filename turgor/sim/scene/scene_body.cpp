@@ -26,7 +26,7 @@ BodyId read_body(SceneTable& table, std::string_view key, const Scene& scene,
                  std::initializer_list<BodyKind> kinds) {
   std::string name;
   std::vector<std::string> models;
-  table.read(key, name);
+  table.read(key, name, "the name of a body");
   std::vector<std::string> known;
   for (const BodyKind kind : kinds) {
     const std::vector<std::string> names = names_of(scene, kind);

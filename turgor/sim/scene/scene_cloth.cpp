@@ -11,10 +11,10 @@ const Allowed kPlace = within(-100, 100, "m");
 
 GarmentFile read_garment(SceneTable& table) {
   GarmentFile garment;
-  table.read_path("mesh", garment.file);
-  table.read("scale", garment.scale, inside(0, 1e6, "m"));
+  table.read_path("mesh", garment.file, {"or a surface: OBJ, STL, PLY, VTP, VTK", "none"});
+  table.read("scale", garment.scale, inside(0, 1e6, "m"), "metres a unit of the file of `mesh`");
   read_up(table, "up", garment.up);
-  table.read("shift", garment.shift, kPlace);
+  table.read("shift", garment.shift, kPlace, "after scaling and turning");
   return garment;
 }
 
@@ -22,23 +22,23 @@ cloth::Sheet read_sheet(SceneTable table) {
   cloth::Sheet sheet;
   table.require({"side"}, "the first side, [x, y, z] [m]");
   table.require({"up"}, "the other side, [x, y, z] [m]");
-  table.read("corner", sheet.corner, kPlace);
-  table.read("side", sheet.side, kPlace);
-  table.read("up", sheet.up, kPlace);
-  table.read("columns", sheet.columns, within(1, 4000));
-  table.read("rows", sheet.rows, within(1, 4000));
+  table.read("corner", sheet.corner, kPlace, "of a rectangle of triangles");
+  table.read("side", sheet.side, kPlace, "its first side");
+  table.read("up", sheet.up, kPlace, "its other side");
+  table.read("columns", sheet.columns, within(1, 4000), "of squares along `side`");
+  table.read("rows", sheet.rows, within(1, 4000), "of squares along `up`");
   if (!(norm(cross(sheet.side, sheet.up)) > 0)) table.fail("up", "the two sides span no area");
   table.finish();
   return sheet;
 }
 
 void read_fabric(SceneTable table, cloth::Fabric& fabric) {
-  table.read("density", fabric.density, positive("kg/m²"));
-  table.read("warp", fabric.warp, positive("N/m"));
-  table.read("weft", fabric.weft, positive("N/m"));
-  table.read("shear", fabric.shear, not_negative("N/m"));
-  table.read("bend", fabric.bend, not_negative("N/m"));
-  table.read("direction", fabric.direction, any_number(""));
+  table.read("density", fabric.density, positive("kg/m²"), "mass per area");
+  table.read("warp", fabric.warp, positive("N/m"), "stiffness along the warp");
+  table.read("weft", fabric.weft, positive("N/m"), "across it");
+  table.read("shear", fabric.shear, not_negative("N/m"), "on the bias");
+  table.read("bend", fabric.bend, not_negative("N/m"), "of the springs across edges, which resist folding");
+  table.read("direction", fabric.direction, any_number(""), "of the warp, where the mesh lies");
   table.finish();
 }
 
@@ -47,23 +47,27 @@ void read_solver(SceneTable table, cloth::Solver& solver) {
   table.read_choice<Method>("method", solver.method,
                             {{"jacobi", Method::kJacobi},
                              {"chebyshev", Method::kChebyshev},
-                             {"conjugate gradients", Method::kConjugateGradients}});
-  table.read("sweeps", solver.sweeps, within(1, 10000));
-  table.read("strain_limit", solver.strain_limit, within(0, 10));
+                             {"conjugate gradients", Method::kConjugateGradients}},
+                            "`\"chebyshev\"`, `\"jacobi\"` or `\"conjugate gradients\"`");
+  table.read("sweeps", solver.sweeps, within(1, 10000), "or iterations, a frame");
+  table.read("strain_limit", solver.strain_limit, within(0, 10),
+             "no spring is pulled longer than 1 + this times its length at rest; 0 = no limit");
   table.finish();
 }
 
 void read_collision(SceneTable table, cloth::Collision& collision) {
-  table.read("self", collision.self);
-  table.read("thickness", collision.thickness, inside(0, 1, "m"));
-  table.read("friction", collision.friction, within(0, 10));
-  table.read("iterations", collision.iterations, within(1, 1000));
+  table.read("self", collision.self, "layers stay out of each other");
+  table.read("thickness", collision.thickness, inside(0, 1, "m"), "smallest distance of two layers");
+  table.read("friction", collision.friction, within(0, 10), "Coulomb's coefficient");
+  table.read("iterations", collision.iterations, within(1, 1000), "at most, for contacts");
   table.finish();
 }
 
 /// Rows of four numbers that begin with a time, ascending.
-std::vector<std::array<double, 4>> read_rows(SceneTable& table, const char* key, const char* expected) {
+std::vector<std::array<double, 4>> read_rows(SceneTable& table, const char* key, const char* expected,
+                                             const char* unit, const char* meaning) {
   std::vector<std::array<double, 4>> rows;
+  table.describe(key, unit, "none", meaning);
   const toml::node* node = table.find(key);
   if (!node) return rows;
   if (!node->is_array()) return table.fail_value(key, *node, expected), rows;
@@ -79,25 +83,27 @@ std::vector<std::array<double, 4>> read_rows(SceneTable& table, const char* key,
 
 void read_wind(SceneTable table, ClothScene& scene) {
   cloth::Air& air = scene.air;
-  table.read("velocity", air.velocity, within(-200, 200, "m/s"));
-  table.read("density", air.density, not_negative("kg/m³"));
-  table.read("pressure", air.pressure, not_negative(""));
-  table.read("drag", air.drag, not_negative(""));
-  table.read("gusts", air.gusts, within(0, 5));
-  table.read("gust_length", air.gust_length, inside(0, 1000, "m"));
+  table.read("velocity", air.velocity, within(-200, 200, "m/s"), "of the mean wind");
+  table.read("density", air.density, not_negative("kg/m³"), "mass per area");
+  table.read("pressure", air.pressure, not_negative(""),
+             "of wind across the cloth, in multiples of its dynamic pressure");
+  table.read("drag", air.drag, not_negative(""), "along it, likewise");
+  table.read("gusts", air.gusts, within(0, 5), "how strong they are, of the mean wind; 0 = still");
+  table.read("gust_length", air.gust_length, inside(0, 1000, "m"), "how long they are");
   int seed = int(air.seed);
-  table.read("seed", seed, within(0, 2e9));
+  table.read("seed", seed, within(0, 2e9), "of the gusts");
   air.seed = std::uint64_t(seed);
   for (const auto& [t, x, y, z] :
-       read_rows(table, "turns", "rows [t, x, y, z] of the mean wind from a time on, ascending [s] [m/s]"))
+       read_rows(table, "turns", "rows [t, x, y, z] of the mean wind from a time on, ascending [s] [m/s]",
+                 "s, m/s", "`[[t, x, y, z], …]`: the mean wind from a time on"))
     scene.turns.push_back({t, {x, y, z}});
   table.finish();
 }
 
 BallScene read_ball(SceneTable shape) {
   BallScene ball;
-  shape.read("centre", ball.centre, kPlace);
-  shape.read("radius", ball.radius, inside(0, 10, "m"));
+  shape.read("centre", ball.centre, kPlace, "of the ball");
+  shape.read("radius", ball.radius, inside(0, 10, "m"), "of the ball, or the capsule");
   shape.finish();
   return ball;
 }
@@ -105,6 +111,10 @@ BallScene read_ball(SceneTable shape) {
 HoldScene read_hold(SceneTable table, const std::string& name) {
   HoldScene hold{.name = name};
   table.require({"vertices", "box", "ball"}, "which vertices are held");
+  table.describe("vertices", "", "one of `vertices`, `box`, `ball`",
+                 "numbers of vertices of the mesh. Reports have the force that each hold takes");
+  table.describe("box", "m", "none", "`[[x, y, z], [x, y, z]]`: what is in it at rest");
+  table.describe("ball", "m", "none", "`{ centre, radius }`: what is in it at `start`, as forceps take it");
   if (const toml::node* vertices = table.find("vertices"))
     for (const double v : table.numbers("vertices", *vertices, within(0, 1e9)))
       hold.vertices.push_back(int(v));
@@ -121,24 +131,41 @@ HoldScene read_hold(SceneTable table, const std::string& name) {
   if (table.has("ball")) hold.ball = read_ball(table.table("ball"));
   if (hold.ball && (hold.box || !hold.vertices.empty()))
     table.fail("ball", "a hold takes either what is in the ball when it starts, or given vertices");
-  table.read("start", hold.start, not_negative("s"));
-  table.read("end", hold.end, positive("s"));
-  hold.path = read_rows(table, "path", "rows [t, x, y, z] of displacements, ascending [s] [m]");
+  table.read("start", hold.start, not_negative("s"), "when it takes hold");
+  table.read("end", hold.end, positive("s"), "when it lets go");
+  hold.path = read_rows(table, "path", "rows [t, x, y, z] of displacements, ascending [s] [m]", "s, m",
+                        "`[[t, x, y, z], …]`: displacements; without it they stay");
   table.finish();
   return hold;
+}
+
+/// A shape that is not looked at would be a mistake nobody sees.
+void check_one_shape(SceneTable& table) {
+  std::string given;
+  for (const char* kind : {"plane", "sphere", "capsule", "mesh", "body"}) {
+    if (!table.has(kind)) continue;
+    if (!given.empty())
+      table.fail(kind, fmt::format("an obstacle has one shape: either {} or {}, not both", given, kind));
+    given = given.empty() ? kind : given;
+    table.find(kind);
+  }
 }
 
 ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Scene& scene) {
   ObstacleScene obstacle{.name = name, .shape = PlaneScene{}};
   table.require({"plane", "sphere", "capsule", "mesh", "body"}, "what the cloth stays out of");
+  table.describe("body", "", "one of `plane`, `sphere`, `capsule`, `mesh`, `body`",
+                 "the surface of another body of the scene, wherever it goes (`\"lattice\"`, `\"sfem\"`, "
+                 "`\"rhombus\"`), which feels the cloth, but for `\"rhombus\"`");
+  check_one_shape(table);
   if (table.has("sphere")) {
     obstacle.shape = read_ball(table.table("sphere"));
   } else if (table.has("capsule")) {
     RodScene rod;
     SceneTable shape = table.table("capsule");
-    shape.read("from", rod.from, kPlace);
-    shape.read("to", rod.to, kPlace);
-    shape.read("radius", rod.radius, inside(0, 10, "m"));
+    shape.read("from", rod.from, kPlace, "one end of the middle line");
+    shape.read("to", rod.to, kPlace, "the other end");
+    shape.read("radius", rod.radius, inside(0, 10, "m"), "of the ball, or the capsule");
     shape.finish();
     obstacle.shape = rod;
   } else if (table.has("mesh")) {
@@ -149,14 +176,14 @@ ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Sce
   } else {
     PlaneScene plane;
     SceneTable shape = table.table("plane");
-    shape.read("through", plane.through, kPlace);
-    shape.read("normal", plane.normal, any_number(""));
+    shape.read("through", plane.through, kPlace, "a point of the plane");
+    shape.read("normal", plane.normal, any_number(""), "out of what is solid");
     if (!(norm(plane.normal) > 0)) shape.fail("normal", "expected a direction that is not zero");
     shape.finish();
     obstacle.shape = plane;
   }
-  table.read("friction", obstacle.friction, within(0, 10));
-  table.read("gap", obstacle.gap, within(0, 1, "m"));
+  table.read("friction", obstacle.friction, within(0, 10), "Coulomb's coefficient");
+  table.read("gap", obstacle.gap, within(0, 1, "m"), "the cloth stays this far away");
   table.finish();
   return obstacle;
 }
@@ -165,6 +192,7 @@ ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Sce
 
 ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scene& scene) {
   ClothScene cloth;
+  body.begin_group("cloth");
   cloth.name = name, cloth.place = body.place();
   body.require({"sheet", "mesh"}, "where the cloth's triangles come from");
   if (body.has("sheet") && body.has("mesh"))
@@ -175,18 +203,20 @@ ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scen
     cloth.source = read_garment(body);
   read_fabric(body.table("fabric"), cloth.params.fabric);
   SceneTable damping = body.table("damping");
-  damping.read("motion", cloth.params.damping.motion, not_negative("1/s"));
-  damping.read("stretch", cloth.params.damping.stretch, not_negative("s"));
+  damping.read("motion", cloth.params.damping.motion, not_negative("1/s"),
+               "velocities lose exp(−motion · t)");
+  damping.read("stretch", cloth.params.damping.stretch, not_negative("s"),
+               "by the rate of stretch, in multiples of stiffness");
   damping.finish();
   read_solver(body.table("solver"), cloth.params.solver);
   read_collision(body.table("collision"), cloth.params.collision);
-  body.read("weld", cloth.params.weld, within(0, 1, "m"));
+  body.read("weld", cloth.params.weld, within(0, 1, "m"), "vertices closer than this become one");
   read_wind(body.table("wind"), cloth);
   SceneTable holds = body.table("hold");
-  for (const std::string& hold : holds.names()) cloth.holds.push_back(read_hold(holds.table(hold), hold));
+  for (const std::string& hold : holds.names()) cloth.holds.push_back(read_hold(holds.named(hold), hold));
   SceneTable obstacles = body.table("obstacle");
   for (const std::string& obstacle : obstacles.names())
-    cloth.obstacles.push_back(read_obstacle(obstacles.table(obstacle), obstacle, scene));
+    cloth.obstacles.push_back(read_obstacle(obstacles.named(obstacle), obstacle, scene));
   body.finish();
   return cloth;
 }

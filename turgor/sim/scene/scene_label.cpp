@@ -31,7 +31,7 @@ SceneLabels scene_labels(SceneTable& table) {
   const toml::node* node = table.find("labels");
   if (!node || node->is_table()) return {.names = usual_names()};
   std::filesystem::path file;
-  table.read_path("labels", file);
+  table.read_path("labels", file, "a segmentation");
   return labels_of(file);
 }
 
@@ -54,10 +54,11 @@ int find_label(SceneTable& table, const std::string& key, const std::string& nam
   return label ? *label : 0;
 }
 
-void read_label(SceneTable& table, const std::string& key, SceneLabels& labels, int& label) {
+void read_label(SceneTable& table, const std::string& key, SceneLabels& labels, int& label, Meaning meaning) {
+  table.describe(key, "", meaning.fallback ? meaning.fallback : "required", meaning.text);
   const toml::node* node = table.find(key);
   if (!node) return;
-  if (node->is_integer()) return table.read(key, label, within(1, 65535));
+  if (node->is_integer()) return table.read(key, label, within(1, 65535), meaning);
   if (!node->is_string()) return table.fail_value(key, *node, kExpected);
   label = find_label(table, key, node->as_string()->get(), labels);
 }

@@ -27,6 +27,6 @@ Result<int> find_label(const std::string& name, SceneLabels& labels);
 /// The label of that name or number; 0, and a problem of the table, when it is neither.
 int find_label(SceneTable& table, const std::string& key, const std::string& name, SceneLabels& labels);
 /// A label by number or by name, from a number or a text.
-void read_label(SceneTable& table, const std::string& key, SceneLabels& labels, int& label);
+void read_label(SceneTable& table, const std::string& key, SceneLabels& labels, int& label, Meaning meaning);
 
 }  // namespace turgor

@@ -21,23 +21,36 @@ bool has_labels(SceneTable& body) {
 }
 
 void read_only(SceneTable& body, SceneLabels& labels, LatticeScene& scene) {
-  read_label(body, "only", labels, scene.only);
+  read_label(
+      body, "only", labels, scene.only,
+      {"one label of `labels`, or of the phantom, is the body: a number, or a name such as `\"liver\"`. Its "
+       "largest part stays, everything else becomes air, and the CT is cut down to it",
+       "all"});
   if (scene.only > 0 && !has_labels(body))
     body.fail("only", "one label alone needs a segmentation: add labels = \"seg.nii.gz\" to the body");
 }
 
 void read_block(SceneTable& body, Int3& block, double& step) {
-  body.read("step", step, within(1e-4, 0.1, "m"));
+  body.read("step", step, within(1e-4, 0.1, "m"),
+            {"instead of `block`: the lattice step to come near to with whole voxels, so that one scene fits "
+             "every CT",
+             "none"});
   if (body.has("step") && body.has("block")) body.fail("step", "a body has either step or block, not both");
   const toml::node* node = body.find("block");
-  if (node && node->is_array()) return body.read("block", block, within(1, 64, "voxels"));
+  if (node && node->is_array())
+    return body.read("block", block, within(1, 64, "voxels"), "voxels a lattice step; or `[x, y, z]`");
   int side = block.x;
-  body.read("block", side, within(1, 64, "voxels"));
+  body.read("block", side, within(1, 64, "voxels"), "voxels a lattice step; or `[x, y, z]`");
   block = {side, side, side};
 }
 
 void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>& held) {
   const toml::node* node = body.find("fixed");
+  body.describe(
+      "fixed", "", "`\"bone\"`",
+      "`\"bone\"`, `\"ends\"` (first and last layer of the scan), `[\"bone\", \"ends\"]`, `\"none\"`; or a "
+      "table as "
+      "of sfem, `{ sides = \"back\", depth = 0.3 }` or `{ box = … }`, of the box around the body's nodes");
   if (!node) return;
   if (node->is_table()) {
     params.fix_bone = params.fix_ends = false;
@@ -66,10 +79,15 @@ void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>
 }
 
 void read_young_of_labels(SceneTable& tissue, SceneLabels& labels, lattice::TissueParams& params) {
+  tissue.describe(
+      "labels", "Pa", "none",
+      "Young's modulus by label: `{ liver = 4e3, 77 = 8e3 }`; names are those of the file of `labels`, "
+      "else the segmentation tool's (spleen, kidney_right, kidney_left, gallbladder, liver, stomach, "
+      "pancreas, esophagus, small_bowel, duodenum, colon, urinary_bladder)");
   SceneTable table = tissue.table("labels");
   for (const std::string& name : table.keys()) {
     double young = 0;
-    table.read(name, young, positive("Pa"));
+    table.read(name, young, positive("Pa"), "Young's modulus of this label");
     const int label = find_label(table, name, name, labels);
     if (label > 0 && young > 0) params.young_of_label[label] = young;
   }
@@ -78,16 +96,21 @@ void read_young_of_labels(SceneTable& tissue, SceneLabels& labels, lattice::Tiss
 /// One modulus for all that is not told apart.
 void read_young(SceneTable& tissue, lattice::TissueParams& params) {
   double young = 0;
-  tissue.read("young", young, positive("Pa"));
+  tissue.read("young", young, positive("Pa"),
+              {"one Young's modulus for gas, fat, muscle and bone; what is named beside it has its own", "none"});
   if (young > 0) params.gas = params.fat = params.muscle = params.bone = young;
 }
 
 /// What the two laws have of their own is refused beside the other.
 void read_law(SceneTable& tissue, lattice::TissueParams& params) {
   tissue.read_choice<TissueLaw>("law", params.law,
-                                {{"springs", TissueLaw::kSprings}, {"solid", TissueLaw::kSolid}});
-  tissue.read("poisson", params.poisson, within(0, 0.49));
-  tissue.read("volume", params.volume, within(0, 100));
+                                {{"springs", TissueLaw::kSprings}, {"solid", TissueLaw::kSolid}},
+                                "`\"springs\"`: as in the paper; `\"solid\"`: cells that answer alike in every "
+                                "direction (`descent` only, at least 2 sweeps)");
+  tissue.read("poisson", params.poisson, within(0, 0.49),
+              "solid only: Poisson's ratio; from 0.45 on take 10 sweeps or more");
+  tissue.read("volume", params.volume, within(0, 100),
+              "springs and descent only: bulk stiffness added by a volume energy, in multiples of Young's modulus");
   const bool solid = params.law == TissueLaw::kSolid;
   if (solid && tissue.has("volume"))
     tissue.fail("volume",
@@ -100,13 +123,13 @@ void read_law(SceneTable& tissue, lattice::TissueParams& params) {
 void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& params) {
   SceneTable tissue = body.table("tissue");
   read_young(tissue, params);
-  tissue.read("gas", params.gas, positive("Pa"));
-  tissue.read("fat", params.fat, positive("Pa"));
-  tissue.read("muscle", params.muscle, positive("Pa"));
-  tissue.read("bone", params.bone, positive("Pa"));
-  tissue.read("air_max", params.air_max, within(-1024, 3071, "HU"));
-  tissue.read("fat_max", params.fat_max, within(-1024, 3071, "HU"));
-  tissue.read("bone_min", params.bone_min, within(-1024, 3071, "HU"));
+  tissue.read("gas", params.gas, positive("Pa"), "Young's modulus of gas inside the body");
+  tissue.read("fat", params.fat, positive("Pa"), "of fat");
+  tissue.read("muscle", params.muscle, positive("Pa"), "of muscle and organs");
+  tissue.read("bone", params.bone, positive("Pa"), "of bone that is not fixed");
+  tissue.read("air_max", params.air_max, within(-1024, 3071, "HU"), "below is air");
+  tissue.read("fat_max", params.fat_max, within(-1024, 3071, "HU"), "below is fat");
+  tissue.read("bone_min", params.bone_min, within(-1024, 3071, "HU"), "above is bone");
   read_law(tissue, params);
   read_young_of_labels(tissue, labels, params);
   if (params.air_max >= params.fat_max || params.fat_max >= params.bone_min)
@@ -119,9 +142,16 @@ void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& p
 
 void read_tension(SceneTable& table, lattice::SkinParams& skin) {
   const toml::node* node = table.find("tension");
+  table.describe(
+      "tension", "N/m", "45",
+      "a number, or `[along, across]` Langer's lines: what the skin bears in the CT; less than the "
+      "stiffness",
+      not_negative("N/m"));
   if (!node) return;
   if (!node->is_array()) {
-    table.read("tension", skin.tension_along, not_negative("N/m"));
+    table.read(
+        "tension", skin.tension_along, not_negative("N/m"),
+        "a number, or `[along, across]` the lines: what the skin bears in the CT; less than the stiffness");
     skin.tension_across = skin.tension_along;
     return;
   }
@@ -138,13 +168,14 @@ void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::pat
     return;
   }
   SceneTable table = body.table("skin");
-  table.read_choice<SkinLaw>("law", skin.law, {{"area", SkinLaw::kArea}, {"fibre", SkinLaw::kFibre}});
+  table.read_choice<SkinLaw>("law", skin.law, {{"area", SkinLaw::kArea}, {"fibre", SkinLaw::kFibre}},
+                             "`\"fibre\"`: directional, with Langer's lines; `\"area\"`: the paper's");
   read_tension(table, skin);
-  table.read("stiffness", skin.stiffness, positive("N/m"));
-  table.read("shear", skin.shear, not_negative("N/m"));
-  table.read("amplification", skin.amplification, not_negative("1"));
-  table.read("direction", skin.direction, any_number("1"));
-  table.read_path("direction_field", field);
+  table.read("stiffness", skin.stiffness, positive("N/m"), "of the membrane");
+  table.read("shear", skin.shear, not_negative("N/m"), "fibre law only");
+  table.read("amplification", skin.amplification, not_negative("1"), "how fast skin stiffens when stretched");
+  table.read("direction", skin.direction, any_number("1"), "Langer's lines, for the whole body");
+  table.read_path("direction_field", field, "Langer's lines as a three-component image on the same patient");
   if (norm(skin.direction) == 0) table.fail("direction", "expected a vector that is not zero");
   if (const double most = std::max(skin.tension_along, skin.tension_across); most >= skin.stiffness)
     table.fail("tension", fmt::format("expected less than the skin's stiffness, {} N/m, found {} N/m",
@@ -154,11 +185,14 @@ void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::pat
 
 void read_solver(SceneTable& body, lattice::SolverParams& solver) {
   SceneTable table = body.table("solver");
-  table.read_choice<Method>("method", solver.method, {{"pbd", Method::kPbd}, {"descent", Method::kDescent}});
-  table.read("sweeps", solver.sweeps, within(1, 1000));
-  table.read("damping", solver.damping, not_negative("1/s"));
-  table.read("pbd_stiffness", solver.pbd_stiffness, within(0, 1));
-  table.read("pbd_volume", solver.pbd_volume);
+  table.read_choice<Method>(
+      "method", solver.method, {{"pbd", Method::kPbd}, {"descent", Method::kDescent}},
+      "`\"descent\"`, or `\"pbd\"` (position-based dynamics as in the paper; area law only)");
+  table.read("sweeps", solver.sweeps, within(1, 1000), "a frame");
+  table.read("damping", solver.damping, not_negative("1/s"), "velocities lose exp(−damping · t)");
+  table.read("pbd_stiffness", solver.pbd_stiffness, within(0, 1),
+             "pbd only: scales the density-based stiffness");
+  table.read("pbd_volume", solver.pbd_volume, "pbd only: keep the volumes of tetrahedra");
   table.finish();
 }
 
@@ -177,14 +211,19 @@ void check_solid(SceneTable& body, const lattice::Params& params) {
 
 LatticeScene read_lattice_scene(SceneTable body, const std::string& name) {
   LatticeScene scene;
+  body.begin_group("lattice");
   scene.name = name, scene.place = body.place();
   scene.ct = read_ct_source(body);
-  body.read_path("labels", scene.labels);
+  body.read_path(
+      "labels", scene.labels,
+      "a segmentation of the same patient on the CT's grid, for `tissue.labels` and `only`; its labels have "
+      "the names that the file gives them (`.seg.nrrd`, or a NIfTI extension), else TotalSegmentator's");
   SceneLabels labels = scene_labels(body);
   read_block(body, scene.params.block, scene.step);
   read_only(body, labels, scene);
   read_fixed(body, scene.params, scene.held);
-  body.read("gravity", scene.has_gravity);
+  body.read("gravity", scene.has_gravity,
+            "`false`: the CT shows it as gravity has shaped it already; it feels what lies on it alone");
   read_tissue(body, labels, scene.params.tissue);
   scene.label_note = labels.note;
   read_skin(body, scene.params.skin, scene.direction_field);

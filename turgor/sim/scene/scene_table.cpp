@@ -10,14 +10,8 @@ namespace turgor {
 
 namespace {
 
-std::string limits_text(const Allowed& allowed) {
-  constexpr double kNone = std::numeric_limits<double>::max();
-  std::string text;
-  if (allowed.low > -kNone && allowed.high < kNone)
-    text = allowed.open ? fmt::format(" between {} and {}", allowed.low, allowed.high)
-                        : fmt::format(" from {} to {}", allowed.low, allowed.high);
-  else if (allowed.low > -kNone)
-    text = fmt::format("{} {}", allowed.open ? " above" : " of at least", allowed.low);
+std::string with_unit(const Allowed& allowed) {
+  const std::string limits = limits_text(allowed), text = limits.empty() ? "" : " " + limits;
   return *allowed.unit ? fmt::format("{} [{}]", text, allowed.unit) : text;
 }
 
@@ -27,7 +21,27 @@ bool allows(const Allowed& allowed, double value) {
                       : value >= allowed.low && value <= allowed.high;
 }
 
+std::string text_of(double value) {
+  return std::isfinite(value) ? fmt::format("{}", value) : std::string("none");
+}
+std::string text_of(const std::string& value) {
+  return value.empty() ? "none" : fmt::format("`\"{}\"`", value);
+}
+template <class T>
+std::string text_of(const Vec<T>& v) {
+  return fmt::format("`[{}, {}, {}]`", v.x, v.y, v.z);
+}
+
 }  // namespace
+
+std::string limits_text(const Allowed& allowed) {
+  constexpr double kNone = std::numeric_limits<double>::max();
+  if (allowed.low > -kNone && allowed.high < kNone)
+    return allowed.open ? fmt::format("between {} and {}", allowed.low, allowed.high)
+                        : fmt::format("from {} to {}", allowed.low, allowed.high);
+  if (allowed.low > -kNone) return fmt::format("{} {}", allowed.open ? "above" : "of at least", allowed.low);
+  return "";
+}
 
 std::string SceneProblems::override_of(const std::string& path) const {
   for (const auto& [key, text] : overrides)
@@ -80,34 +94,38 @@ void SceneTable::fail(std::string_view key, const std::string& what) {
 }
 
 void SceneTable::fail_value(std::string_view key, const toml::node& node, const std::string& expected) {
-  problems_.add(path_of(key), node, fmt::format("expected {}, found {}", expected, describe(node)));
+  problems_.add(path_of(key), node, fmt::format("expected {}, found {}", expected, turgor::describe(node)));
 }
 
-void SceneTable::read(std::string_view key, double& value, const Allowed& allowed) {
+void SceneTable::read(std::string_view key, double& value, const Allowed& allowed, Meaning meaning) {
+  list(key, allowed, text_of(value), meaning);
   const toml::node* node = find(key);
   if (!node) return;
   const auto number = node->is_number() ? node->value<double>() : std::nullopt;
-  if (!number || !allows(allowed, *number)) return fail_value(key, *node, "a number" + limits_text(allowed));
+  if (!number || !allows(allowed, *number)) return fail_value(key, *node, "a number" + with_unit(allowed));
   value = *number;
 }
 
-void SceneTable::read(std::string_view key, int& value, const Allowed& allowed) {
+void SceneTable::read(std::string_view key, int& value, const Allowed& allowed, Meaning meaning) {
+  list(key, allowed, text_of(value), meaning);
   const toml::node* node = find(key);
   if (!node) return;
   const auto number = node->is_integer() ? node->value<std::int64_t>() : std::nullopt;
   if (!number || !allows(allowed, double(*number)))
-    return fail_value(key, *node, "a whole number" + limits_text(allowed));
+    return fail_value(key, *node, "a whole number" + with_unit(allowed));
   value = int(*number);
 }
 
-void SceneTable::read(std::string_view key, bool& value) {
+void SceneTable::read(std::string_view key, bool& value, Meaning meaning) {
+  list(key, {}, value ? "true" : "false", meaning);
   const toml::node* node = find(key);
   if (!node) return;
   if (!node->is_boolean()) return fail_value(key, *node, "true or false");
   value = node->as_boolean()->get();
 }
 
-void SceneTable::read(std::string_view key, std::string& value) {
+void SceneTable::read(std::string_view key, std::string& value, Meaning meaning) {
+  list(key, {}, text_of(value), meaning);
   const toml::node* node = find(key);
   if (!node) return;
   if (!node->is_string()) return fail_value(key, *node, "text");
@@ -116,7 +134,7 @@ void SceneTable::read(std::string_view key, std::string& value) {
 
 std::vector<double> SceneTable::numbers(std::string_view key, const toml::node& node,
                                         const Allowed& allowed) {
-  const std::string expected = "numbers" + limits_text(allowed);
+  const std::string expected = "numbers" + with_unit(allowed);
   std::vector<double> values;
   if (!node.is_array()) return fail_value(key, node, expected), values;
   for (const toml::node& element : *node.as_array()) {
@@ -128,26 +146,29 @@ std::vector<double> SceneTable::numbers(std::string_view key, const toml::node& 
   return values;
 }
 
-void SceneTable::read(std::string_view key, Vec3d& value, const Allowed& allowed) {
+void SceneTable::read(std::string_view key, Vec3d& value, const Allowed& allowed, Meaning meaning) {
+  list(key, allowed, text_of(value), meaning);
   const toml::node* node = find(key);
   if (!node) return;
   if (!node->is_array() || node->as_array()->size() != 3)
-    return fail_value(key, *node, "three numbers" + limits_text(allowed));
+    return fail_value(key, *node, "three numbers" + with_unit(allowed));
   const std::vector<double> v = numbers(key, *node, allowed);
   if (v.size() == 3) value = {v[0], v[1], v[2]};
 }
 
-void SceneTable::read(std::string_view key, Int3& value, const Allowed& allowed) {
+void SceneTable::read(std::string_view key, Int3& value, const Allowed& allowed, Meaning meaning) {
+  list(key, allowed, text_of(value), meaning);
   const toml::node* node = find(key);
   if (!node) return;
   const auto* array = node->as_array();
   const bool whole = array && array->size() == 3 && array->is_homogeneous<std::int64_t>();
-  if (!whole) return fail_value(key, *node, "three whole numbers" + limits_text(allowed));
+  if (!whole) return fail_value(key, *node, "three whole numbers" + with_unit(allowed));
   const std::vector<double> v = numbers(key, *node, allowed);
   if (v.size() == 3) value = {int(v[0]), int(v[1]), int(v[2])};
 }
 
-void SceneTable::read_path(std::string_view key, std::filesystem::path& value) {
+void SceneTable::read_path(std::string_view key, std::filesystem::path& value, Meaning meaning) {
+  list(key, {}, text_of(value.string()), meaning);
   const toml::node* node = find(key);
   if (!node) return;
   const auto given = problems_.overrides.find(path_of(key));
@@ -159,11 +180,14 @@ void SceneTable::read_path(std::string_view key, std::filesystem::path& value) {
     text = given->second;  // a folder may well be called 2024
   if (text.empty() || text.find('\0') != std::string::npos)
     return fail_value(key, *node, "the name of a file or folder");
-  value = overridden ? std::filesystem::path(text) : problems_.folder / text;
+  std::error_code ignored;
+  const bool is_here = problems_.override_folder.empty() || std::filesystem::exists(text, ignored);
+  value = (!overridden ? problems_.folder : is_here ? "" : problems_.override_folder) / text;
 }
 
 void SceneTable::read_choice(std::string_view key, std::string& value,
-                             const std::vector<std::string>& choices) {
+                             const std::vector<std::string>& choices, Meaning meaning) {
+  list(key, {}, text_of(value), meaning);
   const toml::node* node = find(key);
   if (!node) return;
   const auto* text = node->as_string();
@@ -175,16 +199,40 @@ void SceneTable::read_choice(std::string_view key, std::string& value,
   const std::string hint = nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest);
   problems_.add(path_of(key), *node,
                 fmt::format("expected {}, found {}{}", fmt::format("\"{}\"", fmt::join(choices, "\", \"")),
-                            describe(*node), hint));
+                            turgor::describe(*node), hint));
 }
 
-SceneTable SceneTable::table(std::string_view key) {
+void SceneTable::list(std::string_view key, const Allowed& allowed, const std::string& fallback,
+                      Meaning meaning) {
+  if (!problems_.lists_keys) return;
+  const auto same = [path = path_of(key)](const SceneKey& known) { return known.path == path; };
+  if (std::any_of(problems_.keys.begin(), problems_.keys.end(), same)) return;
+  const bool is_required = required_.contains(key);
+  problems_.keys.push_back({path_of(key), group_, shown_ + std::string(key), allowed.unit,
+                            meaning.fallback ? meaning.fallback
+                            : is_required    ? std::string("required")
+                                             : fallback,
+                            allowed, meaning.text});
+}
+
+void SceneTable::describe(std::string_view key, const char* unit, const char* fallback, const char* meaning,
+                          const Allowed& allowed) {
+  Allowed shown = allowed;
+  shown.unit = unit;
+  list(key, shown, fallback, meaning);
+}
+
+SceneTable SceneTable::inner(std::string_view key, std::string_view shown) {
   static const toml::table kEmpty;
   const toml::node* node = find(key);
   if (node && !node->is_table()) fail_value(key, *node, "a table");
   const bool found = node && node->is_table();
-  return SceneTable(found ? *node->as_table() : kEmpty, path_of(key), problems_);
+  SceneTable made(found ? *node->as_table() : kEmpty, path_of(key), problems_);
+  made.group_ = group_, made.shown_ = fmt::format("{}{}.", shown_, shown);
+  return made;
 }
+SceneTable SceneTable::table(std::string_view key) { return inner(key, key); }
+SceneTable SceneTable::named(std::string_view name) { return inner(name, "NAME"); }
 
 std::vector<std::string> SceneTable::keys() const {
   std::vector<std::pair<toml::source_position, std::string>> found;
@@ -203,6 +251,7 @@ std::vector<std::string> SceneTable::names() {
 }
 
 void SceneTable::require(const std::vector<std::string>& keys, const std::string& what_for) {
+  if (keys.size() == 1) required_.insert(keys[0]);
   const bool found =
       std::any_of(keys.begin(), keys.end(), [this](const auto& key) { return table_.contains(key); });
   if (!found) missing_.push_back(fmt::format("{} is missing: {}", fmt::join(keys, " or "), what_for));

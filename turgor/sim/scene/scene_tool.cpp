@@ -23,17 +23,37 @@ BodyId read_touched(SceneTable& tool, const Scene& scene) {
 ForcepsTool read_forceps(SceneTable& shape) {
   ForcepsTool forceps;
   const toml::node* node = shape.find("forceps");
-  if (!node || node->value_or(std::string()) != "phantom") shape.read_path("forceps", forceps.file);
-  shape.read("scale", forceps.scale, inside(0, 1e6, "m"));
-  shape.read("opening", forceps.opening, inside(0, 1, "m"));
-  shape.read("closing", forceps.closing, inside(0, 60, "s"));
+  if (!node || node->value_or(std::string()) != "phantom")
+    shape.read_path(
+        "forceps", forceps.file,
+        {"`\"phantom\"`, or a file whose two parts lie on both sides of x = 0 with the tips at the origin",
+         "none"});
+  shape.read("scale", forceps.scale, inside(0, 1e6, "m"),
+             "of `mesh` and `forceps`: metres a unit of the file");
+  shape.read("opening", forceps.opening, inside(0, 1, "m"), "between the tips when open");
+  shape.read("closing", forceps.closing, inside(0, 60, "s"), "from open to closed");
   return forceps;
+}
+
+/// A shape that is not looked at would be a mistake nobody sees.
+void check_one_shape(SceneTable& tool, SceneTable& shape) {
+  std::string given;
+  for (const char* kind : {"sphere", "capsule", "mesh", "forceps"}) {
+    if (!shape.has(kind)) continue;
+    if (!given.empty())
+      shape.fail(kind, fmt::format("a tool has one shape: either {} or {}, not both", given, kind));
+    given = given.empty() ? kind : given;
+    shape.find(kind);
+  }
+  if (tool.has("shape")) shape.require({"sphere", "capsule", "mesh", "forceps"}, "a shape for the tool");
 }
 
 ToolShape read_shape(SceneTable& tool) {
   tool.require({"shape"}, "as in { sphere = 0.006 } [m]");
   SceneTable shape = tool.table("shape");
   const Allowed length = inside(0, 10, "m");
+  shape.describe("capsule", "m", "none", "`[radius, half length]`, along the tool's z axis", length);
+  check_one_shape(tool, shape);
   ToolShape made = BallTool{};
   if (shape.has("capsule")) {
     RodTool rod;
@@ -48,13 +68,13 @@ ToolShape read_shape(SceneTable& tool) {
     made = read_forceps(shape);
   } else if (shape.has("mesh")) {
     MeshTool mesh;
-    shape.read_path("mesh", mesh.file);
-    shape.read("scale", mesh.scale, inside(0, 1e6, "m"));
+    shape.read_path("mesh", mesh.file, {"a closed surface", "none"});
+    shape.read("scale", mesh.scale, inside(0, 1e6, "m"),
+               "of `mesh` and `forceps`: metres a unit of the file");
     made = mesh;
   } else {
     BallTool ball;
-    if (tool.has("shape")) shape.require({"sphere", "capsule", "mesh", "forceps"}, "a shape for the tool");
-    shape.read("sphere", ball.radius, length);
+    shape.read("sphere", ball.radius, length, "a ball of this radius");
     made = ball;
   }
   shape.finish();
@@ -63,7 +83,9 @@ ToolShape read_shape(SceneTable& tool) {
 
 bool read_smooth(SceneTable& tool) {
   bool smooth = true;
-  tool.read_choice<bool>("interpolation", smooth, {{"smooth", true}, {"linear", false}});
+  tool.read_choice<bool>(
+      "interpolation", smooth, {{"smooth", true}, {"linear", false}},
+      "between rows of a path: `\"smooth\"` passes every row without swinging beyond it, or `\"linear\"`");
   return smooth;
 }
 
@@ -83,8 +105,12 @@ GivenPath read_rows(SceneTable& tool, const toml::array& array) {
 
 Vec3d read_place(SceneTable& press, const char* key, const char* key_fraction) {
   Vec3d place;
-  press.read(key, place, within(-100, 100, "m"));
-  press.read(key_fraction, place, within(0, 1));
+  press.read(key, place, within(-100, 100, "m"), {"the nearest point of the surface is taken", "none"});
+  press.read(
+      key_fraction, place, within(0, 1),
+      {"instead: in fractions of the body's box. 0 or 1 along an axis means the surface seen from that side: "
+       "`[0.5, 0, 0.5]` is the front, in the middle",
+       "none"});
   return place;
 }
 
@@ -101,11 +127,12 @@ Press read_press(SceneTable table) {
   if ((table.has("at") || table.has("to")) && (table.has("at_fraction") || table.has("to_fraction")))
     table.fail(table.has("at") ? "at" : "to",
                "a press is given either in metres or in fractions, not in both");
-  table.read("depth", press.depth, inside(0, 1, "m"));
-  table.read("start", press.start, not_negative("s"));
-  table.read("duration", press.duration, inside(0, 3600, "s"));
-  table.read("hold", press.hold, not_negative("s"));
-  if (slides) table.read("slide", press.slide, inside(0, 3600, "s"));
+  table.read("depth", press.depth, inside(0, 1, "m"), "of the tool's tip below the surface at rest");
+  table.read("start", press.start, not_negative("s"), "when it sets out");
+  table.read("duration", press.duration, inside(0, 3600, "s"), "of the way in, and of the way out");
+  table.read("hold", press.hold, not_negative("s"), "before and after sliding, or pulling");
+  if (slides)
+    table.read("slide", press.slide, inside(0, 3600, "s"), "how long the way from `at` to `to` takes");
   table.finish();
   return press;
 }
@@ -117,12 +144,12 @@ Grasp read_grasp(SceneTable table) {
   if (table.has("at") && grasp.by_fraction)
     table.fail("at", "a grasp is given either in metres or in fractions, not in both");
   grasp.at = read_place(table, "at", "at_fraction");
-  table.read("depth", grasp.depth, inside(0, 1, "m"));
-  table.read("pull", grasp.pull, within(0, 1, "m"));
-  table.read("aside", grasp.aside, within(-1, 1, "m"));
-  table.read("start", grasp.start, not_negative("s"));
-  table.read("duration", grasp.duration, inside(0, 3600, "s"));
-  table.read("hold", grasp.hold, inside(0, 3600, "s"));
+  table.read("depth", grasp.depth, inside(0, 1, "m"), "of the tool's tip below the surface at rest");
+  table.read("pull", grasp.pull, within(0, 1, "m"), "of the tip above the surface at rest, then");
+  table.read("aside", grasp.aside, within(-1, 1, "m"), "and along the surface");
+  table.read("start", grasp.start, not_negative("s"), "when it sets out");
+  table.read("duration", grasp.duration, inside(0, 3600, "s"), "of the way in, and of the way out");
+  table.read("hold", grasp.hold, inside(0, 3600, "s"), "before and after sliding, or pulling");
   table.finish();
   return grasp;
 }
@@ -140,13 +167,27 @@ ToolMotion read_motion(SceneTable& tool) {
   if (given == "grasp") return read_grasp(tool.table("grasp"));
   if (given == "hand") {
     HandFile hand;
-    tool.read_path("hand", hand.file);
+    tool.read_path(
+        "hand", hand.file,
+        {"or this: a hand that was recorded, a `.csv` file with a row a tick, as `forces.csv` of a run is "
+         "one: "
+         "it moves the tool in the same way to the last bit, jaws and holding included. Columns by name: "
+         "`time_s`, `x_m`, `y_m`, `z_m`; if there, `axis_x_x` … `axis_z_z` (each of the tool's axes as it "
+         "lies "
+         "in the patient), `grip` (0 open, 1 closed), `hold` (0, 1), and `tool`: then the rows of this "
+         "tool's "
+         "name. Between two rows the tool stays. On lattices, which feel once a frame, the same to the frame",
+         "one of `path`, `press`, `grasp`, `hand`"});
     return hand;
   }
   const toml::node* node = tool.find("path");
   if (node && node->is_array()) return read_rows(tool, *node->as_array());
   PathFile file;
-  tool.read_path("path", file.file);
+  tool.read_path(
+      "path", file.file,
+      {"rows `[[t, x, y, z], …]` in ascending time, or a `.csv` file of them. A fifth number other than 0 "
+       "holds what is touched (grasp); four more are the orientation as a quaternion w, x, y, z",
+       "one of `path`, `press`, `grasp`, `hand`"});
   file.smooth = read_smooth(tool);
   return file;
 }
@@ -155,10 +196,13 @@ ToolMotion read_motion(SceneTable& tool) {
 
 ToolScene read_tool_scene(SceneTable tool, const std::string& name, const Scene& scene) {
   ToolScene made;
+  tool.begin_group("tool");
   made.name = name, made.place = tool.place();
+  tool.describe("body", "", "required",
+                "the name of a body with `model = \"sfem\"`, `\"rhombus\"` or `\"lattice\"`");
   made.body = read_touched(tool, scene);
   made.shape = read_shape(tool);
-  tool.read("friction", made.friction, within(0, 10));
+  tool.read("friction", made.friction, within(0, 10), "Coulomb's; rhombus chains know none");
   made.motion = read_motion(tool);
   tool.finish();
   return made;

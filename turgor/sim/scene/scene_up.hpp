@@ -7,7 +7,10 @@
 namespace turgor {
 
 inline void read_up(SceneTable& table, std::string_view key, UpAxis& up) {
-  table.read_choice<UpAxis>(key, up, {{"x", UpAxis::kX}, {"y", UpAxis::kY}, {"z", UpAxis::kZ}});
+  table.read_choice<UpAxis>(key, up, {{"x", UpAxis::kX}, {"y", UpAxis::kY}, {"z", UpAxis::kZ}},
+                            "the axis of the file that points to the head, which becomes +z. `\"y\"`, as "
+                            "programs for drawing have it: "
+                            "(x, y, z) becomes (x, -z, y); `\"x\"`: (-z, y, x)");
 }
 
 }  // namespace turgor

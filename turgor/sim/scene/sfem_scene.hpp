@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "turgor/contact/follow.hpp"
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/geometry/up_axis.hpp"
 #include "turgor/models/sfem/sfem.hpp"
@@ -72,9 +73,10 @@ struct InclusionScene {
 
 /// The superposed patch that follows the tools.
 struct PatchScene {
-  double radius = 0.02;      // [m]
-  int refinement = 2;        // 1 = none
-  double hysteresis = 0.25;  // of the radius: how far a touch moves before the patch follows [1]
+  double radius = 0.02;  // [m]
+  int refinement = 2;    // 1 = none
+  double hysteresis = contact::FollowParams{}
+                          .hysteresis;  // of the radius: how far a touch moves before the patch follows [1]
 };
 
 struct SfemScene {

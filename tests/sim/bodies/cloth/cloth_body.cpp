@@ -56,6 +56,10 @@ TEST(ClothScene, a_scene_says_all_about_a_cloth) {
 TEST(ClothScene, what_is_wrong_is_said_with_its_place) {
   EXPECT_NE(error_of({"body.flag.fabric.weft=-1"}).find("body.flag.fabric.weft: expected"),
             std::string::npos);
+  EXPECT_NE(
+      error_of({"body.flag.obstacle.ball.mesh=x.obj"})
+          .find("body.flag.obstacle.ball.mesh: an obstacle has one shape: either sphere or mesh, not both"),
+      std::string::npos);
   EXPECT_NE(error_of({"body.flag.mesh=x.obj"}).find("either a sheet or a mesh"), std::string::npos);
   EXPECT_NE(error_of({"body.flag.sheet.up=[1,0,0]"}).find("the two sides span no area"), std::string::npos);
   EXPECT_NE(error_of({"body.flag.wind.turns=[[1,0,0,0],[0.5,1,0,0]]"}).find("ascending"), std::string::npos);

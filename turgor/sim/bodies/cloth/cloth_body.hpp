@@ -57,6 +57,7 @@ struct ClothSample {
 
 struct ClothBody {
   std::string name;
+  std::vector<Int3> triangles;  // of the mesh, as the scene gives it
   cloth::Model model;
   cloth::State state;
   cloth::Air air;

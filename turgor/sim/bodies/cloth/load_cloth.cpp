@@ -127,6 +127,7 @@ Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, con
     if (!obstacle) return failed(obstacle.error());
     body.obstacles.push_back(std::move(*obstacle));
   }
+  body.triangles = std::move(mesh.triangles);
   body.build_seconds = timer.seconds();
   return body;
 }

@@ -10,13 +10,13 @@ std::uint64_t state_hash(const ClothBody& body, std::uint64_t seed) {
 }
 
 void show(const Exec&, const ClothBody& body, ShownBody& out) {
-  const TriMesh now = cloth::surface(body.model, body.state);
+  const TriMesh now = cloth::surface(body.model, body.state, body.triangles);
   out.x = now.vertices, out.normals = now.normals, out.triangles = now.triangles;
   out.wall_begin = out.triangles.size();
-  out.rest.resize(out.x.size()), out.displacement.resize(out.x.size());
+  out.displacement = cloth::displacements(body.model, body.state);
+  out.rest.resize(out.x.size());
   for (std::size_t v = 0; v < out.x.size(); v++) {
-    out.rest[v] = body.model.x_rest[v];
-    out.displacement[v] = out.x[v] - out.rest[v];
+    out.rest[v] = body.model.x_rest[std::size_t(body.model.place[v])];
     const Vec3d rest(out.rest[v]);
     out.box = v == 0 ? Box{rest, rest} : Box{min(out.box.low, rest), max(out.box.high, rest)};
   }

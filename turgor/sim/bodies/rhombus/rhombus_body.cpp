@@ -27,15 +27,18 @@ rhombus::Body body_of(const TriMesh& mesh) {
 }
 
 Result<rhombus::Body> load_shape(const RhombusSource& source, const std::vector<SfemBody>& bodies,
-                                 std::vector<std::string>& notes) {
+                                 RhombusBody& made) {
   if (const auto* liver = std::get_if<PhantomLiverSurface>(&source))
     return body_of(phantom_liver(liver->detail));
-  if (const auto* other = std::get_if<SurfaceOfBody>(&source))
-    return surface_part(bodies[std::size_t(other->body)].model).body;
+  if (const auto* other = std::get_if<SurfaceOfBody>(&source)) {
+    SurfacePart part = surface_part(bodies[std::size_t(other->body)].model);
+    made.mesh_vertex = std::move(part.vertices);
+    return std::move(part.body);
+  }
   const SurfaceFile& file = std::get<SurfaceFile>(source);
   Result<ReadSurface> read = read_surface(file.file, file.scale);
   if (!read) return read.error();
-  notes = read->notes;
+  made.notes = read->notes;
   turn_up(read->mesh.vertices, file.up);
   return body_of(read->mesh);
 }
@@ -107,7 +110,7 @@ Result<RhombusBody> load_body(const Loading& loading, const RhombusScene& scene,
   const Result<rhombus::Chain> chain = rhombus::build_chain(scene.params.chain);
   body.usual_force = chain ? rhombus::force_of_depth(*chain, 0.01) : 1;
   if (loading.purpose == Purpose::kDraw) return body;
-  Result<rhombus::Body> shape = load_shape(scene.source, world.sfem_bodies, body.notes);
+  Result<rhombus::Body> shape = load_shape(scene.source, world.sfem_bodies, body);
   if (!shape) return Error{fmt::format("{}: {}", scene.place, shape.error().message)};
   const Timer building;
   Result<rhombus::Model> model = rhombus::build(*shape, scene.params);

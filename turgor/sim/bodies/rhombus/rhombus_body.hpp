@@ -23,6 +23,7 @@ struct RhombusBody : TouchedBody {
   contact::RhombusTouch touch;     // who ticks owns this
   contact::RhombusTouchedNow now;  // what it left for the frame; one for each of tool_indices
   rhombus::State state;            // of the frame: the surface as it was shown last
+  std::vector<int> mesh_vertex;    // in the mesh of the body whose surface it is; empty = its own
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
   double pressed_volume = 0;       // the most that was pressed in after a frame [m³]

@@ -30,6 +30,7 @@ ToolNow tool_now(const RhombusBody& body, std::size_t t, const World&) {
 void show(const Exec&, const RhombusBody& body, ShownBody& out) {
   const std::vector<Vec3d>& rest = body.model.surface.vertices;
   out.triangles = body.model.surface.triangles;
+  out.mesh_vertex = body.mesh_vertex;
   out.wall_begin = out.triangles.size();
   out.rest.resize(rest.size()), out.displacement.resize(rest.size());
   for (std::size_t v = 0; v < rest.size(); v++) {

@@ -35,29 +35,44 @@ std::vector<int> vertices_of_points(const SfemBody& body) {
   return vertices;
 }
 
-/// The number of a vertex that comes to the others.
-int add_vertex(Vec3d rest, Vec3d displacement, float pressure, ShownBody& surface) {
+int add_vertex(Vec3d rest, int mesh_vertex, ShownBody& surface) {
   surface.rest.push_back(Vec3(rest));
-  surface.displacement.push_back(Vec3(displacement));
-  surface.pressure.push_back(pressure);
+  surface.mesh_vertex.push_back(mesh_vertex);
   return int(surface.rest.size()) - 1;
 }
 
-/// The coarse surface with the patch in place of the triangles it covers.
+/// Vertices of the mesh's surface, ascending; returns the place of each vertex of the mesh, -1 = inside.
+std::vector<int> add_mesh_vertices(const sfem::Model& model, ShownBody& surface) {
+  const std::vector<Vec3d>& x = model.body.mesh.vertices;
+  std::vector<int> place(x.size(), -1);
+  for (const Int3 t : model.surface.triangles)
+    for (const int v : {t.x, t.y, t.z}) place[std::size_t(v)] = 0;
+  for (std::size_t v = 0; v < x.size(); v++)
+    if (place[v] == 0) place[v] = add_vertex(x[v], int(v), surface);
+  return place;
+}
+
+/// The coarse surface with the patch in place of the triangles it covers. First come the vertices of the
+/// mesh, the same at every moment, then those that the patch has besides.
 void join_surface(const SfemBody& body, const std::vector<Vec3d>& coarse, const std::vector<float>& pressure,
                   ShownBody& surface) {
   const SolidMesh& mesh = body.model.body.mesh;
   surface.rest.clear(), surface.displacement.clear(), surface.pressure.clear(), surface.triangles.clear();
-  std::vector<int> shown_vertex(mesh.vertices.size(), -1), shown_point(body.now.patch->points.size(), -1);
+  surface.mesh_vertex.clear();
+  const std::vector<int> shown_vertex = add_mesh_vertices(body.model, surface);
+  std::vector<int> shown_point(body.now.patch->points.size(), -1);
+  for (const int v : surface.mesh_vertex) surface.displacement.push_back(Vec3(coarse[std::size_t(v)]));
+  surface.pressure.resize(surface.rest.size());
   std::vector<bool> covered(mesh.vertices.size(), false), in_patch(element_count(mesh), false);
   for (const int e : body.now.patch->elements) in_patch[std::size_t(e)] = true;
   const std::vector<int> vertices = vertices_of_points(body);
   for (std::size_t p = 0; p < body.now.patch->points.size(); p++) {
     const Vec3d rest = body.now.patch->points[p].x;
-    shown_point[p] = add_vertex(rest, body.now.x[p] - rest, pressure[p], surface);
-    if (vertices[p] < 0) continue;
-    shown_vertex[std::size_t(vertices[p])] = shown_point[p];
-    covered[std::size_t(vertices[p])] = true;
+    const int known = vertices[p] < 0 ? -1 : shown_vertex[std::size_t(vertices[p])];
+    const auto n = std::size_t(shown_point[p] = known < 0 ? add_vertex(rest, -1, surface) : known);
+    surface.displacement.resize(surface.rest.size()), surface.pressure.resize(surface.rest.size());
+    surface.displacement[n] = Vec3(body.now.x[p] - rest), surface.pressure[n] = pressure[p];
+    if (vertices[p] >= 0) covered[std::size_t(vertices[p])] = true;
   }
   for (const Int3 t : body.now.patch->triangles)
     surface.triangles.push_back(
@@ -68,13 +83,8 @@ void join_surface(const SfemBody& body, const std::vector<Vec3d>& coarse, const 
     const bool is_covered = in_patch[std::size_t(outer.element[i])] && covered[std::size_t(t.x)] &&
                             covered[std::size_t(t.y)] && covered[std::size_t(t.z)];
     if (is_covered) continue;
-    Int3 shown;
-    for (int corner = 0; corner < 3; corner++) {
-      const auto v = std::size_t(t[corner]);
-      if (shown_vertex[v] < 0) shown_vertex[v] = add_vertex(mesh.vertices[v], coarse[v], 0, surface);
-      shown[corner] = shown_vertex[v];
-    }
-    surface.triangles.push_back(shown);
+    surface.triangles.push_back(
+        {shown_vertex[std::size_t(t.x)], shown_vertex[std::size_t(t.y)], shown_vertex[std::size_t(t.z)]});
   }
 }
 
@@ -130,6 +140,7 @@ void carry_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec
   const std::size_t count = embedding.rest.size();
   surface.rest = embedding.rest;
   surface.triangles = body.seen->triangles;
+  surface.mesh_vertex.clear();  // the numbers are those of its file
   std::vector<Vec3> moved(count);
   move(embedding, coarse, moved);
   surface.displacement.resize(count);

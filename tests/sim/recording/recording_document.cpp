@@ -1,0 +1,78 @@
+// docs/recording.md against a recording of all kinds of bodies.
+#include <map>
+#include <regex>
+#include <sstream>
+
+#include "sim/block_scene.hpp"
+#include "turgor/io/file.hpp"
+#include "turgor/io/hdf5_file.hpp"
+#include "turgor/sim/recording/recording.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kOthers = R"(
+[body.pad]
+model = "sfem"
+block = { size = [0.06, 0.06, 0.03], count = [4, 4, 2] }
+fixed = "bottom"
+cache = false
+[body.liver]
+model = "rhombus"
+surface = { phantom = "liver", detail = 0.3 }
+[body.sheet]
+model = "cloth"
+sheet = { corner = [0, 0, 1], side = [0.1, 0, 0], up = [0, 0.1, 0], columns = 4, rows = 4 }
+[tool.a]
+body = "pad"
+shape = { sphere = 0.006 }
+press = { at_fraction = [0.5, 0.5, 1] }
+[tool.b]
+body = "liver"
+shape = { sphere = 0.006 }
+press = { at_fraction = [0.5, 0.5, 1] }
+)";
+
+/// Datasets of the document's tables and their units.
+std::map<std::string, std::string> documented() {
+  std::map<std::string, std::string> found;
+  std::istringstream lines(read_file(fs::path(TURGOR_SOURCE_DIR) / "docs" / "recording.md").value());
+  const std::regex row(R"(\| `(/[^`]+)` \| [^|]* \| ?([^|]*?) \|.*)");
+  std::smatch cells;
+  for (std::string line; std::getline(lines, line);)
+    if (std::regex_match(line, cells, row)) found[cells[1]] = cells[2];
+  return found;
+}
+
+/// "/bodies/torso/cut" of a file is "/bodies/NAME/cut" of the document.
+std::string general(std::string name) {
+  name = std::regex_replace(name, std::regex("/(bodies|cuts|surfaces|deepest|tools)/[^/]+/"), "/$1/NAME/");
+  return std::regex_replace(name, std::regex("/[0-9]{5}/"), "/NNNNN/");
+}
+
+TEST(RecordingDocument, NamesEveryDatasetOfARecordingAndItsUnitAndNoOther) {
+  const fs::path folder = test::fresh_folder();
+  ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  const Result<Scene> scene =
+      parse_scene(test::block_scene_text("block.nii") + kOthers, folder / "all.toml", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  World world = test::block_world(Exec(2), *scene);
+  {
+    Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", *scene, world);
+    ASSERT_TRUE(writer);
+    ShownWorld shown;
+    show(Exec(2), world, shown);
+    ASSERT_TRUE(writer->add_snapshot(world, shown));
+    ASSERT_TRUE(writer->finish(world, shown, make_pressed(world), "{}"));
+  }
+  const Result<Hdf5File> file = Hdf5File::open(folder / "r.h5");
+  ASSERT_TRUE(file) << file.error().message;
+  std::map<std::string, std::string> held;
+  for (const std::string& name : file->datasets()) held[general(name)] = file->read_attribute(name, "unit");
+  EXPECT_EQ(held, documented());
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,76 @@
+// The fields of the cloth model, for its hash, its size in memory and recordings (core/field.hpp).
+#pragma once
+
+#include "turgor/core/field.hpp"
+#include "turgor/models/cloth/cloth.hpp"
+
+namespace turgor::cloth {
+
+template <class S, class Visit>
+requires std::is_same_v<std::remove_const_t<S>, State>
+void visit_fields(S& s, const Visit& visit) {
+  visit(Field{"places", "m", Axis::kVertex, kHashed | kRecorded}, s.x);
+  visit(Field{"velocity", "m/s", Axis::kVertex, kHashed}, s.v);
+  visit(Field{"free_mass", "kg", Axis::kVertex}, s.free_mass);
+  visit(Field{"along", "kg"}, s.system.along);
+  visit(Field{"across", "kg"}, s.system.across);
+  visit(Field{"force", "N s", Axis::kVertex}, s.system.force);
+  visit(Field{"inverse_diagonal", "1/kg", Axis::kVertex}, s.system.inverse[0]);
+  visit(Field{"inverse_off", "1/kg", Axis::kVertex}, s.system.inverse[1]);
+  visit(Field{"change", "m/s", Axis::kVertex}, s.system.change);
+  visit(Field{"before", "m/s", Axis::kVertex}, s.system.before);
+  visit(Field{"air_diagonal", "kg", Axis::kVertex}, s.system.air[0]);
+  visit(Field{"air_off", "kg", Axis::kVertex}, s.system.air[1]);
+  visit(Field{"search", "m/s", Axis::kVertex}, s.system.search);
+  visit(Field{"image", "N s", Axis::kVertex}, s.system.image);
+  visit(Field{"left", "N s", Axis::kVertex}, s.system.left);
+  visit(Field{"contacts", ""}, s.contacts.list);
+  visit(Field{"contact_begin", "", Axis::kVertex}, s.contacts.begin);
+  visit(Field{"contact_item", ""}, s.contacts.item);
+  visit(Field{"contact_touched", ""}, s.contacts.touched);
+  visit(Field{"contact_found", ""}, s.contacts.found);
+  visit(Field{"middles", "m"}, s.contacts.middles);
+  visit(Field{"midpoints", "m"}, s.contacts.midpoints);
+  visit(Field{"near_points", "m"}, s.near_points);
+  visit(Field{"motion_boxes", "m"}, s.crossing.boxes);
+  visit(Field{"meetings_found", ""}, s.crossing.found);
+  visit(Field{"meetings", ""}, s.crossing.meetings);
+  visit(Field{"met", ""}, s.crossing.met);
+  visit(Field{"caught", ""}, s.crossing.caught);
+  visit(Field{"zone", ""}, s.crossing.zone);
+}
+
+template <class M, class Visit>
+requires std::is_same_v<std::remove_const_t<M>, Model>
+void visit_fields(M& m, const Visit& visit) {
+  visit(Field{"original", "", Axis::kVertex}, m.original);
+  visit(Field{"place", "", Axis::kVertex}, m.place);
+  visit(Field{"mass", "kg", Axis::kVertex}, m.mass);
+  visit(Field{"triangles", "", Axis::kTriangle}, m.triangles);
+  visit(Field{"triangle_begin", "", Axis::kVertex}, m.triangle_begin);
+  visit(Field{"chunk_begin", ""}, m.chunk_triangles.begin);
+  visit(Field{"chunk_triangle", ""}, m.chunk_triangles.triangle);
+  visit(Field{"near_begin", "", Axis::kVertex}, m.near.begin);
+  visit(Field{"near_item", ""}, m.near.item);
+  visit(Field{"coarse_triangles", ""}, m.coarse.triangles);
+  visit(Field{"coarse_edges", ""}, m.coarse.edges);
+  visit(Field{"x_rest", "m", Axis::kVertex}, m.x_rest);
+  visit(Field{"slot_begin", ""}, m.rows.slot_begin);
+  visit(Field{"first", ""}, m.rows.first);
+  visit(Field{"gathered", ""}, m.rows.gathered);
+  visit(Field{"rest_length", "m"}, m.rows.rest);
+  visit(Field{"stiffness", "N/m"}, m.rows.stiffness);
+}
+
+template <class N, class Visit>
+requires std::is_same_v<std::remove_const_t<N>, NearPoints>
+void visit_fields(N& n, const Visit& visit) {
+  visit(Field{"begin", ""}, n.begin);
+  visit(Field{"bucket", ""}, n.bucket);
+  visit(Field{"index", ""}, n.index);
+  visit(Field{"x", "m"}, n.x);
+  visit(Field{"y", "m"}, n.y);
+  visit(Field{"z", "m"}, n.z);
+}
+
+}  // namespace turgor::cloth

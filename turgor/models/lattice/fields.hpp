@@ -1,0 +1,53 @@
+// The fields of the lattice model, for its hash, its size in memory and recordings (core/field.hpp).
+#pragma once
+
+#include "turgor/core/field.hpp"
+#include "turgor/models/lattice/lattice.hpp"
+
+namespace turgor::lattice {
+
+/// What `cut` says decides skin_cut and row_cut; the cut edges' places on their edges decide how a wound is
+/// drawn, and nothing of how the body goes on.
+template <class S, class Visit>
+requires std::is_same_v<std::remove_const_t<S>, State>
+void visit_fields(S& s, const Visit& visit) {
+  visit(Field{"displacement", "m", Axis::kSlot, kHashed | kRecorded}, s.u);
+  visit(Field{"displacement_before", "m", Axis::kSlot}, s.u_before);
+  visit(Field{"velocity", "m/s", Axis::kSlot, kHashed}, s.v);
+  visit(Field{"cut", "", Axis::kSlot, kHashed | kRecorded}, s.cut);
+  visit(Field{"removed", "", Axis::kSlot, kHashed | kRecorded}, s.removed);
+  visit(Field{"row_cut", "", Axis::kRow, kRecorded}, s.row_cut);
+  visit(Field{"skin_cut", "", Axis::kSkinTriangle, kRecorded}, s.skin_cut);
+  visit(Field{"cut_edge", "", Axis::kCutEdge, kRecorded}, s.cut_edges);
+}
+
+/// Columns of a list of cut edges.
+template <class Visit>
+void visit_columns(const CutEdge*, const Visit& visit) {
+  visit(Field{"slot", "", Axis::kCutEdge, kRecorded}, &CutEdge::slot);
+  visit(Field{"family", "", Axis::kCutEdge, kRecorded}, &CutEdge::family);
+  visit(Field{"incision", "", Axis::kCutEdge, kRecorded}, &CutEdge::incision);
+  visit(Field{"fraction", "", Axis::kCutEdge, kRecorded}, &CutEdge::fraction);
+}
+
+template <class M, class Visit>
+requires std::is_same_v<std::remove_const_t<M>, Model>
+void visit_fields(M& m, const Visit& visit) {
+  visit(Field{"inverse_mass", "1/kg", Axis::kSlot}, m.inverse_mass);
+  visit(Field{"root_stiffness", "Pa^1/2", Axis::kSlot}, m.root_stiffness);
+  visit(Field{"tissue", "", Axis::kSlot}, m.tissue);
+  visit(Field{"hu", "HU", Axis::kSlot}, m.hu);
+  visit(Field{"cell_young", "Pa", Axis::kSlot}, m.cell_young);
+  visit(Field{"around", "", Axis::kSlot}, m.around);
+  visit(Field{"skin_triangles", "", Axis::kSkinTriangle}, m.skin.triangles);
+  visit(Field{"lines", "", Axis::kSkinTriangle}, m.skin.lines);
+  visit(Field{"batch_begin", ""}, m.skin.batch_begin);
+  visit(Field{"layer_begin", ""}, m.skin.layer_begin);
+  visit(Field{"skin_nodes", ""}, m.skin.nodes);
+  visit(Field{"skin_pull", "N"}, m.skin.pull);
+  visit(Field{"corner_begin", ""}, m.skin.corner_begin);
+  visit(Field{"corners", ""}, m.skin.corners);
+  visit(Field{"row_begin", "", Axis::kRow}, m.skin.row_begin);
+}
+
+}  // namespace turgor::lattice

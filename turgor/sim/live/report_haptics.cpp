@@ -1,0 +1,148 @@
+// How the haptic loop of a run in real time kept its time, and what its safety did.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "turgor/sim/live/live_run.hpp"
+#include "turgor/sim/report/section.hpp"
+
+namespace turgor {
+
+namespace {
+
+using namespace units;
+constexpr Unit kRate{"per_s", "Hz"}, kMillijoules{"mJ", "mJ", 1e3};
+/// In tables whose key names the unit: "period_us.p99".
+constexpr Unit kOfMicroseconds{"", "µs", 1e6}, kOfMilliseconds{"", "ms", 1e3};
+
+struct HapticsPart {
+  std::string device, tool;
+  haptics::TimingReport timing;
+  FrameTiming frames;
+};
+using H = HapticsPart;
+
+double missed_part(const haptics::TimingReport& timing) {
+  return double(timing.missed) / double(std::max<std::uint64_t>(1, timing.missed + timing.ticks));
+}
+
+/// What was mended of what the device got; waiting and ramping are how every touch begins.
+std::uint64_t actions(const haptics::SafetyCounts& safety) {
+  return safety.not_finite + safety.silent + safety.damped + safety.slewed + safety.saturated + safety.lost;
+}
+
+const Quantity<H> kHaptics[] = {
+    {"name", kNone, "", [](const H&) -> Json { return "the haptic loop"; }, kInReport},
+    {"device", kNone, "device", [](const H& h) -> Json { return h.device; }, kEverywhere},
+    {"tool", kNone, "tool in the hand", [](const H& h) -> Json { return h.tool; }, kEverywhere},
+    {"ticks", kCount, "ticks", [](const H& h) -> Json { return h.timing.ticks; }, kInTable},
+    {"seconds", {"", "s"}, "by the clock", [](const H& h) -> Json { return h.timing.seconds; }, kInTable},
+    {"rate_asked", kRate, "", [](const H& h) -> Json { return h.timing.rate_asked; }, kInReport},
+    {"rate", kRate, "ticks a second", [](const H& h) -> Json { return h.timing.rate; }, kEverywhere,
+     "ticks of the hand a second"},
+    {"missed", kNone, "ticks missed, of 1", [](const H& h) -> Json { return missed_part(h.timing); },
+     kEverywhere},
+    {"missed_ticks", kCount, "ticks missed", [](const H& h) -> Json { return h.timing.missed; }, kInTable},
+    {"period_us.p50", kOfMicroseconds, "from tick to tick, median",
+     [](const H& h) -> Json { return h.timing.period.p50; }, kInTable},
+    {"period_us.p99", kOfMicroseconds, "from tick to tick, 99 of 100",
+     [](const H& h) -> Json { return h.timing.period.p99; }, kEverywhere},
+    {"period_us.p999", kOfMicroseconds, "", [](const H& h) -> Json { return h.timing.period.p999; },
+     kInReport},
+    {"period_us.max", kOfMicroseconds, "from tick to tick, longest",
+     [](const H& h) -> Json { return h.timing.period.largest; }, kInTable},
+    {"jitter_us.p50", kOfMicroseconds, "", [](const H& h) -> Json { return h.timing.jitter.p50; }, kInReport},
+    {"jitter_us.p99", kOfMicroseconds, "off the beat, 99 of 100",
+     [](const H& h) -> Json { return h.timing.jitter.p99; }, kInTable},
+    {"jitter_us.p999", kOfMicroseconds, "", [](const H& h) -> Json { return h.timing.jitter.p999; },
+     kInReport},
+    {"jitter_us.max", kOfMicroseconds, "off the beat, most",
+     [](const H& h) -> Json { return h.timing.jitter.largest; }, kInTable},
+    {"compute_us.p50", kOfMicroseconds, "work of a tick, median",
+     [](const H& h) -> Json { return h.timing.compute.p50; }, kInTable},
+    {"compute_us.p99", kOfMicroseconds, "work of a tick, 99 of 100",
+     [](const H& h) -> Json { return h.timing.compute.p99; }, kEverywhere},
+    {"compute_us.p999", kOfMicroseconds, "", [](const H& h) -> Json { return h.timing.compute.p999; },
+     kInReport},
+    {"compute_us.max", kOfMicroseconds, "work of a tick, longest",
+     [](const H& h) -> Json { return h.timing.compute.largest; }, kInTable},
+    {"latency_us.p50", kOfMicroseconds, "from pose to force, median",
+     [](const H& h) -> Json { return h.timing.latency.p50; }, kEverywhere},
+    {"latency_us.p99", kOfMicroseconds, "from pose to force, 99 of 100",
+     [](const H& h) -> Json { return h.timing.latency.p99; }, kInTable},
+    {"latency_us.p999", kOfMicroseconds, "", [](const H& h) -> Json { return h.timing.latency.p999; },
+     kInReport},
+    {"latency_us.max", kOfMicroseconds, "from pose to force, longest",
+     [](const H& h) -> Json { return h.timing.latency.largest; }, kInTable},
+    {"model_age_ms.p50", kOfMilliseconds, "age of what the model answers from, median",
+     [](const H& h) -> Json { return h.timing.age.p50; }, kInTable},
+    {"model_age_ms.p99", kOfMilliseconds, "… 99 of 100", [](const H& h) -> Json { return h.timing.age.p99; },
+     kInTable},
+    {"model_age_ms.p999", kOfMilliseconds, "", [](const H& h) -> Json { return h.timing.age.p999; },
+     kInReport},
+    {"model_age_ms.max", kOfMilliseconds, "", [](const H& h) -> Json { return h.timing.age.largest; },
+     kInReport},
+    {"force_jump_max", kNewtons, "largest jump of a force from tick to tick",
+     [](const H& h) -> Json { return h.timing.force_jump; }, kEverywhere},
+    {"torque_jump_max", kTorque, "largest jump of a torque",
+     [](const H& h) -> Json { return h.timing.torque_jump; }, kInTable},
+    {"asked_jump_max", kNewtons, "largest jump that the model asked for",
+     [](const H& h) -> Json { return h.timing.asked_jump; }, kInTable},
+    {"lowest_energy", kMillijoules, "lowest energy",
+     [](const H& h) -> Json { return h.timing.lowest_energy; }, kInTable},
+    {"safety.actions", kCount, "safety actions, after the soft start",
+     [](const H& h) -> Json { return actions(h.timing.safety); }, kInSummary},
+    {"safety.not_finite", kCount, "ticks without a finite force",
+     [](const H& h) -> Json { return h.timing.safety.not_finite; }, kInTable},
+    {"safety.silent", kCount, "ticks in which the model was silent",
+     [](const H& h) -> Json { return h.timing.safety.silent; }, kInTable},
+    {"safety.waiting", kCount, "", [](const H& h) -> Json { return h.timing.safety.waiting; }, kInReport},
+    {"safety.ramping", kCount, "", [](const H& h) -> Json { return h.timing.safety.ramping; }, kInReport},
+    {"safety.damped", kCount, "ticks damped", [](const H& h) -> Json { return h.timing.safety.damped; },
+     kInTable},
+    {"safety.slewed", kCount, "ticks that rose more slowly",
+     [](const H& h) -> Json { return h.timing.safety.slewed; }, kInTable},
+    {"safety.saturated", kCount, "ticks at the largest force",
+     [](const H& h) -> Json { return h.timing.safety.saturated; }, kInTable},
+    {"safety.lost", kCount, "ticks without the device",
+     [](const H& h) -> Json { return h.timing.safety.lost; }, kInTable},
+    {"frames", kCount, "frames", [](const H& h) -> Json { return h.frames.frames; }, kInTable},
+    {"frames_late", kCount, "frames that began late", [](const H& h) -> Json { return h.frames.late; },
+     kInTable},
+    {"frame_latest", kMilliseconds, "… by at most", [](const H& h) -> Json { return h.frames.latest; },
+     kInTable},
+};
+
+}  // namespace
+
+Json haptics_report(LiveRun& live) {
+  const HapticsPart part{live.device->spec().name, live.tool, live.touch->timing(), live.touch->frames()};
+  Json json = values_of(kHaptics, part);
+  json["notes"] = live.touch->notes();
+  return json;
+}
+
+Section haptics_section() {
+  return {"The haptic loop", "hand",
+          [](const Json& report) {
+            return report.contains("haptics") ? Json::array({report.at("haptics")}) : Json::array();
+          },
+          captions_of(kHaptics)};
+}
+
+std::vector<std::string> haptics_warnings(LiveRun& live) {
+  const haptics::TimingReport timing = live.touch->timing();
+  const FrameTiming frames = live.touch->frames();
+  std::vector<std::string> warnings = live.touch->notes();
+  constexpr double kTold = 1e-3;
+  if (missed_part(timing) > kTold)
+    warnings.push_back(fmt::format("the haptic loop missed {} of {} ticks: the machine has other work to do",
+                                   timing.missed, timing.missed + timing.ticks));
+  if (frames.late > 0)
+    warnings.push_back(
+        fmt::format("{} of {} frames began late, by up to {:.0f} ms: bodies moved more slowly than the hand",
+                    frames.late, frames.frames, frames.latest * kMilliseconds.scale));
+  return warnings;
+}
+
+}  // namespace turgor

@@ -1,0 +1,161 @@
+#include "turgor/sim/report/report_lattice.hpp"
+
+#include "turgor/core/hash.hpp"
+#include "turgor/sim/report/section.hpp"
+
+namespace turgor {
+
+namespace {
+
+using namespace units;
+
+Json of_size(Int3 v) { return Json::array({v.x, v.y, v.z}); }
+Json of_mm(Vec3d v) { return numbers({v.x * kMm, v.y * kMm, v.z * kMm}); }
+
+struct LatticePart {
+  const LatticeScene& scene;
+  const LatticeBody& body;
+  std::size_t bytes;
+};
+
+const Quantity<LatticePart> kLattice[] = {
+    {"name", kNone, "", [](const LatticePart& l) -> Json { return l.body.name; }, kInReport},
+    {"model", kNone, "", [](const LatticePart&) -> Json { return model_name(BodyKind::kLattice); },
+     kInReport},
+    {"ct.source", kNone, "made from",
+     [](const LatticePart& l) -> Json { return l.scene.ct.phantom ? "phantom" : l.scene.ct.file.string(); }},
+    {"ct.size", kNone, "", [](const LatticePart& l) { return of_size(l.body.ct.grid.size); }, kInReport},
+    {"ct.spacing_mm", kNone, "", [](const LatticePart& l) { return of_mm(l.body.ct.grid.spacing); },
+     kInReport},
+    {"ct.content_hash", kNone, "", [](const LatticePart& l) -> Json { return hash_text(l.body.ct_hash); },
+     kInReport},
+    {"lattice_size", kNone, "", [](const LatticePart& l) { return of_size(l.body.model.lattice.size); },
+     kInReport},
+    {"lattice_step_mm", kNone, "",
+     [](const LatticePart& l) { return of_mm(Vec3d(l.body.model.lattice.step)); }, kInReport},
+    {"nodes", kCount, "", [](const LatticePart& l) -> Json { return node_count(l.body.model.lattice); },
+     kInReport},
+    {"body_nodes", kCount, "nodes of the body",
+     [](const LatticePart& l) -> Json { return l.body.model.body_nodes; }, kEverywhere},
+    {"free_nodes", kCount, "of these, free to move",
+     [](const LatticePart& l) -> Json { return l.body.model.free_nodes; }},
+    {"skin_triangles", kCount, "skin triangles",
+     [](const LatticePart& l) -> Json { return l.body.model.skin.triangles.size(); }, kEverywhere},
+    {"method", kNone, "solver",
+     [](const LatticePart& l) -> Json {
+       return l.scene.params.solver.method == lattice::Method::kPbd ? "pbd" : "descent";
+     }},
+    {"sweeps", kCount, "sweeps", [](const LatticePart& l) -> Json { return l.scene.params.solver.sweeps; }},
+    {"memory", kBytes, "", [](const LatticePart& l) -> Json { return l.bytes; }, kInReport},
+    {"memory_bytes_per_node",
+     {"", "bytes/node"},
+     "memory",
+     [](const LatticePart& l) -> Json { return double(l.bytes) / node_count(l.body.model.lattice); },
+     kEverywhere},
+    {"read", kSeconds, "reading the CT", [](const LatticePart& l) -> Json { return l.body.read_seconds; }},
+    {"build", kSeconds, "building the body",
+     [](const LatticePart& l) -> Json { return l.body.build_seconds; }},
+    {"state_hash", kNone, "state hash",
+     [](const LatticePart& l) -> Json { return hash_text(lattice::state_hash(l.body.model, l.body.state)); }},
+};
+
+using C = CutMeasures;
+const Quantity<C> kWound[] = {
+    {"name", kNone, "", [](const C& c) -> Json { return c.name; }, kInReport},
+    {"body", kNone, "", [](const C& c) -> Json { return c.body; }, kInReport},
+    {"kind", kNone, "", [](const C& c) -> Json { return c.region ? "region" : "edges"; }, kInReport},
+    {"angle_to_lines", kDegrees, "angle to Langer's lines", [](const C& c) -> Json { return c.pull.angle; },
+     kEverywhere},
+    {"tension_across_cut", kTension, "skin tension across the cut",
+     [](const C& c) -> Json { return c.pull.opening; }, kEverywhere},
+    {"tension_along_cut", kTension, "skin tension along the cut",
+     [](const C& c) -> Json { return c.pull.lengthwise; }},
+    {"depth", kMillimetres, "depth", [](const C& c) -> Json { return c.depth; }},
+    {"width", kMillimetres, "", [](const C& c) -> Json { return c.width; }, kInReport},
+    {"length", kMillimetres, "length of the cut skin", [](const C& c) -> Json { return c.wound.length; },
+     kEverywhere},
+    {"gape_max", kMillimetres, "gape, largest", [](const C& c) -> Json { return c.wound.gape_max; },
+     kEverywhere, "gape of {}"},
+    {"gape_mean", kMillimetres, "gape, mean", [](const C& c) -> Json { return c.wound.gape_mean; },
+     kEverywhere},
+    {"opening_area", kSquareMillimetres, "opening area",
+     [](const C& c) -> Json { return c.wound.opening_area; }, kEverywhere},
+    {"edge_displacement", kMillimetres, "displacement of the lips",
+     [](const C& c) -> Json { return c.wound.edge_displacement; }},
+    {"edges_cut", kCount, "lattice edges cut",
+     [](const C& c) -> Json { return c.region ? absent() : Json(c.edges); }},
+    {"nodes_removed", kCount, "lattice nodes removed",
+     [](const C& c) -> Json { return c.region ? Json(c.edges) : absent(); }},
+};
+
+using W = WoundSample;
+const Quantity<W> kWoundSeries[] = {
+    {"time", kSeconds, "time", [](const W& s) -> Json { return s.time; }},
+    {"gape_max", kMillimetres, "largest gape", [](const W& s) -> Json { return s.gape_max; }},
+    {"gape_mean", kMillimetres, "mean gape", [](const W& s) -> Json { return s.gape_mean; }},
+    {"opening_area", kSquareMillimetres, "opening area", [](const W& s) -> Json { return s.opening_area; }},
+    {"edge_displacement", kMillimetres, "displacement of the lips",
+     [](const W& s) -> Json { return s.edge_displacement; }},
+};
+
+using G = lattice::GapePoint;
+const Quantity<G> kProfile[] = {
+    {"along", kMillimetres, "along the cut", [](const G& p) -> Json { return p.along; }},
+    {"gape", kMillimetres, "gape", [](const G& p) -> Json { return p.gape; }},
+};
+
+using S = SolverSample;
+const Quantity<S> kSolver[] = {
+    {"time", kSeconds, "time", [](const S& s) -> Json { return s.time; }},
+    {"residual_largest", kNewtons, "largest", [](const S& s) -> Json { return s.residual.largest; }},
+    {"residual_rms", kNewtons, "root mean square", [](const S& s) -> Json { return s.residual.rms; }},
+    {"energy", kJoules, "energy", [](const S& s) -> Json { return s.energy; }},
+    {"largest_speed", kSpeed, "largest speed", [](const S& s) -> Json { return s.largest_speed; }},
+};
+
+using D = DeformedCtReport;
+const Quantity<D> kDeformed[] = {
+    {"body", kNone, "of", [](const D& d) -> Json { return d.body; }},
+    {"file", kNone, "file", [](const D& d) -> Json { return d.file; }},
+    {"size", kNone, "", [](const D& d) { return of_size(d.size); }, kInReport},
+    {"resample", kSeconds, "resampling", [](const D& d) -> Json { return d.seconds; }},
+    {"mass_error", kNone, "error of mass (of 1)", [](const D& d) -> Json { return d.mass_error; }},
+    {"folded_tetrahedra", kCount, "folded tetrahedra", [](const D& d) -> Json { return d.folds; }},
+};
+
+}  // namespace
+
+Json report_body(const ReportInput&, const LatticeScene& scene, const LatticeBody& body, BodyId) {
+  const LatticePart part{scene, body, lattice::memory_bytes(body.model, body.state)};
+  return values_of(kLattice, part);
+}
+
+Json wound_report(const CutMeasures& cut) {
+  Json json = values_of(kWound, cut);
+  add_rows(json, "profile_columns", "profile", kProfile, cut.wound.profile);
+  add_rows(json, "series_columns", "series", kWoundSeries, cut.series);
+  return json;
+}
+
+Json solver_report(const Measures& measures) {
+  Json json;
+  add_rows(json, "columns", "samples", kSolver, measures.solver);
+  return json;
+}
+
+Json deformed_report(const DeformedCtReport& deformed) { return values_of(kDeformed, deformed); }
+
+Section wound_section() {
+  return {"Measures", "wound", [](const Json& report) { return items_of(report, "wounds"); },
+          captions_of(kWound)};
+}
+Section lattice_section() {
+  return {"Lattices", "body", [](const Json& report) { return bodies_of(report, BodyKind::kLattice); },
+          captions_of(kLattice)};
+}
+Section deformed_section() {
+  return {"The deformed CT", "CT", [](const Json& report) { return items_of(report, "deformed_ct"); },
+          captions_of(kDeformed)};
+}
+
+}  // namespace turgor
