@@ -105,7 +105,8 @@ Given curve_of_scene(const Exec& exec, const CalibrateOptions& options) {
                                             options.input.string(), time_of(world))};
     bar.update(double(frame + 1) / frames);
   }
-  const double tip = tip_input(world.tools[0], {}, 0).radius;
+  const TouchingTool& tool = world.tools[0];
+  const double tip = contact::rhombus_tip(tool.tool.shape, tool.forceps).radius;
   Given given{felt_curve(world, options.input), tip, stiffness_at_press(exec, world, tip, options.input)};
   for (CurvePoint& p : given.curve) p.force /= given.stiffness;
   const sfem::Material& material = world.sfem_bodies[0].model.body.materials[0];

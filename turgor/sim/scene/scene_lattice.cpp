@@ -96,21 +96,23 @@ void read_young_of_labels(SceneTable& tissue, SceneLabels& labels, lattice::Tiss
 /// One modulus for all that is not told apart.
 void read_young(SceneTable& tissue, lattice::TissueParams& params) {
   double young = 0;
-  tissue.read("young", young, positive("Pa"),
-              {"one Young's modulus for gas, fat, muscle and bone; what is named beside it has its own", "none"});
+  tissue.read(
+      "young", young, positive("Pa"),
+      {"one Young's modulus for gas, fat, muscle and bone; what is named beside it has its own", "none"});
   if (young > 0) params.gas = params.fat = params.muscle = params.bone = young;
 }
 
 /// What the two laws have of their own is refused beside the other.
 void read_law(SceneTable& tissue, lattice::TissueParams& params) {
-  tissue.read_choice<TissueLaw>("law", params.law,
-                                {{"springs", TissueLaw::kSprings}, {"solid", TissueLaw::kSolid}},
-                                "`\"springs\"`: as in the paper; `\"solid\"`: cells that answer alike in every "
-                                "direction (`descent` only, at least 2 sweeps)");
+  tissue.read_choice<TissueLaw>(
+      "law", params.law, {{"springs", TissueLaw::kSprings}, {"solid", TissueLaw::kSolid}},
+      "`\"springs\"`: as in the paper; `\"solid\"`: cells that answer alike in every "
+      "direction (`descent` only, at least 2 sweeps)");
   tissue.read("poisson", params.poisson, within(0, 0.49),
               "solid only: Poisson's ratio; from 0.45 on take 10 sweeps or more");
-  tissue.read("volume", params.volume, within(0, 100),
-              "springs and descent only: bulk stiffness added by a volume energy, in multiples of Young's modulus");
+  tissue.read(
+      "volume", params.volume, within(0, 100),
+      "springs and descent only: bulk stiffness added by a volume energy, in multiples of Young's modulus");
   const bool solid = params.law == TissueLaw::kSolid;
   if (solid && tissue.has("volume"))
     tissue.fail("volume",

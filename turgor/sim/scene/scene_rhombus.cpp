@@ -45,9 +45,10 @@ void read_tissue(SceneTable& body, RhombusScene& scene) {
   std::vector<std::string> names;
   for (const rhombus::Tissue& tissue : rhombus::tissues()) names.push_back(tissue.name);
   scene.tissue = names[0];
-  body.read_choice("tissue", scene.tissue, names,
-                   "where the chain comes from: `\"liver\"` (the paper's), `\"liver-human\"`, "
-                   "`\"liver-porcine\"`, `\"breast-fat\"`, `\"breast-gland\"`, `\"fibroadenoma\"`");
+  body.read_choice(
+      "tissue", scene.tissue, names,
+      "where the chain comes from: `\"liver\"` (human, as measured), `\"liver-porcine\"`, "
+      "`\"breast-fat\"`, `\"breast-gland\"`, `\"fibroadenoma\"`, or `\"zhang-2010\"`, the paper's liver");
   if (const rhombus::Tissue* tissue = rhombus::find_tissue(scene.tissue)) scene.params.chain = tissue->chain;
 }
 
@@ -60,15 +61,17 @@ void read_chain(SceneTable table, rhombus::ChainParams& chain) {
   double degrees = chain.angle * 180 / std::numbers::pi;
   table.read("angle", degrees, inside(0, 90, "degrees"), {"θ at rest", "the tissue's"});
   chain.angle = degrees * std::numbers::pi / 180;
-  table.read("side", chain.side, inside(0, 1, "m"), {"a: a unit is 2a cos θ wide and 2a sin θ high", "the tissue's"});
+  table.read("side", chain.side, inside(0, 1, "m"),
+             {"a: a unit is 2a cos θ wide and 2a sin θ high", "the tissue's"});
   table.read("boundary", chain.boundary, inside(0, 0.5),
              "units that turn by less than this fraction of θ stay where they are");
   table.read("stiffening", chain.stiffening, inside(0, 100),
              {"pulled by its own height, a unit grows stiffer by e to this at most", "the tissue's"});
-  table.read("tip", chain.tip, within(0, 1, "m"),
-             {"radius of the ball that the chain is for: under others it is larger or smaller as a whole, and a "
-              "ball's touch grows as it goes in; 0: every tool feels the chain itself",
-              "the tissue's"});
+  table.read(
+      "tip", chain.tip, within(0, 1, "m"),
+      {"radius of the ball that the chain is for: under others it is larger or smaller as a whole, and a "
+       "ball's touch grows as it goes in; 0: every tool feels the chain itself",
+       "the tissue's"});
   table.finish();
 }
 
