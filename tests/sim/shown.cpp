@@ -110,9 +110,9 @@ TEST(PressedBody, IsRememberedUnderTheLargestForceOfItsTools) {
   }
   for (std::size_t n = 0; n < 3; n++) {
     EXPECT_GT(largest[n], 0) << pressed[n].body.name;
-    EXPECT_EQ(pressed[n].force, largest[n]) << pressed[n].body.name;
+    EXPECT_DOUBLE_EQ(pressed[n].force, largest[n]) << pressed[n].body.name;
     ASSERT_EQ(pressed[n].tools.size(), 1u);
-    EXPECT_EQ(norm(pressed[n].tools[0].force), largest[n]);
+    EXPECT_DOUBLE_EQ(norm(pressed[n].tools[0].force), largest[n]);
     EXPECT_LT(pressed[n].time, time_of(world)) << "the tools have gone since";
   }
 }

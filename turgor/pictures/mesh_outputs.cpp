@@ -7,11 +7,12 @@ namespace turgor {
 
 namespace {
 
-std::vector<VertexField> fields_of(const ShownBody& body) {
+/// They look at the body and at `numbers`, which gets its vertices' numbers in the mesh.
+std::vector<VertexField> fields_of(const ShownBody& body, std::vector<float>& numbers) {
   std::vector<VertexField> fields{length_field("displacement", body.displacement)};
   if (!body.stretch.empty()) fields.push_back(vertex_field("area strain [1]", body.stretch));
   if (!body.pressure.empty()) fields.push_back(vertex_field("pressure [Pa]", body.pressure));
-  const std::vector<float> numbers(body.mesh_vertex.begin(), body.mesh_vertex.end());
+  numbers.assign(body.mesh_vertex.begin(), body.mesh_vertex.end());
   if (!numbers.empty()) fields.push_back(vertex_field("mesh vertex", numbers));
   return fields;
 }
@@ -29,8 +30,9 @@ Status write_meshes(const ShownWorld& shown, Outputs& outputs) {
   const AddTime time(outputs.facts.file_seconds);
   for (const ShownBody& body : shown.bodies) {
     const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, shown.frame);
-    const Status status =
-        write_vtu(outputs.folder / file, shown_mesh(body), fields_of(body), outputs.scene->output.mesh_space);
+    std::vector<float> numbers;
+    const Status status = write_vtu(outputs.folder / file, shown_mesh(body), fields_of(body, numbers),
+                                    outputs.scene->output.mesh_space);
     if (!status) return status;
     outputs.series.push_back({shown.time, file, body.name});
   }

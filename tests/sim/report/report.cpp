@@ -23,7 +23,7 @@ BlockRun block_run() {
   for (int frame = 1; frame <= 10; frame++)
     measure_frame(exec, world, step(exec, world, true).value(), true, measures);
   RunFacts facts;
-  facts.simulation_seconds = 1.25;
+  facts.simulation_seconds = 1.25, facts.drawing_seconds = 1.75;
   run.report = simulation_report(exec, scene, world, measures, facts);
   EXPECT_TRUE(write_png(run.folder / "a.png", make_image(8, 8, {255, 0, 0})));
   facts.pictures = {{"a.png", "red <square>", false}};
@@ -70,9 +70,10 @@ TEST(Report, ThePageIsOneFileWithPicturesAndCurvesInside) {
 TEST(Report, TheTerminalNamesTheSameMeasuresAsThePage) {
   const BlockRun run = block_run();
   const std::string text = summary_text(run.report, "out/block");
-  EXPECT_NE(text.find("cut\n  angle to Langer's lines             90.0°\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("cut\n  angle to Langer's lines           90.0°\n"), std::string::npos) << text;
   EXPECT_NE(text.find("\n  gape, largest                     "), std::string::npos) << text;
-  EXPECT_NE(text.find("\n  simulating                          1.25 s\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n  physics                           "), std::string::npos) << text;
+  EXPECT_NE(text.find("\n  drawing                           1.75 s\n"), std::string::npos) << text;
   EXPECT_NE(text.find("\nwarning: something & else\n"), std::string::npos) << text;
   EXPECT_NE(text.find("out/block/report.html\n"), std::string::npos) << text;
 }

@@ -154,6 +154,19 @@ Grasp read_grasp(SceneTable table) {
   return grasp;
 }
 
+HandFile read_hand_file(SceneTable& tool) {
+  HandFile hand;
+  tool.read_path(
+      "hand", hand.file,
+      {"a hand that was recorded, a `.csv` file with a row a tick, as `forces.csv` of a run is one: it moves "
+       "the tool in the same way to the last bit, jaws and holding included. Columns by name: `time_s`, "
+       "`x_m`, `y_m`, `z_m`; if there, `axis_x_x` … `axis_z_z` (each of the tool's axes as it lies in the "
+       "patient), `grip` (0 open, 1 closed), `hold` (0, 1), and `tool`: then the rows of this tool's name. "
+       "Between two rows the tool stays. On lattices, which feel once a frame, the same to the frame",
+       "one of `path`, `press`, `grasp`, `hand`"});
+  return hand;
+}
+
 ToolMotion read_motion(SceneTable& tool) {
   const std::vector<std::string> kinds = {"path", "press", "grasp", "hand"};
   tool.require(kinds, "how the tool moves");
@@ -165,21 +178,7 @@ ToolMotion read_motion(SceneTable& tool) {
   }
   if (given == "press") return read_press(tool.table("press"));
   if (given == "grasp") return read_grasp(tool.table("grasp"));
-  if (given == "hand") {
-    HandFile hand;
-    tool.read_path(
-        "hand", hand.file,
-        {"or this: a hand that was recorded, a `.csv` file with a row a tick, as `forces.csv` of a run is "
-         "one: "
-         "it moves the tool in the same way to the last bit, jaws and holding included. Columns by name: "
-         "`time_s`, `x_m`, `y_m`, `z_m`; if there, `axis_x_x` … `axis_z_z` (each of the tool's axes as it "
-         "lies "
-         "in the patient), `grip` (0 open, 1 closed), `hold` (0, 1), and `tool`: then the rows of this "
-         "tool's "
-         "name. Between two rows the tool stays. On lattices, which feel once a frame, the same to the frame",
-         "one of `path`, `press`, `grasp`, `hand`"});
-    return hand;
-  }
+  if (given == "hand") return read_hand_file(tool);
   const toml::node* node = tool.find("path");
   if (node && node->is_array()) return read_rows(tool, *node->as_array());
   PathFile file;
