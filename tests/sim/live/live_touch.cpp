@@ -5,6 +5,7 @@
 #include "sim/four_kinds.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/live/live_run.hpp"
+#include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/report/summary.hpp"
 
 namespace turgor {
@@ -133,6 +134,8 @@ TEST(LiveTouch, a_simulated_hand_goes_the_path_and_is_pushed_back) {
   EXPECT_GT(deepest, 0.002) << "m; the path asks for 6 mm, the hand is as soft as a hand";
   EXPECT_LT(deepest, 0.0075) << "it swings a little past where it wants to be";
   EXPECT_GT(largest, 1e-3);
+  const Json of_tool = tool_report(four_kinds_scene(fresh_folder()).tools[kBall], world.tools[kBall], world);
+  EXPECT_TRUE(of_tool.at("tick_p50_us").is_null()) << "no tick was timed: that is the loop's to tell";
   const Json report = haptics_report(*live);
   EXPECT_GT(report.at("ticks").get<long>(), 500);
   EXPECT_EQ(report.at("safety").at("not_finite").get<long>(), 0);

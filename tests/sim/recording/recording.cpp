@@ -168,5 +168,20 @@ TEST(Recording, DamagedFilesAreErrorsAndNeverCrashes) {
   EXPECT_GE(errors, 19 + 190);
 }
 
+TEST(Recording, WhatTheFuzzTestsBeginWithIsARecordingOfThisVersionThatReplays) {
+  const std::filesystem::path folder = std::filesystem::path(TURGOR_SOURCE_DIR) / "tests" / "fuzz";
+  const Result<Recording> recording = Recording::open(folder / "corpus" / "recording" / "recording.h5");
+  ASSERT_TRUE(recording) << recording.error().message;
+  const Exec exec(1);
+  Result<World> world = load_world(exec, *read_scene(folder / "recorded.toml"), {}, Purpose::kDraw);
+  ASSERT_TRUE(world) << world.error().message;
+  ASSERT_TRUE(recording->check_world(*world));
+  ShownWorld shown;
+  std::vector<Pressed> pressed;
+  for (int s = 0; s < recording->snapshot_count(); s++)
+    EXPECT_TRUE(recording->restore(exec, s, *world, shown));
+  EXPECT_TRUE(recording->restore_touch(*world, pressed));
+}
+
 }  // namespace
 }  // namespace turgor

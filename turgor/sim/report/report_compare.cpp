@@ -61,9 +61,9 @@ const Quantity<Cost> kCost[] = {
     {"build", kSeconds, "reading and building", [](const Cost& c) -> Json { return c.build; }},
     {"force_every", kMilliseconds, "a force every", [](const Cost& c) -> Json { return c.interval; }},
     {"force_p50", kMilliseconds, "… takes, median",
-     [](const Cost& c) -> Json { return percentile(c.tick_seconds, 0.5); }},
+     [](const Cost& c) -> Json { return wall_time(c.tick_seconds, 0.5); }},
     {"force_p99", kMilliseconds, "… 99 of 100",
-     [](const Cost& c) -> Json { return percentile(c.tick_seconds, 0.99); }},
+     [](const Cost& c) -> Json { return wall_time(c.tick_seconds, 0.99); }},
     {"surface_p50", kMilliseconds, "surface for a picture, median",
      [](const Cost& c) -> Json { return percentile(c.pressed.surface_seconds, 0.5); }},
 };
@@ -77,7 +77,7 @@ Cost cost_of(const World& world, const Pressed& pressed, const Body& body) {
             .tick_seconds = {}};
   for (const int t : body.tool_indices)
     for (const ForceSample& s : world.tools[std::size_t(t)].samples) {
-      if (t == body.tool_indices[0]) cost.tick_seconds.push_back(s.tick_seconds);
+      if (t == body.tool_indices[0] && s.tick_seconds > 0) cost.tick_seconds.push_back(s.tick_seconds);
       cost.depth = std::max(cost.depth, s.depth);
     }
   for (const Vec3 u : pressed.body.displacement) cost.dent = std::max(cost.dent, double(norm(u)));
@@ -88,6 +88,10 @@ Cost cost_of(const World& world, const Pressed& pressed, const Body& body) {
 
 double force_interval(const World& world, BodyId id) {
   return id.kind == BodyKind::kLattice ? world.dt : kTick;
+}
+
+Json wall_time(const std::vector<double>& seconds, double part) {
+  return seconds.empty() ? Json() : Json(percentile(seconds, part));
 }
 
 Json profile_report(const Measures& measures) {

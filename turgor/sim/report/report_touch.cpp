@@ -195,7 +195,7 @@ ToolPart tool_part(const ToolScene& scene, const TouchingTool& tool, const World
     part.contacts = std::max(part.contacts, s.contacts);
     part.depth = std::max(part.depth, s.depth);
     part.beyond = part.beyond || s.beyond_patch;
-    if (!s.new_patch) part.tick_seconds.push_back(s.tick_seconds);
+    if (!s.new_patch && s.tick_seconds > 0) part.tick_seconds.push_back(s.tick_seconds);
   }
   return part;
 }
@@ -226,13 +226,13 @@ const Quantity<T> kTool[] = {
      [](const T& t) -> Json { return force_interval(t.world, t.tool.body); }},
     {"ticks", kCount, "forces", [](const T& t) -> Json { return t.tool.samples.size(); }},
     {"tick_p50", kMicroseconds, "one force, median",
-     [](const T& t) -> Json { return percentile(t.tick_seconds, 0.5); }, kEverywhere,
+     [](const T& t) -> Json { return wall_time(t.tick_seconds, 0.5); }, kEverywhere,
      "one force of {} (median)"},
     {"tick_p99", kMicroseconds, "one force, 99 of 100",
-     [](const T& t) -> Json { return percentile(t.tick_seconds, 0.99); }, kEverywhere,
+     [](const T& t) -> Json { return wall_time(t.tick_seconds, 0.99); }, kEverywhere,
      "one force of {} (99 of 100)"},
     {"tick_max", kMicroseconds, "one force, longest",
-     [](const T& t) -> Json { return percentile(t.tick_seconds, 1); }, kEverywhere},
+     [](const T& t) -> Json { return wall_time(t.tick_seconds, 1); }, kEverywhere},
 };
 
 using F = ForceSample;
