@@ -80,9 +80,10 @@ void expect_like_offline(const std::string& keys, const std::vector<std::string>
   for (std::size_t i = 0; i < 295; i++) off = std::max(off, norm(samples[i].force - felt[i].force));
   std::printf("%ld patches, %ld frames; largest %.4f N, apart by up to %.4f N, %.4f N a tick\n",
               body.touch.taken, long(hand.frames), largest, off, hand.steepest);
-  EXPECT_LT(off, 0.25 * largest)
-      << "patches come when they are ready, not at a tick that is fixed in advance";
-  EXPECT_LT(hand.steepest, 0.15 * largest);
+  // Patches come when they are ready, not at a tick that is fixed in advance: one that comes a frame later
+  // finds the tool beyond the old one. Its jump is blended in, by no more than this in a tick.
+  EXPECT_LT(off, 0.4 * largest);
+  EXPECT_LT(hand.steepest, 0.1 * largest + contact::FollowParams().largest_step);
   EXPECT_LE(body.patches.size(), std::size_t(body.touch.taken) + 1);
 }
 
