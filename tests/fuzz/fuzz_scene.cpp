@@ -2,6 +2,7 @@
 // ranges, never a crash.
 #include <cstdint>
 #include <cstdlib>
+#include <numeric>
 #include <string>
 
 #include "turgor/sim/scene/scene.hpp"
@@ -16,9 +17,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     if (scene.error().message.empty()) std::abort();
     return 0;
   }
-  const std::size_t counts[] = {scene->lattice_bodies.size(), scene->sfem_bodies.size(),
-                                scene->rhombus_bodies.size(), scene->cloth_bodies.size()};
-  if (counts[0] + counts[1] + counts[2] + counts[3] == 0) std::abort();
+  std::vector<std::size_t> counts;  // by BodyKind
+  for_each_kind(*scene, *scene,
+                [&](BodyKind, const auto& bodies, const auto&) { counts.push_back(bodies.size()); });
+  if (std::accumulate(counts.begin(), counts.end(), std::size_t(0)) == 0) std::abort();
   const auto is_there = [&](BodyId id) {
     return id.kind != BodyKind::kCloth && id.index >= 0 &&
            std::size_t(id.index) < counts[std::size_t(id.kind)];
