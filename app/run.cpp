@@ -107,7 +107,13 @@ void add_run_command(CLI::App& program, Global& global) {
   CLI::Option* rate = command->add_option(
       "--rate", options->live.rate, "With --real-time: ticks of the haptic loop a second (default: 1000)");
   rate->check(number_within(100, 10000, "Hz"));
-  for (CLI::Option* option : {device, tool, rate}) option->needs(command->get_option("--real-time"));
+  CLI::Option* file = command->add_option("--device-file", options->live.driver.file,
+                                          "With --device replay: the .csv of poses (docs/devices.md)");
+  CLI::Option* address = command->add_option("--device-address", options->live.driver.address,
+                                             "With --device inverse3: where its service is");
+  address->capture_default_str();
+  for (CLI::Option* option : {device, tool, rate, file, address})
+    option->needs(command->get_option("--real-time"));
   command
       ->add_option(
           "--require", options->required,
