@@ -1,0 +1,63 @@
+// A run in real time, as people start it.
+#include "app/program.hpp"
+
+namespace turgor {
+namespace {
+
+using namespace test;
+
+const char* const kPad = R"([world]
+duration = 1.5
+frame_rate = 50
+[body.pad]
+model = "sfem"
+block = { size = [0.04, 0.04, 0.02], count = [4, 4, 2] }
+fixed = { sides = "bottom", depth = 0.1 }
+cache = false
+[tool.finger]
+body = "pad"
+shape = { sphere = 0.006 }
+press = { at_fraction = [0.5, 0.5, 1], depth = 0.003, start = 1.0, duration = 0.3 }
+[output]
+snapshots = { every = 1.0, size = [64, 64] }
+)";
+
+TEST(RealTime, a_run_in_a_hand_tells_how_its_loop_went) {
+  const fs::path folder = fresh_folder();
+  write(folder / "pad.toml", kPad);
+  const Ended ended =
+      run_program("run pad.toml --real-time --out o --require 'haptics.ticks>500' --require "
+                  "'tools.finger.force_max_N>0'",
+                  folder);
+  EXPECT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_NE(ended.printed.find("the haptic loop"), std::string::npos) << ended.printed;
+  const nlohmann::json report = report_in(folder / "o"), &haptics = report["haptics"];
+  EXPECT_EQ(haptics["device"], "virtual");
+  EXPECT_NEAR(haptics["rate_per_s"].get<double>(), 1000, 100);
+  EXPECT_GE(haptics["seconds"].get<double>(), 1.4) << "s: it goes by the clock";
+  EXPECT_GT(report["tools"][0]["depth_max_mm"].get<double>(), 0.5) << "the hand went its way";
+  EXPECT_FALSE(fs::exists(folder / "o" / "video.mp4"));
+}
+
+TEST(RealTime, a_number_out_of_bounds_ends_with_exit_code_3_and_keeps_the_results) {
+  const fs::path folder = fresh_folder();
+  write(folder / "pad.toml", kPad);
+  const Ended ended = run_program("run pad.toml -q --out o --set world.duration=0.1 --require 'timing.frames<5'", folder);
+  EXPECT_EQ(ended.code, 3) << ended.printed;
+  EXPECT_NE(ended.printed.find("required timing.frames<5, found 5"), std::string::npos) << ended.printed;
+  EXPECT_TRUE(fs::exists(folder / "o" / "report.json"));
+}
+
+TEST(RealTime, what_is_not_there_is_said_before_anything_is_written) {
+  const fs::path folder = fresh_folder();
+  write(folder / "pad.toml", kPad);
+  for (const char* what : {"--real-time --tool hook", "--real-time --device hovercraft", "--device virtual",
+                           "--real-time --device replay", "--require haptics"}) {
+    const Ended ended = run_program(std::string("run pad.toml -q --out o ") + what, folder);
+    EXPECT_EQ(ended.code, 2) << what << ended.printed;
+    EXPECT_FALSE(fs::exists(folder / "o")) << what;
+  }
+}
+
+}  // namespace
+}  // namespace turgor
