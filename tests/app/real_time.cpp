@@ -25,10 +25,10 @@ snapshots = { every = 1.0, size = [64, 64] }
 TEST(RealTime, a_run_in_a_hand_tells_how_its_loop_went) {
   const fs::path folder = fresh_folder();
   write(folder / "pad.toml", kPad);
-  const Ended ended =
-      run_program("run pad.toml --real-time --out o --require 'haptics.ticks>500' --require "
-                  "'tools.finger.force_max_N>0'",
-                  folder);
+  const Ended ended = run_program(
+      "run pad.toml --real-time --out o --require 'haptics.ticks>500' --require "
+      "'tools.finger.force_max_N>0'",
+      folder);
   EXPECT_EQ(ended.code, 0) << ended.printed;
   EXPECT_NE(ended.printed.find("the haptic loop"), std::string::npos) << ended.printed;
   const nlohmann::json report = report_in(folder / "o"), &haptics = report["haptics"];
@@ -42,7 +42,8 @@ TEST(RealTime, a_run_in_a_hand_tells_how_its_loop_went) {
 TEST(RealTime, a_number_out_of_bounds_ends_with_exit_code_3_and_keeps_the_results) {
   const fs::path folder = fresh_folder();
   write(folder / "pad.toml", kPad);
-  const Ended ended = run_program("run pad.toml -q --out o --set world.duration=0.1 --require 'timing.frames<5'", folder);
+  const Ended ended =
+      run_program("run pad.toml -q --out o --set world.duration=0.1 --require 'timing.frames<5'", folder);
   EXPECT_EQ(ended.code, 3) << ended.printed;
   EXPECT_NE(ended.printed.find("required timing.frames<5, found 5"), std::string::npos) << ended.printed;
   EXPECT_TRUE(fs::exists(folder / "o" / "report.json"));

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "contact/allocations.hpp"
+#include "allocations.hpp"
 #include "models/block_body.hpp"
 #include "tests/models/cloth_sheets.hpp"
 #include "turgor/contact/cloth_obstacle.hpp"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "contact/allocations.hpp"
+#include "allocations.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
 
 namespace turgor::contact {

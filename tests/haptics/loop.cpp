@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "haptics/allocations.hpp"
+#include "allocations.hpp"
 #include "haptics/still_device.hpp"
 #include "turgor/haptics/real_time.hpp"
 #include "turgor/haptics/virtual_device.hpp"
@@ -137,9 +137,9 @@ struct Watch {
   static void tick(void* context, std::span<const ToolCommand>, double, std::span<ToolReading> readings) {
     Watch& watch = *static_cast<Watch*>(context);
     const long now = switches();
-    if (watch.ticks == 500) watch.allocations_before = allocations(), watch.switches_before = now;
+    if (watch.ticks == 500) watch.allocations_before = test::allocations, watch.switches_before = now;
     if (watch.ticks > 500) {
-      watch.allocated = long(allocations() - watch.allocations_before);
+      watch.allocated = long(test::allocations - watch.allocations_before);
       watch.gave_way = now - watch.switches_before - (watch.ticks - 500);  // a sleep a tick
     }
     if (watch.misbehave) {

@@ -6,8 +6,8 @@
 #include <map>
 #include <memory>
 
+#include "allocations.hpp"
 #include "folders.hpp"
-#include "haptics/allocations.hpp"
 #include "haptics/drivers/fake_library.hpp"
 #include "haptics/fakes/fake_drd.hpp"
 #include "refused.hpp"
@@ -174,11 +174,11 @@ TEST_F(DhdArm, after_its_watchdog_forces_come_back_gently) {
 
 TEST_F(DhdArm, an_exchange_allocates_nothing) {
   ASSERT_TRUE(open());
-  const std::size_t before = allocations();
+  const std::size_t before = test::allocations;
   for (int n = 0; n < 100; n++) exchange({1, 0, 0});
   arm.is_unplugged = true;
   for (int n = 0; n < 100; n++) exchange({1, 0, 0});
-  EXPECT_EQ(allocations(), before);
+  EXPECT_EQ(test::allocations, before);
 }
 
 TEST_F(DhdArm, closing_lets_go_first) {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <thread>
 
-#include "haptics/allocations.hpp"
+#include "allocations.hpp"
 #include "haptics/drivers/inverse_service.hpp"
 #include "refused.hpp"
 #include "turgor/core/timing.hpp"
@@ -275,9 +275,9 @@ TEST_F(Inverse3Driver, an_exchange_allocates_nothing) {
   ASSERT_TRUE(exchange_until({}, [&] { return was_felt; }));
   for (const Manner manner : {Manner::kGood, Manner::kGarbage, Manner::kHangsUp}) {
     service->set_manner(manner);
-    const std::size_t before = allocations();
+    const std::size_t before = test::allocations;
     for (int n = 0; n < 50; n++, sleep_ms(1)) device->exchange({.force = {1, 0, 0}}, input);
-    EXPECT_EQ(allocations(), before) << int(manner);
+    EXPECT_EQ(test::allocations, before) << int(manner);
   }
 }
 

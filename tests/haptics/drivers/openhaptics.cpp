@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "haptics/allocations.hpp"
+#include "allocations.hpp"
 #include "haptics/drivers/fake_library.hpp"
 #include "haptics/fakes/fake_hd.hpp"
 #include "refused.hpp"
@@ -26,7 +26,7 @@ struct Felt {
 void feel(void* context, const DeviceInput& input, DeviceOutput& output) {
   Felt& felt = *static_cast<Felt*>(context);
   const std::lock_guard lock(felt.mutex);
-  if (felt.ticks == 0) felt.allocations = allocations();
+  if (felt.ticks == 0) felt.allocations = test::allocations;
   felt.input = input;
   output = felt.output;
   felt.ticks++;

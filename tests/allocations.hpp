@@ -1,4 +1,5 @@
-// Counts what a thread takes from the heap (touch.cpp replaces operator new for this whole program).
+// Counts what a thread takes from the heap: for tests of what a tick may not do. A program of tests with
+// allocations.cpp in it has its operator new replaced.
 #pragma once
 
 #include <cstddef>
