@@ -250,7 +250,8 @@ std::vector<double> coarse_forces_of(const Patch& patch, const CondensedSystem<T
   Vector on_local = Vector::Zero(local), on_coarse = Vector::Zero(coarse);
   for (std::size_t p = 0; p < patch.points.size(); p++) {
     const PatchPoint& point = patch.points[p];
-    const Eigen::Matrix<T, 3, 1> f(T(forces[3 * p]), T(forces[3 * p + 1]), T(forces[3 * p + 2]));
+    const Eigen::Matrix<T, 3, 1> f(static_cast<T>(forces[3 * p]), static_cast<T>(forces[3 * p + 1]),
+                                   static_cast<T>(forces[3 * p + 2]));
     for (std::size_t s = 0; s < std::size_t(point.supports); s++)
       on_coarse.template segment<3>(3 * point.coarse[s]) += T(point.weight[s]) * f;
     if (point.local >= 0) on_local.template segment<3>(3 * point.local) += f;
