@@ -120,32 +120,33 @@ double rope_period(const Exec& exec, double length, int cells) {
   return (last - first) / 2 / expected;
 }
 
-/// Speed of a fall in still air, of √(2 ρ g / (ρ_air c)).
-double fall_speed(const Exec& exec) {
+/// A square of 13 cm without damping, held by nothing.
+Model free_sheet(const Exec& exec) {
   Params params;
   params.damping.motion = 0;
   const TriMesh mesh =
       cloth::make_sheet({.side = {0.13, 0, 0}, .up = {0, 0.13, 0}, .columns = 13, .rows = 13});
-  const Model model = std::move(*cloth::build(exec, mesh, params));
+  return std::move(*cloth::build(exec, mesh, params));
+}
+
+/// Speed of a fall in still air, of √(2 ρ g / (ρ_air c)).
+double fall_speed(const Exec& exec) {
+  const Model model = free_sheet(exec);
   State state = cloth::make_state(model);
   const Inputs inputs{.gravity = {0, 0, -kGravity}};
   for (int n = 0; n < 300; n++) cloth::step(exec, model, state, inputs, kFrame);
   const double expected =
-      std::sqrt(2 * params.fabric.density * kGravity / (inputs.air.density * inputs.air.pressure));
+      std::sqrt(2 * model.params.fabric.density * kGravity / (inputs.air.density * inputs.air.pressure));
   return -double(state.v.z[40]) / expected;
 }
 
 /// Speed that a wind gives a free sheet across it, of the wind's, after it had time.
 double carried_speed(const Exec& exec) {
-  Params params;
-  params.damping.motion = 0;
-  const TriMesh mesh =
-      cloth::make_sheet({.side = {0.13, 0, 0}, .up = {0, 0.13, 0}, .columns = 13, .rows = 13});
-  const Model model = std::move(*cloth::build(exec, mesh, params));
+  const Model model = free_sheet(exec);
   State state = cloth::make_state(model);
   Inputs inputs;
   inputs.air.velocity = {0, 0, 3};
-  const double start = 0.5 * inputs.air.density * inputs.air.pressure / params.fabric.density;  // 1/m
+  const double start = 0.5 * inputs.air.density * inputs.air.pressure / model.params.fabric.density;  // 1/m
   const double seconds = 1;
   for (int n = 0; n < 240; n++) cloth::step(exec, model, state, inputs, seconds / 240);
   const double expected = 3 - 1 / (1 / 3.0 + start * seconds);  // dw/dt = −k w², w against the wind

@@ -46,7 +46,7 @@ World four_kinds(const std::vector<std::string>& overrides = {}) {
 double feel(World& world, int tool, int frames) {
   PathDevice device(world.tools[std::size_t(tool)]);
   std::vector<HeldTool> held(1);
-  held[0] = {.tool = tool, .hand = {.device = &device}, .has_grip = false};
+  held[0] = {.tool = tool, .hand = {.device = &device}};
   auto live = LiveTouch::start(world, std::move(held), {.loop = {.priority = 0, .lock_memory = false}});
   EXPECT_TRUE(live) << live.error().message;
   for (int frame = 0; frame < frames; frame++) {

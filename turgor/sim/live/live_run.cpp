@@ -73,7 +73,7 @@ Result<LiveRun> start_live(World& world, const LiveOptions& options, double dura
   if (!device) return device.error();
   live.device = std::move(*device);
   std::vector<HeldTool> held(1);
-  held[0].tool = *tool, held[0].has_grip = live.device->spec().has_grip;
+  held[0].tool = *tool;
   held[0].hand.device = live.device.get(), held[0].hand.workspace = workspace;
   LiveParams params;
   params.loop.rate = options.rate;

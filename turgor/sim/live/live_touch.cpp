@@ -145,7 +145,8 @@ void add_bodies(const World& world, const std::vector<HeldTool>& held, LiveTicks
       TickedTool& ticked = ticks.order.emplace_back();
       ticked.index = tool;
       if (holder == held.end()) continue;
-      ticked.hand = int(holder - held.begin()), ticked.has_grip = holder->has_grip;
+      ticked.hand = int(holder - held.begin());
+      ticked.has_grip = holder->hand.device->spec().has_grip;
     }
   });
   ticks.commands.resize(ticks.order.size());
@@ -223,11 +224,7 @@ void LiveTouch::stop() {
   p.stopped = true;
   p.loop->stop();
   p.world.felt = nullptr;
-  for (std::size_t t = 0; t < p.ticks.tools.size(); t++) {
-    p.world.tools[t].samples = std::move(p.ticks.tools[t].samples);
-    p.world.tools[t].limits = p.ticks.tools[t].limits;
-    p.world.tools[t].grip = p.ticks.tools[t].grip;
-  }
+  p.world.tools = std::move(p.ticks.tools);  // with the ways of their own that frames had in place of hands
 }
 
 const haptics::TimingReport& LiveTouch::timing() { return parts_->loop->report(); }

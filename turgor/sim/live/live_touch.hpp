@@ -5,7 +5,7 @@
 //
 //   start   begins to tick; World::felt is set
 //   step    frames, each when wait_for_frame says so
-//   stop    ends the ticks; samples and limits of the tools are in the world again
+//   stop    ends the ticks; the tools, with what they felt, are the world's again
 #pragma once
 
 #include <memory>
@@ -18,11 +18,10 @@
 
 namespace turgor {
 
-/// A tool of the world in a hand.
+/// A tool of the world in a hand. Jaws follow the device's gripper, or close while its button is held.
 struct HeldTool {
-  int tool = 0;          // index into World::tools
-  haptics::Hand hand;    // its device is open
-  bool has_grip = true;  // the device says how far jaws are closed; else they close while its button is held
+  int tool = 0;        // index into World::tools
+  haptics::Hand hand;  // its device is open
 };
 
 struct LiveParams {
