@@ -1,4 +1,4 @@
-// Compression as in gzip and zlib: out piece by piece, in from a range of a file. Internal to io/.
+// Compression as in gzip and zlib: out piece by piece, in from a range of a file.
 #pragma once
 
 #include <cstddef>

@@ -179,7 +179,29 @@ Status add_picture(Outputs& outputs, const std::string& file, const std::string&
   return Done{};
 }
 
+namespace {
+
+void add_to_motion(const ShownWorld& shown, Outputs& outputs) {
+  const AddTime time(outputs.facts.drawing_seconds);
+  add_moment(shown, outputs.motion);
+}
+
+}  // namespace
+
+std::string motion_of_page(Outputs& outputs) {
+  constexpr std::uintmax_t kPage = 8'000'000, kRest = 1'500'000;  // [bytes]; three.js, the video and the text
+  std::uintmax_t pictures = 0;
+  for (const ReportPicture& picture : outputs.facts.pictures) {
+    std::error_code none;
+    const std::uintmax_t size = fs::file_size(outputs.folder / picture.file, none);
+    pictures += none ? 0 : size * 4 / 3;
+  }
+  const std::uintmax_t taken = pictures + kRest;
+  return taken < kPage ? motion_html(motion_json(outputs.motion, kPage - taken)) : std::string();
+}
+
 Status add_snapshot(const ShownWorld& shown, Outputs& outputs) {
+  add_to_motion(shown, outputs);
   for (SurfaceView& view : outputs.views) {
     std::optional<Image> image = draw_world(shown, outputs, view.camera, view.colored);
     if (!image) continue;
@@ -200,6 +222,7 @@ int video_interval(const Outputs& outputs) {
 }
 
 Status add_video_frame(const ShownWorld& shown, Outputs& outputs) {
+  add_to_motion(shown, outputs);
   const std::optional<Image> image =
       draw_world(shown, outputs, outputs.views.back().camera, !shows_skin(shown));
   if (!image) return Done{};

@@ -11,6 +11,7 @@
 #include "turgor/core/exec.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/io/mesh_files.hpp"
+#include "turgor/pictures/motion.hpp"
 #include "turgor/pictures/picture_parts.hpp"
 #include "turgor/sim/pressed.hpp"
 #include "turgor/sim/report/report.hpp"
@@ -37,6 +38,7 @@ struct Outputs {
   std::vector<lattice::State> at_rest;              // lattices as in the CT, for pictures of before
   std::vector<PvdEntry> series;                     // of meshes
   std::vector<std::filesystem::path> video_frames;  // in a hidden folder
+  Motion motion;                                    // for the page
   bool can_draw = true;                             // OpenGL works
 };
 
@@ -64,6 +66,9 @@ Status add_video_frame(const ShownWorld& shown, Outputs& outputs);
 /// Before and after, bodies under the largest forces, sections, volume rendering, deformed CT, OBJ, video.
 Status finish_outputs(const World& world, const ShownWorld& shown, const std::vector<Pressed>& pressed,
                       Outputs& outputs);
+
+/// What the page shows in three dimensions, so that it stays below 8 MB with its pictures.
+std::string motion_of_page(Outputs& outputs);
 
 /// Draws what was put together; nothing and a warning, once, when OpenGL is missing.
 std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs);

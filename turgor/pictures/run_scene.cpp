@@ -44,7 +44,8 @@ Status complete(const Timer& total, Json& report, Outputs& outputs, OutputFolder
                 const RunCallbacks& callbacks) {
   outputs.facts.total_seconds = total.seconds();
   add_outputs(report, outputs.facts);
-  Status status = write_file(folder.path() / "report.html", report_html(report, folder.path()));
+  Status status =
+      write_file(folder.path() / "report.html", report_html(report, folder.path(), motion_of_page(outputs)));
   if (status) status = write_file(folder.path() / kReportFile, json_text(report) + "\n");
   if (status) status = folder.commit();
   if (status) tell(callbacks, kept_note(folder));

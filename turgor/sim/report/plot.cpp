@@ -140,7 +140,17 @@ std::string draw_axes(const Axes& axes, const Plot& plot) {
   return svg + text_at(16, middle, turned.c_str(), plot.y_label);
 }
 
-std::string draw_curve(const Axes& axes, const Points& points, const char* color) {
+/// Where the curves are and what numbers that is: a page's script reads it, to tell the number under the
+/// mouse.
+std::string draw_area(const Axes& axes) {
+  return fmt::format(
+      "<rect class=\"plot-area\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" "
+      "fill=\"none\" data-x=\"{:.9g} {:.9g}\" data-y=\"{:.9g} {:.9g}\" data-powers=\"{}\"/>\n",
+      kLeft, axes.top, kWidth - kLeft - kRight, kCurves, axes.x.low, axes.x.high, axes.y.low, axes.y.high,
+      axes.logarithmic ? "yes" : "no");
+}
+
+std::string draw_curve(const Axes& axes, const Points& points, const std::string& label, const char* color) {
   constexpr std::size_t kMostDots = 40;
   std::string path, dots;
   for (const auto& [x, y] : thinned(points)) {
@@ -150,8 +160,10 @@ std::string draw_curve(const Axes& axes, const Points& points, const char* color
                           axes.py(y), color);
   }
   return fmt::format(
-             "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\" stroke-linejoin=\"round\"/>\n",
-             path, color) +
+             "<path class=\"plot-curve\" data-label=\"{}\" d=\"{}\" fill=\"none\" stroke=\"{}\" "
+             "stroke-width=\"2\" "
+             "stroke-linejoin=\"round\"/>\n",
+             xml_text(label), path, color) +
          dots;
 }
 
@@ -207,9 +219,10 @@ std::string plot_svg(const Plot& plot) {
   const Axes axes = make_axes(curves, plot.logarithmic, legend.bottom + 0.5 * kLine);
   std::string svg = fmt::format(kHead, kWidth, axes.bottom() + kBottom, kFont, xml_text(plot.title)) +
                     text_at(kLeft, kLine, "font-weight=\"600\"", plot.title) + legend.svg +
-                    draw_axes(axes, plot);
+                    draw_axes(axes, plot) + draw_area(axes);
   for (std::size_t c = 0; c < curves.size(); c++)
-    if (!curves[c].empty()) svg += draw_curve(axes, curves[c], kColors[c % std::size(kColors)]);
+    if (!curves[c].empty())
+      svg += draw_curve(axes, curves[c], plot.curves[c].label, kColors[c % std::size(kColors)]);
   return svg + "</svg>\n";
 }
 

@@ -61,7 +61,9 @@ void add_outputs(Json& report, const RunFacts& facts);
 
 /// As a file; names of files that are not UTF-8 lose what is not.
 std::string json_text(const Json& report, int indent = 1);
-/// A page with the pictures of `folder` and curves inside; needs nothing else.
-std::string report_html(const Json& report, const std::filesystem::path& folder);
+/// A page with the pictures of `folder` and curves inside; needs nothing else. `motion` is HTML for the run
+/// in three dimensions.
+std::string report_html(const Json& report, const std::filesystem::path& folder,
+                        const std::string& motion = {});
 
 }  // namespace turgor

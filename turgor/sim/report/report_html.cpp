@@ -1,12 +1,15 @@
 // report.html: everything from report.json, so that a replay writes the same page as the run did.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 
 #include <fmt/format.h>
 
+#include "turgor/io/base64.hpp"
 #include "turgor/io/file.hpp"
 #include "turgor/io/xml_text.hpp"
+#include "turgor/sim/output_folder.hpp"
 #include "turgor/sim/report/page.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
@@ -36,8 +39,9 @@ h1 {{ font-size: 1.9rem; margin: 0; letter-spacing: -0.01em; }} h2 {{ font-size:
 .figures div {{ padding: 0.8rem 1rem; }} .figures b {{ display: block; font-size: 1.5rem; font-variant-numeric: tabular-nums; }}
 .figures span {{ color: var(--soft); font-size: 0.85rem; }}
 .grid {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(min(420px, 100%), 1fr)); gap: 1rem; }} .grid > * {{ min-width: 0; }}
-figure {{ margin: 0; overflow: hidden; }} figure.large {{ grid-column: 1 / -1; }} figure img {{ display: block; width: 100%; height: auto; }}
+figure {{ margin: 0; overflow: hidden; }} figure.large {{ grid-column: 1 / -1; }} figure img, figure video {{ display: block; width: 100%; height: auto; }}
 figcaption {{ padding: 0.55rem 0.9rem; font-size: 0.88rem; color: var(--soft); }}
+.plot-read {{ font-weight: 600; paint-order: stroke; stroke: var(--card); stroke-width: 4px; }}
 .plot {{ padding: 0.6rem; overflow-x: auto; }} .plot svg {{ width: 100%; min-width: 460px; height: auto; display: block; }}
 .scroll {{ overflow-x: auto; }}
 table {{ border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; font-size: 0.93rem; }}
@@ -48,18 +52,31 @@ code {{ font-family: ui-monospace, "DejaVu Sans Mono", monospace; }}
 </style></head><body><main>
 )";
 
-std::string base64(std::string_view bytes) {
-  constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t n) { return i + n < bytes.size() ? std::uint8_t(bytes[i + n]) : 0u; };
-    const unsigned three = byte(0) << 16 | byte(1) << 8 | byte(2);
-    for (int n = 0; n < 4; n++)
-      text += i + std::size_t(n) > bytes.size() ? '=' : kLetters[three >> (18 - 6 * n) & 63];
-  }
-  return text;
+/// The number under the mouse, of the curve that is nearest there.
+constexpr const char* kReadPlots = R"js(<script>
+for (const plot of document.querySelectorAll('.turgor-plot')) {
+  const area = plot.querySelector('.plot-area'), curves = [...plot.querySelectorAll('.plot-curve')];
+  if (!area || curves.length === 0) continue;
+  const number = (name) => Number(area.getAttribute(name)), pair = (name) => area.getAttribute(name).split(' ').map(Number);
+  const [x0, x1] = pair('data-x'), [y0, y1] = pair('data-y'), powers = area.getAttribute('data-powers') === 'yes';
+  const points = curves.flatMap((curve) => curve.getAttribute('d').slice(1).split('L').map((p) => [...p.split(' ').map(Number), curve]));
+  const make = (name) => plot.appendChild(document.createElementNS('http://www.w3.org/2000/svg', name)), dot = make('circle'), text = make('text');
+  dot.setAttribute('r', 4), dot.style.display = text.style.display = 'none', text.setAttribute('class', 'plot-read');
+  plot.addEventListener('pointermove', (event) => {
+    const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(plot.getScreenCTM().inverse());
+    const far = (p) => 4 * Math.abs(p[0] - at.x) + Math.abs(p[1] - at.y), near = points.reduce((a, b) => (far(b) < far(a) ? b : a));
+    const x = x0 + (near[0] - number('x')) / number('width') * (x1 - x0);
+    const level = y1 - (near[1] - number('y')) / number('height') * (y1 - y0), y = powers ? 10 ** level : level;
+    const right = near[0] > number('x') + 0.6 * number('width');
+    dot.setAttribute('cx', near[0]), dot.setAttribute('cy', near[1]), dot.setAttribute('fill', near[2].getAttribute('stroke'));
+    text.setAttribute('x', near[0] + (right ? -8 : 8)), text.setAttribute('y', Math.max(number('y') + 14, near[1] - 8));
+    text.setAttribute('text-anchor', right ? 'end' : 'start');
+    text.textContent = Number(x.toPrecision(4)) + ', ' + Number(y.toPrecision(4)), dot.style.display = text.style.display = '';
+  });
+  plot.addEventListener('pointerleave', () => { dot.style.display = text.style.display = 'none'; });
 }
+</script>
+)js";
 
 std::string pictures(const Json& report, const fs::path& folder) {
   std::string html = "<div class=\"grid\">\n";
@@ -69,9 +86,48 @@ std::string pictures(const Json& report, const fs::path& folder) {
     if (!bytes) continue;
     html += fmt::format(
         "<figure{}><img alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption>{}</figcaption></figure>\n",
-        picture.at("large").get<bool>() ? " class=\"large\"" : "", caption, base64(*bytes), caption);
+        picture.at("large").get<bool>() ? " class=\"large\"" : "", caption, io::base64(*bytes), caption);
   }
   return html + "</div>\n";
+}
+
+/// Inside the page while it is small, else beside it.
+std::string video(const Json& report, const fs::path& folder) {
+  constexpr std::size_t kLargest = 1 << 20;
+  const Json files = report.value("files", Json::array());
+  if (std::find(files.begin(), files.end(), "video.mp4") == files.end()) return {};
+  const Result<std::string> bytes = read_file(folder / "video.mp4");
+  if (!bytes) return {};
+  const std::string source =
+      bytes->size() <= kLargest ? "data:video/mp4;base64," + io::base64(*bytes) : std::string("video.mp4");
+  return fmt::format(
+      "<figure class=\"large\"><video controls loop muted src=\"{}\"></video><figcaption>video.mp4"
+      "</figcaption></figure>\n",
+      source);
+}
+
+/// As a link holds it.
+std::string link_text(const std::string& name) {
+  std::string text;
+  for (const char letter : name) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(letter)) ||
+                       std::string_view("._/-").find(letter) != std::string::npos;
+    text += plain ? std::string(1, letter) : fmt::format("%{:02X}", static_cast<unsigned char>(letter));
+  }
+  return text;
+}
+
+/// Everything that was written beside the page.
+std::string files(const Json& report) {
+  std::string html = "<h2>Files</h2>\n<p class=\"files\">";
+  Json names = report.value("files", Json::array());
+  for (const Json& picture : report.at("pictures")) names.push_back(picture.at("file"));
+  names.push_back(kReportFile);
+  for (const Json& name : names) {
+    const std::string text = name.get<std::string>();
+    html += fmt::format("<a href=\"{}\">{}</a> ", link_text(text), xml_text(text));
+  }
+  return html + "</p>\n";
 }
 
 std::string curves(const Json& report) {
@@ -126,7 +182,7 @@ std::string tables(const Json& report) {
 
 }  // namespace
 
-std::string report_html(const Json& report, const fs::path& folder) {
+std::string report_html(const Json& report, const fs::path& folder, const std::string& motion) {
   const Json &scene = report.at("scene"), &machine = report.at("machine");
   const std::string name = xml_text(fs::path(scene.at("file").get<std::string>()).stem().string());
   std::string html = fmt::format(fmt::runtime(kHead), name);
@@ -136,13 +192,13 @@ std::string report_html(const Json& report, const fs::path& folder) {
   for (const Json& warning : report.at("warnings"))
     html += "<p class=\"warning\">" + shown(warning) + "</p>\n";
   html += key_figures(report);
-  html += pictures(report, folder);
+  html += motion + pictures(report, folder) + video(report, folder);
   html += curves(report);
-  html += tables(report);
+  html += tables(report) + files(report);
   html += "<h2>Scene</h2>\n<pre><code>" + xml_text(report.at("scene_text").get<std::string>()) +
           "</code></pre>\n";
   for (const Json& text : scene.at("overrides")) html += "<p><code>--set " + shown(text) + "</code></p>\n";
-  return html + "</main></body></html>\n";
+  return html + kReadPlots + "</main></body></html>\n";
 }
 
 }  // namespace turgor

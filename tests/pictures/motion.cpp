@@ -1,0 +1,108 @@
+#include "turgor/pictures/motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include "turgor/sim/report/json_numbers.hpp"
+
+namespace turgor {
+namespace {
+
+/// A sheet of n × n squares, cut along its middle column: both lips lie there at rest, unconnected.
+ShownBody cut_sheet(int n) {
+  ShownBody body;
+  body.name = "</script>", body.look = Look::kCloth;
+  const int columns = n + 2, cut = n / 2;  // the middle column stands twice
+  for (int j = 0; j <= n; j++)
+    for (int i = 0; i < columns; i++) body.rest.push_back({Real(i > cut ? i - 1 : i) * 0.01f, Real(j) * 0.01f, 0});
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i + 1 < columns; i++) {
+      if (i == cut) continue;
+      const int a = j * columns + i;
+      body.triangles.push_back({a, a + 1, a + columns + 1});
+      body.triangles.push_back({a, a + columns + 1, a + columns});
+    }
+  body.x = body.rest;
+  body.wall_begin = body.triangles.size();
+  return body;
+}
+
+ShownWorld at_time(double time, Real opening) {
+  ShownWorld shown{.time = time, .frame = 0, .bodies = {cut_sheet(60)}, .tools = {}, .obstacles = {}};
+  ShownBody& body = shown.bodies[0];
+  for (std::size_t v = 0; v < body.x.size(); v++)
+    body.x[v].x = body.rest[v].x + (int(v) % 62 <= 30 ? -opening : opening);
+  return shown;
+}
+
+Motion moved(int frames, const MotionLimits& limits = {}) {
+  Motion motion;
+  for (int f = 0; f < frames; f++) add_moment(at_time(0.05 * f, Real(0.001) * Real(f)), motion, limits);
+  return motion;
+}
+
+TEST(Motion, LipsOfAWoundStayApartInACoarserSurface) {
+  const Motion motion = moved(2, {.triangles = 500, .numbers = 1'000'000});
+  const MovingSurface& surface = motion.things.at(0).surfaces.at(0);
+  EXPECT_LE(surface.triangles.size(), 700u);
+  EXPECT_GT(surface.triangles.size(), 4u);
+  int checked = 0;
+  for (const Int3 t : surface.triangles) {  // every triangle moves as one lip does, none spans the gap
+    for (int corner = 1; corner < 3; corner++)
+      EXPECT_NEAR(motion.frames[1].moved[0][std::size_t(t[0])].x, motion.frames[1].moved[0][std::size_t(t[corner])].x,
+                  1e-6);
+    checked++;
+  }
+  EXPECT_EQ(std::size_t(checked), surface.triangles.size());
+}
+
+TEST(Motion, MovementsAreThoseOfTheVerticesShown) {
+  const Motion motion = moved(3);
+  const MovingSurface& surface = motion.things.at(0).surfaces.at(0);
+  const ShownWorld last = at_time(0.1, 0.002f);
+  for (std::size_t v = 0; v < surface.vertex.size(); v++) {
+    const Vec3 now = surface.rest[v] + motion.frames[2].moved[0][v];
+    EXPECT_EQ(now, last.bodies[0].x[std::size_t(surface.vertex[v])]);
+  }
+}
+
+TEST(Motion, TakesNoMoreMemoryThanItsLimitAndKeepsTheFirstAndTheLastMoment) {
+  const Motion motion = moved(200, {.triangles = 40'000, .numbers = 400'000});
+  EXPECT_LE(motion.numbers, 400'000u);
+  EXPECT_EQ(motion.frames.front().time, 0);
+  EXPECT_DOUBLE_EQ(motion.frames.back().time, 0.05 * 199);
+  EXPECT_GT(motion.frames.size(), 5u);
+}
+
+TEST(Motion, OnePageHoldsAsManyMomentsAsFit) {
+  const Motion motion = moved(40);
+  const std::string all = motion_json(motion, 10'000'000), fewer = motion_json(motion, all.size() * 2 / 3);
+  EXPECT_EQ(Json::parse(all)["frames"].size(), 40u);
+  ASSERT_FALSE(fewer.empty());
+  EXPECT_LE(fewer.size(), all.size() * 2 / 3);
+  const Json frames = Json::parse(fewer)["frames"];
+  EXPECT_GE(frames.size(), 2u);
+  EXPECT_LT(frames.size(), 40u);
+  EXPECT_EQ(frames.front()["time_s"], 0.0);
+  EXPECT_EQ(frames.back()["time_s"], 0.05 * 39);
+  EXPECT_EQ(motion_json(motion, 1000), "");
+  EXPECT_EQ(motion_json({}, 10'000'000), "");
+}
+
+TEST(Motion, NoNameEndsTheScript) {
+  const std::string text = motion_json(moved(1), 10'000'000);
+  EXPECT_EQ(text.find('<'), text.npos);
+  EXPECT_EQ(Json::parse(text)["things"][0]["name"], "</script>");
+}
+
+TEST(Motion, ANewCutMakesANewSurface) {
+  Motion motion = moved(2);
+  ShownWorld cut = at_time(0.2, 0.002f);
+  cut.bodies[0].triangles.resize(cut.bodies[0].triangles.size() - 10), cut.bodies[0].wall_begin -= 10;
+  add_moment(cut, motion);
+  EXPECT_EQ(motion.things[0].surfaces.size(), 2u);
+  EXPECT_EQ(motion.frames[1].surface[0], 0u);
+  EXPECT_EQ(motion.frames[2].surface[0], 1u);
+}
+
+}  // namespace
+}  // namespace turgor

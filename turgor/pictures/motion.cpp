@@ -1,0 +1,277 @@
+// Numbers in a page: integers, of which all lowest bytes come first, then all second ones, and so on (alike
+// bytes side by side pack well), compressed by zlib, as base64. Places are 16-bit fractions of a cube, each
+// the difference from the one before; movements are 16-bit multiples of a quantum, each the difference from
+// the frame before while the triangles stay. x, y and z come one after the other.
+#include "turgor/pictures/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <meshoptimizer.h>
+
+#include "turgor/core/hash.hpp"
+#include "turgor/io/base64.hpp"
+#include "turgor/io/deflate.hpp"
+#include "turgor/sim/report/report.hpp"
+#include "turgor/view/color.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr int kWord = 2, kIndex = 4;  // bytes of a place or movement, of a number of a vertex
+
+// ------------------------------------------------------------------------------------------------- adding
+
+/// As many of the triangles as wanted, by collapsing edges [Garland, Heckbert 1997]. Lips of wounds that lie
+/// on each other at rest stay apart, for they share no vertex.
+std::vector<Int3> coarser(const std::vector<Int3>& triangles, const std::vector<Vec3>& rest, std::size_t wanted) {
+  if (triangles.size() <= wanted) return triangles;
+  std::vector<unsigned> indices, kept(3 * triangles.size());
+  for (const Int3 t : triangles)
+    for (int corner = 0; corner < 3; corner++) indices.push_back(unsigned(t[corner]));
+  constexpr float kLargestError = 0.05f;  // of the whole
+  kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), &rest.data()->x, rest.size(), sizeof(Vec3),
+                               3 * wanted, kLargestError, 0, nullptr));
+  std::vector<Int3> fewer;
+  for (std::size_t i = 0; i < kept.size(); i += 3) fewer.push_back({int(kept[i]), int(kept[i + 1]), int(kept[i + 2])});
+  return fewer;
+}
+
+MovingSurface make_surface(const std::vector<Int3>& triangles, std::size_t wall_begin, const std::vector<Vec3>& rest,
+                           std::size_t wanted) {
+  MovingSurface surface;
+  const auto split = triangles.begin() + std::ptrdiff_t(std::min(wall_begin, triangles.size()));
+  surface.triangles = coarser({triangles.begin(), split}, rest, wanted);
+  surface.wall_begin = surface.triangles.size();
+  const std::vector<Int3> walls = coarser({split, triangles.end()}, rest, wanted / 2);
+  surface.triangles.insert(surface.triangles.end(), walls.begin(), walls.end());
+  std::vector<int> number(rest.size(), -1);
+  for (Int3& t : surface.triangles)
+    for (int corner = 0; corner < 3; corner++) {
+      int& n = number[std::size_t(t[corner])];
+      if (n < 0) n = int(surface.vertex.size()), surface.vertex.push_back(t[corner]);
+      t[corner] = n;
+    }
+  for (const int v : surface.vertex) surface.rest.push_back(rest[std::size_t(v)]);
+  return surface;
+}
+
+/// A thing as it is now.
+struct Seen {
+  MovingThing thing;  // without surfaces
+  const std::vector<Int3>* triangles;
+  std::size_t wall_begin;
+  std::vector<Vec3> rest, now;  // [m]
+};
+
+Seen seen_body(const ShownBody& body) {
+  MovingThing thing{MovingThing::Kind::kBody, body.name, body.look, body.usual_force, {}};
+  return {std::move(thing), &body.triangles, body.wall_begin, body.rest, body.x};
+}
+
+Seen seen_tool(const ShownTool& tool) {
+  Seen seen{{MovingThing::Kind::kTool, tool.name, Look::kFlesh, 1, {}}, &tool.mesh.triangles, 0, {}, {}};
+  seen.wall_begin = tool.mesh.triangles.size();
+  for (const Vec3 x : tool.mesh.vertices) seen.now.push_back(Vec3(contact::to_world(tool.pose, Vec3d(x))));
+  seen.rest = seen.now;
+  return seen;
+}
+
+Seen seen_obstacle(const TriMesh& mesh) {
+  return {{MovingThing::Kind::kObstacle, "", Look::kFlesh, 1, {}}, &mesh.triangles, mesh.triangles.size(), mesh.vertices,
+          mesh.vertices};
+}
+
+void add_thing(const Seen& seen, std::size_t at, std::size_t wanted, Motion& motion, MotionFrame& frame) {
+  if (at == motion.things.size()) motion.things.push_back(seen.thing);
+  MovingThing& thing = motion.things[at];
+  const std::uint64_t key = hash_values(std::span<const Int3>(*seen.triangles), seen.rest.size());
+  if (thing.surfaces.empty() || thing.surfaces.back().key != key) {
+    thing.surfaces.push_back(make_surface(*seen.triangles, seen.wall_begin, seen.rest, wanted));
+    thing.surfaces.back().key = key;
+  }
+  const MovingSurface& surface = thing.surfaces.back();
+  std::vector<Vec3> moved;
+  moved.reserve(surface.vertex.size());
+  for (std::size_t v = 0; v < surface.vertex.size(); v++)
+    moved.push_back(seen.now[std::size_t(surface.vertex[v])] - surface.rest[v]);
+  motion.numbers += 3 * moved.size();
+  frame.surface.push_back(thing.surfaces.size() - 1);
+  frame.moved.push_back(std::move(moved));
+}
+
+/// Every other frame goes; the first and the last stay.
+void thin(Motion& motion) {
+  std::vector<MotionFrame> kept;
+  motion.numbers = 0;
+  for (std::size_t f = 0; f < motion.frames.size(); f++) {
+    if (f % 2 != 0 && f + 1 != motion.frames.size()) continue;
+    for (const auto& moved : motion.frames[f].moved) motion.numbers += 3 * moved.size();
+    kept.push_back(std::move(motion.frames[f]));
+  }
+  motion.frames = std::move(kept);
+}
+
+// ------------------------------------------------------------------------------------------------ writing
+
+std::string packed(const std::vector<std::int32_t>& numbers, int bytes) {
+  std::string planes;
+  planes.reserve(numbers.size() * std::size_t(bytes));
+  for (int b = 0; b < bytes; b++)
+    for (const std::int32_t n : numbers) planes += char(std::uint32_t(n) >> (8 * b) & 255);
+  std::string small;
+  io::deflate({planes}, io::Deflate::kZlib, [&small](std::string_view piece) { small += piece; });
+  return io::base64(small);
+}
+
+/// Each as its difference from the one before; within 16 bits, which may run over.
+std::vector<std::int32_t> differences(const std::vector<std::int32_t>& numbers) {
+  std::vector<std::int32_t> result(numbers.size());
+  for (std::size_t i = 0; i < numbers.size(); i++) result[i] = numbers[i] - (i > 0 ? numbers[i - 1] : 0);
+  return result;
+}
+
+Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
+
+Json json_of(const MovingSurface& surface) {
+  constexpr float kFar = std::numeric_limits<float>::max();
+  Vec3 low{kFar, kFar, kFar}, high = -low;
+  for (const Vec3 x : surface.rest) low = min(low, x), high = max(high, x);
+  if (surface.rest.empty()) low = high = {};
+  const Vec3 extent = high - low;
+  const double size = std::max({double(extent.x), double(extent.y), double(extent.z), 1e-9});
+  std::vector<std::int32_t> places, corners;
+  for (int axis = 0; axis < 3; axis++)
+    for (const Vec3 x : surface.rest)
+      places.push_back(std::int32_t(std::lround((double(x[axis]) - double(low[axis])) / size * 65535)));
+  for (const Int3 t : surface.triangles)
+    for (int corner = 0; corner < 3; corner++) corners.push_back(t[corner]);
+  return {{"low", json_of(Vec3d(low))},           {"size", size},
+          {"vertices", surface.rest.size()},      {"places", packed(differences(places), kWord)},
+          {"wall_begin", surface.wall_begin},     {"triangles", packed(differences(corners), kIndex)}};
+}
+
+double largest_component(const Motion& motion, std::size_t thing) {
+  float largest = 0;
+  for (const MotionFrame& frame : motion.frames)
+    for (const Vec3 u : frame.moved[thing])
+      largest = std::max({largest, std::abs(u.x), std::abs(u.y), std::abs(u.z)});
+  return largest;
+}
+
+double largest_movement(const Motion& motion, std::size_t thing) {
+  float largest = 0;
+  for (const MotionFrame& frame : motion.frames)
+    for (const Vec3 u : frame.moved[thing]) largest = std::max(largest, norm(u));
+  return largest;
+}
+
+const char* kind_name(MovingThing::Kind kind) {
+  return kind == MovingThing::Kind::kBody ? "body" : kind == MovingThing::Kind::kTool ? "tool" : "obstacle";
+}
+
+const char* look_name(Look look) { return look == Look::kSkin ? "skin" : look == Look::kCloth ? "cloth" : "flesh"; }
+
+using Frames = std::vector<const MotionFrame*>;
+
+/// Surfaces that no frame shows are null.
+Json json_of(const Motion& motion, std::size_t t, const Frames& frames, double quantum) {
+  const MovingThing& thing = motion.things[t];
+  Json surfaces = Json::array();
+  for (std::size_t s = 0; s < thing.surfaces.size(); s++) {
+    const bool shown = std::any_of(frames.begin(), frames.end(), [&](const MotionFrame* f) { return f->surface[t] == s; });
+    surfaces.push_back(shown ? json_of(thing.surfaces[s]) : Json());
+  }
+  return {{"kind", kind_name(thing.kind)}, {"name", thing.name},         {"look", look_name(thing.look)},
+          {"quantum", quantum},            {"largest_m", largest_movement(motion, t)},       {"usual_force_N", thing.usual_force},
+          {"surfaces", std::move(surfaces)}};
+}
+
+std::vector<std::int32_t> quantized(const std::vector<Vec3>& moved, double quantum) {
+  std::vector<std::int32_t> numbers;
+  numbers.reserve(3 * moved.size());
+  for (int axis = 0; axis < 3; axis++)
+    for (const Vec3 u : moved) numbers.push_back(std::int32_t(std::lround(double(u[axis]) / quantum)));
+  return numbers;
+}
+
+Json json_of(const Frames& frames, const std::vector<double>& quanta) {
+  Json list = Json::array();
+  std::vector<std::vector<std::int32_t>> before(quanta.size());
+  for (std::size_t f = 0; f < frames.size(); f++) {
+    const MotionFrame& frame = *frames[f];
+    Json things = Json::array(), forces = Json::array();
+    for (std::size_t t = 0; t < quanta.size(); t++) {
+      std::vector<std::int32_t> now = quantized(frame.moved[t], quanta[t]), change = now;
+      if (f > 0 && frames[f - 1]->surface[t] == frame.surface[t])
+        for (std::size_t i = 0; i < now.size(); i++) change[i] -= before[t][i];
+      things.push_back({frame.surface[t], packed(change, kWord)});
+      before[t] = std::move(now);
+    }
+    for (const MotionFrame::Force& force : frame.forces) forces.push_back({json_of(force.at), json_of(force.force)});
+    list.push_back({{"time_s", frame.time}, {"things", std::move(things)}, {"forces_N", std::move(forces)}});
+  }
+  return list;
+}
+
+std::string color_map() {
+  std::string bytes;
+  for (int i = 0; i < 256; i++) {
+    const Rgb c = map_color(float(i) / 255);
+    for (const std::uint8_t part : {c.r, c.g, c.b}) bytes += char(part);
+  }
+  return io::base64(bytes);
+}
+
+/// So that no name ends the script it stands in.
+std::string safe_in_script(std::string text) {
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) text.replace(at, 1, "\\u003c");
+  return text;
+}
+
+/// Likewise of those that are written.
+Frames every_other(const Frames& frames) {
+  Frames kept;
+  for (std::size_t f = 0; f < frames.size(); f++)
+    if (f % 2 == 0 || f + 1 == frames.size()) kept.push_back(frames[f]);
+  return kept;
+}
+
+}  // namespace
+
+void add_moment(const ShownWorld& shown, Motion& motion, const MotionLimits& limits) {
+  MotionFrame frame{.time = shown.time, .surface = {}, .moved = {}, .forces = {}};
+  std::size_t at = 0;
+  for (const ShownBody& body : shown.bodies) add_thing(seen_body(body), at++, limits.triangles, motion, frame);
+  for (const ShownTool& tool : shown.tools) add_thing(seen_tool(tool), at++, limits.triangles, motion, frame);
+  for (const TriMesh& mesh : shown.obstacles) add_thing(seen_obstacle(mesh), at++, limits.triangles, motion, frame);
+  for (const ShownTool& tool : shown.tools) frame.forces.push_back({tool.pose.position, tool.force});
+  if (!motion.frames.empty() && motion.frames.back().time == frame.time) {
+    for (const auto& moved : motion.frames.back().moved) motion.numbers -= 3 * moved.size();
+    motion.frames.back() = std::move(frame);
+  } else {
+    motion.frames.push_back(std::move(frame));
+  }
+  while (motion.numbers > limits.numbers && motion.frames.size() > 2) thin(motion);
+}
+
+std::string motion_json(const Motion& motion, std::size_t bytes) {
+  if (motion.frames.empty()) return {};
+  std::vector<double> quanta;  // a difference of two movements fits in 16 bits, too
+  for (std::size_t t = 0; t < motion.things.size(); t++)
+    quanta.push_back(std::max(largest_component(motion, t) / 16383, 1e-12));
+  Frames frames;
+  for (const MotionFrame& frame : motion.frames) frames.push_back(&frame);
+  for (;; frames = every_other(frames)) {
+    Json things = Json::array();
+    for (std::size_t t = 0; t < quanta.size(); t++) things.push_back(json_of(motion, t, frames, quanta[t]));
+    const Json all = {{"map", color_map()}, {"things", std::move(things)}, {"frames", json_of(frames, quanta)}};
+    std::string text = safe_in_script(json_text(all, -1));
+    if (text.size() <= bytes) return text;
+    if (frames.size() <= 2) return {};
+  }
+}
+
+}  // namespace turgor
