@@ -94,6 +94,39 @@ void main() {
 }
 )";
 
+// Pictures that move, where no GPU draws: one pass, lit at the vertices.
+constexpr const char* kQuickVertexShader = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 color;
+layout(location = 3) in float fraction;
+uniform mat4 to_clip;
+uniform vec3 eye;
+uniform sampler2D color_map;
+uniform bool use_map;
+uniform vec3 key, fill, up;
+uniform vec3 key_color, fill_color, sky_color, floor_color;
+out vec3 shown;
+
+void main() {
+  gl_Position = to_clip * vec4(position, 1);
+  vec3 n = dot(normal, eye - position) < 0.0 ? -normal : normal;
+  vec3 albedo = pow(color, vec3(2.2));
+  if (use_map && !isnan(fraction))
+    albedo = pow(texelFetch(color_map, ivec2(clamp(fraction, 0.0, 1.0) * 255.0 + 0.5, 0), 0).rgb, vec3(2.2));
+  vec3 lit = key_color * max(0.0, (dot(n, key) + 0.25) / 1.25) + fill_color * max(0.0, dot(n, fill));
+  lit += mix(floor_color, sky_color, 0.5 + 0.5 * dot(n, up));
+  shown = pow(min(albedo * lit, 1.0), vec3(1.0 / 2.2));
+}
+)";
+
+constexpr const char* kQuickFragmentShader = R"(#version 330 core
+in vec3 shown;
+layout(location = 0) out vec4 picture;
+
+void main() { picture = vec4(shown, 1); }
+)";
+
 constexpr const char* kScreenVertexShader = R"(#version 330 core
 out vec2 place;
 

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/view/color.hpp"
+
 namespace turgor {
 
 namespace {
@@ -20,15 +22,33 @@ GLuint new_shadow_texture(GlObjects& objects) {
   return texture;
 }
 
+Status check_size(int width, int height) {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+  if (width >= 1 && height >= 1 && width <= most && height <= most) return Done{};
+  return Error{
+      fmt::format("cannot draw a picture of {} x {} pixels: OpenGL here draws 1 to {}", width, height, most)};
+}
+
+Error incomplete() { return {"cannot draw: glCheckFramebufferStatus found an incomplete framebuffer"}; }
+
+// The texture that is bound.
+void fill_with_backdrop(int width, int height) {
+  Image image = make_image(width, height);
+  for (int y = 0; y < height; y++)
+    for (int x = 0; x < width; x++)
+      image.at(x, height - 1 - y) =  // OpenGL counts rows from the bottom
+          screen_color(backdrop((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(height)));
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, image.pixels.data());
+}
+
 }  // namespace
 
 Result<MeshTargets> make_mesh_targets(GlObjects& objects, int width, int height) {
-  GLint most_samples = 0, most_pixels = 0;
+  if (const Status size = check_size(width, height); !size) return size.error();
+  GLint most_samples = 0;
   glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most_pixels);
-  if (width < 1 || height < 1 || width > most_pixels || height > most_pixels)
-    return Error{fmt::format("cannot draw a picture of {} x {} pixels: OpenGL here draws 1 to {}", width,
-                             height, most_pixels)};
   const int samples = std::clamp(most_samples, 1, kSamples);
   MeshTargets t{.width = width, .height = height};
   const GLuint light_samples = new_multisample_texture(objects, GL_RGBA16F, samples, width, height);
@@ -48,7 +68,22 @@ Result<MeshTargets> make_mesh_targets(GlObjects& objects, int width, int height)
       attach_textures(t.resolved, GL_TEXTURE_2D, {t.lights, t.normals}, t.depths) &&
       attach_textures(t.occlusion, GL_TEXTURE_2D, {t.occlusions}, 0) &&
       attach_textures(t.picture, GL_TEXTURE_2D, {picture}, 0);
-  if (!complete) return Error{"cannot draw: glCheckFramebufferStatus found an incomplete framebuffer"};
+  if (!complete) return incomplete();
+  return t;
+}
+
+Result<QuickTargets> make_quick_targets(GlObjects& objects, int width, int height) {
+  if (const Status size = check_size(width, height); !size) return size.error();
+  QuickTargets t{.width = width, .height = height};
+  const GLuint picture = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+  const GLuint depth =
+      new_texture(objects, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, width, height);
+  const GLuint behind = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+  fill_with_backdrop(width, height);
+  for (GLuint* framebuffer : {&t.picture, &t.backdrop}) *framebuffer = objects.new_framebuffer();
+  if (!attach_textures(t.picture, GL_TEXTURE_2D, {picture}, depth) ||
+      !attach_textures(t.backdrop, GL_TEXTURE_2D, {behind}, 0))
+    return incomplete();
   return t;
 }
 

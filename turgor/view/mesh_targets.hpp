@@ -16,6 +16,14 @@ struct MeshTargets {
 /// Error: the picture's size is beyond this OpenGL, or it does not accept a framebuffer.
 Result<MeshTargets> make_mesh_targets(GlObjects& objects, int width, int height);
 
+/// What a picture that moves is drawn into, in one pass.
+struct QuickTargets {
+  GLuint picture = 0, backdrop = 0;  // framebuffers
+  int width = 0, height = 0;
+};
+/// The backdrop is there. Error: as above.
+Result<QuickTargets> make_quick_targets(GlObjects& objects, int width, int height);
+
 /// From several samples a pixel to one: light, normals, depths.
 void resolve_samples(const MeshTargets& targets);
 
