@@ -51,7 +51,8 @@ TEST(Run, WithoutFfmpegItGoesOnAndNamesThePackage) {
   write(folder / "s.toml", small_scene());
   const std::string path = getenv("PATH");
   setenv("PATH", "/nowhere", 1);
-  const Ended ended = run_program("run s.toml --out out --set output.volume_rendering=false", folder);
+  const Ended ended =
+      run_program("run s.toml --out out --set output.video=true --set output.volume_rendering=false", folder);
   setenv("PATH", path.c_str(), 1);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   EXPECT_NE(ended.printed.find("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)"),

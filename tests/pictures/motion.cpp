@@ -13,7 +13,8 @@ ShownBody cut_sheet(int n) {
   body.name = "</script>", body.look = Look::kCloth;
   const int columns = n + 2, cut = n / 2;  // the middle column stands twice
   for (int j = 0; j <= n; j++)
-    for (int i = 0; i < columns; i++) body.rest.push_back({Real(i > cut ? i - 1 : i) * 0.01f, Real(j) * 0.01f, 0});
+    for (int i = 0; i < columns; i++)
+      body.rest.push_back({Real(i > cut ? i - 1 : i) * 0.01f, Real(j) * 0.01f, 0});
   for (int j = 0; j < n; j++)
     for (int i = 0; i + 1 < columns; i++) {
       if (i == cut) continue;
@@ -48,8 +49,8 @@ TEST(Motion, LipsOfAWoundStayApartInACoarserSurface) {
   int checked = 0;
   for (const Int3 t : surface.triangles) {  // every triangle moves as one lip does, none spans the gap
     for (int corner = 1; corner < 3; corner++)
-      EXPECT_NEAR(motion.frames[1].moved[0][std::size_t(t[0])].x, motion.frames[1].moved[0][std::size_t(t[corner])].x,
-                  1e-6);
+      EXPECT_NEAR(motion.frames[1].moved[0][std::size_t(t[0])].x,
+                  motion.frames[1].moved[0][std::size_t(t[corner])].x, 1e-6);
     checked++;
   }
   EXPECT_EQ(std::size_t(checked), surface.triangles.size());

@@ -1,6 +1,7 @@
 #include "turgor/pictures/run_scene.hpp"
 
 #include "sim/four_kinds.hpp"
+#include "turgor/view/video.hpp"
 
 namespace turgor {
 namespace {
@@ -33,6 +34,17 @@ Json physics(Json report) {
       for (const std::string& key : wall) one.erase(key);
     }
   return report;
+}
+
+/// How long it plays [s]; ffprobe comes with ffmpeg.
+double video_seconds(const fs::path& file) {
+  const std::string command =
+      "ffprobe -v error -show_entries format=duration -of csv=p=0 '" + file.string() + "'";
+  FILE* pipe = popen(command.c_str(), "r");
+  double seconds = 0;
+  EXPECT_EQ(pipe ? std::fscanf(pipe, "%lf", &seconds) : 0, 1) << file;
+  if (pipe) pclose(pipe);
+  return seconds;
 }
 
 TEST(RunScene, DrawsAtAnyRateAndMeasuresTheSame) {
@@ -70,6 +82,20 @@ TEST(RunScene, AReplayDrawsTheSamePicturesAndMeshes) {
       compared++;
     }
   EXPECT_GT(compared, 25);
+}
+
+TEST(RunScene, AVideoRunsAtThePaceOfTheRunAlsoInAReplay) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::four_kinds_scene(folder, {"output.video=true", "output.snapshots.every=0.1"});
+  must_run(scene, folder / "ran");
+  const Result<Json> again =
+      replay_recording(Exec(2), folder / "ran/recording.h5", {}, {.out = folder / "again"});
+  ASSERT_TRUE(again) << again.error().message;
+  // 50 frames a second, a picture every third: sixty milliseconds each, and none where a snapshot already is.
+  EXPECT_NEAR(video_seconds(folder / "ran/video.mp4"), 0.3, 0.08);
+  EXPECT_NEAR(video_seconds(folder / "again/video.mp4"), 0.4, 0.05)
+      << "four snapshots, a tenth of a second each";
 }
 
 TEST(RunScene, TellsPhysicsDrawingAndFilesApart) {

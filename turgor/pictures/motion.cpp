@@ -26,21 +26,23 @@ constexpr int kWord = 2, kIndex = 4;  // bytes of a place or movement, of a numb
 
 /// As many of the triangles as wanted, by collapsing edges [Garland, Heckbert 1997]. Lips of wounds that lie
 /// on each other at rest stay apart, for they share no vertex.
-std::vector<Int3> coarser(const std::vector<Int3>& triangles, const std::vector<Vec3>& rest, std::size_t wanted) {
+std::vector<Int3> coarser(const std::vector<Int3>& triangles, const std::vector<Vec3>& rest,
+                          std::size_t wanted) {
   if (triangles.size() <= wanted) return triangles;
   std::vector<unsigned> indices, kept(3 * triangles.size());
   for (const Int3 t : triangles)
     for (int corner = 0; corner < 3; corner++) indices.push_back(unsigned(t[corner]));
   constexpr float kLargestError = 0.05f;  // of the whole
-  kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), &rest.data()->x, rest.size(), sizeof(Vec3),
-                               3 * wanted, kLargestError, 0, nullptr));
+  kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), &rest.data()->x, rest.size(),
+                               sizeof(Vec3), 3 * wanted, kLargestError, 0, nullptr));
   std::vector<Int3> fewer;
-  for (std::size_t i = 0; i < kept.size(); i += 3) fewer.push_back({int(kept[i]), int(kept[i + 1]), int(kept[i + 2])});
+  for (std::size_t i = 0; i < kept.size(); i += 3)
+    fewer.push_back({int(kept[i]), int(kept[i + 1]), int(kept[i + 2])});
   return fewer;
 }
 
-MovingSurface make_surface(const std::vector<Int3>& triangles, std::size_t wall_begin, const std::vector<Vec3>& rest,
-                           std::size_t wanted) {
+MovingSurface make_surface(const std::vector<Int3>& triangles, std::size_t wall_begin,
+                           const std::vector<Vec3>& rest, std::size_t wanted) {
   MovingSurface surface;
   const auto split = triangles.begin() + std::ptrdiff_t(std::min(wall_begin, triangles.size()));
   surface.triangles = coarser({triangles.begin(), split}, rest, wanted);
@@ -80,7 +82,10 @@ Seen seen_tool(const ShownTool& tool) {
 }
 
 Seen seen_obstacle(const TriMesh& mesh) {
-  return {{MovingThing::Kind::kObstacle, "", Look::kFlesh, 1, {}}, &mesh.triangles, mesh.triangles.size(), mesh.vertices,
+  return {{MovingThing::Kind::kObstacle, "", Look::kFlesh, 1, {}},
+          &mesh.triangles,
+          mesh.triangles.size(),
+          mesh.vertices,
           mesh.vertices};
 }
 
@@ -148,9 +153,9 @@ Json json_of(const MovingSurface& surface) {
       places.push_back(std::int32_t(std::lround((double(x[axis]) - double(low[axis])) / size * 65535)));
   for (const Int3 t : surface.triangles)
     for (int corner = 0; corner < 3; corner++) corners.push_back(t[corner]);
-  return {{"low", json_of(Vec3d(low))},           {"size", size},
-          {"vertices", surface.rest.size()},      {"places", packed(differences(places), kWord)},
-          {"wall_begin", surface.wall_begin},     {"triangles", packed(differences(corners), kIndex)}};
+  return {{"low", json_of(Vec3d(low))},       {"size", size},
+          {"vertices", surface.rest.size()},  {"places", packed(differences(places), kWord)},
+          {"wall_begin", surface.wall_begin}, {"triangles", packed(differences(corners), kIndex)}};
 }
 
 double largest_component(const Motion& motion, std::size_t thing) {
@@ -172,7 +177,9 @@ const char* kind_name(MovingThing::Kind kind) {
   return kind == MovingThing::Kind::kBody ? "body" : kind == MovingThing::Kind::kTool ? "tool" : "obstacle";
 }
 
-const char* look_name(Look look) { return look == Look::kSkin ? "skin" : look == Look::kCloth ? "cloth" : "flesh"; }
+const char* look_name(Look look) {
+  return look == Look::kSkin ? "skin" : look == Look::kCloth ? "cloth" : "flesh";
+}
 
 using Frames = std::vector<const MotionFrame*>;
 
@@ -181,11 +188,16 @@ Json json_of(const Motion& motion, std::size_t t, const Frames& frames, double q
   const MovingThing& thing = motion.things[t];
   Json surfaces = Json::array();
   for (std::size_t s = 0; s < thing.surfaces.size(); s++) {
-    const bool shown = std::any_of(frames.begin(), frames.end(), [&](const MotionFrame* f) { return f->surface[t] == s; });
+    const bool shown =
+        std::any_of(frames.begin(), frames.end(), [&](const MotionFrame* f) { return f->surface[t] == s; });
     surfaces.push_back(shown ? json_of(thing.surfaces[s]) : Json());
   }
-  return {{"kind", kind_name(thing.kind)}, {"name", thing.name},         {"look", look_name(thing.look)},
-          {"quantum", quantum},            {"largest_m", largest_movement(motion, t)},       {"usual_force_N", thing.usual_force},
+  return {{"kind", kind_name(thing.kind)},
+          {"name", thing.name},
+          {"look", look_name(thing.look)},
+          {"quantum", quantum},
+          {"largest_m", largest_movement(motion, t)},
+          {"usual_force_N", thing.usual_force},
           {"surfaces", std::move(surfaces)}};
 }
 
@@ -210,7 +222,8 @@ Json json_of(const Frames& frames, const std::vector<double>& quanta) {
       things.push_back({frame.surface[t], packed(change, kWord)});
       before[t] = std::move(now);
     }
-    for (const MotionFrame::Force& force : frame.forces) forces.push_back({json_of(force.at), json_of(force.force)});
+    for (const MotionFrame::Force& force : frame.forces)
+      forces.push_back({json_of(force.at), json_of(force.force)});
     list.push_back({{"time_s", frame.time}, {"things", std::move(things)}, {"forces_N", std::move(forces)}});
   }
   return list;
@@ -244,9 +257,11 @@ Frames every_other(const Frames& frames) {
 void add_moment(const ShownWorld& shown, Motion& motion, const MotionLimits& limits) {
   MotionFrame frame{.time = shown.time, .surface = {}, .moved = {}, .forces = {}};
   std::size_t at = 0;
-  for (const ShownBody& body : shown.bodies) add_thing(seen_body(body), at++, limits.triangles, motion, frame);
+  for (const ShownBody& body : shown.bodies)
+    add_thing(seen_body(body), at++, limits.triangles, motion, frame);
   for (const ShownTool& tool : shown.tools) add_thing(seen_tool(tool), at++, limits.triangles, motion, frame);
-  for (const TriMesh& mesh : shown.obstacles) add_thing(seen_obstacle(mesh), at++, limits.triangles, motion, frame);
+  for (const TriMesh& mesh : shown.obstacles)
+    add_thing(seen_obstacle(mesh), at++, limits.triangles, motion, frame);
   for (const ShownTool& tool : shown.tools) frame.forces.push_back({tool.pose.position, tool.force});
   if (!motion.frames.empty() && motion.frames.back().time == frame.time) {
     for (const auto& moved : motion.frames.back().moved) motion.numbers -= 3 * moved.size();
@@ -267,7 +282,8 @@ std::string motion_json(const Motion& motion, std::size_t bytes) {
   for (;; frames = every_other(frames)) {
     Json things = Json::array();
     for (std::size_t t = 0; t < quanta.size(); t++) things.push_back(json_of(motion, t, frames, quanta[t]));
-    const Json all = {{"map", color_map()}, {"things", std::move(things)}, {"frames", json_of(frames, quanta)}};
+    const Json all = {
+        {"map", color_map()}, {"things", std::move(things)}, {"frames", json_of(frames, quanta)}};
     std::string text = safe_in_script(json_text(all, -1));
     if (text.size() <= bytes) return text;
     if (frames.size() <= 2) return {};

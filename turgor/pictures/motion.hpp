@@ -11,11 +11,11 @@ namespace turgor {
 
 /// A surface between two changes of its triangles, coarser than it was shown.
 struct MovingSurface {
-  std::uint64_t key = 0;         // of the triangles it was made from
-  std::vector<int> vertex;       // its number among those shown
-  std::vector<Vec3> rest;        // [m]
-  std::vector<Int3> triangles;   // walls of wounds last
-  std::size_t wall_begin = 0;    // the first triangle of a wall
+  std::uint64_t key = 0;        // of the triangles it was made from
+  std::vector<int> vertex;      // its number among those shown
+  std::vector<Vec3> rest;       // [m]
+  std::vector<Int3> triangles;  // walls of wounds last
+  std::size_t wall_begin = 0;   // the first triangle of a wall
 };
 
 /// Something that is seen: a body, a tool, or what cloth lies on.
@@ -29,8 +29,8 @@ struct MovingThing {
 
 /// One moment.
 struct MotionFrame {
-  double time = 0;  // [s]
-  std::vector<std::size_t> surface;     // by thing: which of its surfaces
+  double time = 0;                       // [s]
+  std::vector<std::size_t> surface;      // by thing: which of its surfaces
   std::vector<std::vector<Vec3>> moved;  // by thing: of every vertex, since its rest [m]
   struct Force {
     Vec3d at, force;  // where it acts on a tool [m], and how [N]
@@ -46,8 +46,8 @@ struct Motion {
 
 /// How much of it is kept.
 struct MotionLimits {
-  std::size_t triangles = 40'000;     // of a body
-  std::size_t numbers = 20'000'000;   // in memory; beyond, every other frame goes
+  std::size_t triangles = 40'000;    // of a body
+  std::size_t numbers = 20'000'000;  // in memory; beyond, every other frame goes
 };
 
 /// Adds how the world looks now.

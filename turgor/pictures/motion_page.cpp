@@ -181,8 +181,8 @@ std::string motion_html(const std::string& json) {
   if (json.empty()) return {};
   const Result<std::string> three = read_file(kThree), controls = read_file(kControls);
   if (!three || !controls) return {};
-  return std::string(kCanvas) + "<script>" + *three + "</script>\n<script>" + *controls + "</script>\n<script>const motion = " + json +
-         ";\n" + kScript + "</script>\n";
+  return std::string(kCanvas) + "<script>" + *three + "</script>\n<script>" + *controls +
+         "</script>\n<script>const motion = " + json + ";\n" + kScript + "</script>\n";
 }
 
 }  // namespace turgor

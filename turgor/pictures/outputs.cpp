@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kVideoFolder = ".video";
-constexpr double kVideoRate = 20;  // pictures a second, of simulated and of shown time
+constexpr double kVideoRate = 20, kMotionRate = 10;  // moments a second, of simulated and of shown time
 Vec3d to_patient(const Grid& grid, Vec3d local) { return grid.origin + grid.axes * local; }
 
 Box grown(Box box, double margin) {
@@ -76,13 +76,13 @@ SurfaceView view_of_bodies(const ShownWorld& shown, Vec3d outward, double aspect
 }
 
 /// Nothing and a warning, once, when OpenGL is missing.
-std::optional<Image> draw_world(const ShownWorld& shown, Outputs& outputs, const Camera& camera,
-                                bool colored) {
+std::optional<Image> draw_world(const ShownWorld& shown, Outputs& outputs, const Camera& camera, bool colored,
+                                MeshCare care = MeshCare::kFull) {
   const SkinColor color = colored ? outputs.scene->output.color : SkinColor::kNone;
   const ColorScale scale = color_scale(*outputs.scene, color);
   PictureParts parts;
   add_world(shown, color, color == SkinColor::kNone ? nullptr : &scale, parts);
-  return draw_parts(parts, camera, outputs);
+  return draw_parts(parts, camera, outputs, care);
 }
 
 /// A cut from near once more, in colours.
@@ -105,7 +105,8 @@ std::string seconds_text(double seconds) { return fmt::format("{:.2f} s", second
 Status finish_video(Outputs& outputs) {
   const AddTime time(outputs.facts.file_seconds);
   if (outputs.video_frames.size() > 1) {
-    const Status written = write_video(outputs.video_frames, kVideoRate, outputs.folder / "video.mp4");
+    const double rate = double(outputs.video_frames.size() - 1) / (outputs.video_end - outputs.video_begin);
+    const Status written = write_video(outputs.video_frames, rate, outputs.folder / "video.mp4");
     if (written)
       outputs.facts.files.push_back("video.mp4");
     else
@@ -157,11 +158,12 @@ ColorScale color_scale(const Scene& scene, SkinColor color) {
   return {low, high, "displacement [mm]", 1000};
 }
 
-std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs) {
+std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs,
+                                MeshCare care) {
   if (!outputs.can_draw) return std::nullopt;
   const AddTime time(outputs.facts.drawing_seconds);
   const OutputScene& output = outputs.scene->output;
-  Result<Image> image = draw_meshes(parts.parts, camera, output.width, output.height);
+  Result<Image> image = draw_meshes(parts.parts, camera, output.width, output.height, care);
   if (image) {
     draw_labels(parts.labels, camera, *image);
     return std::move(*image);
@@ -210,26 +212,30 @@ Status add_snapshot(const ShownWorld& shown, Outputs& outputs) {
       const AddTime time(outputs.facts.file_seconds);
       if (const Status status = write_png(outputs.folder / file, *image); !status) return status;
     }
-    if (view.first.width == 0) view.first = draw_world(shown, outputs, view.camera, false).value_or(*image);
+    if (view.first.width == 0)
+      view.first = view.colored ? draw_world(shown, outputs, view.camera, false).value_or(*image) : *image;
     view.last = std::move(*image);
   }
   return outputs.scene->output.meshes ? write_meshes(shown, outputs) : Done{};
 }
 
-int video_interval(const Outputs& outputs) {
-  if (!outputs.scene->output.video || !outputs.can_draw || !has_ffmpeg()) return 0;
-  return std::max(1, int(std::lround(outputs.scene->frame_rate / kVideoRate)));
+int moment_interval(const Outputs& outputs) {
+  const double rate = outputs.scene->output.video ? kVideoRate : kMotionRate;
+  return std::max(1, int(std::lround(outputs.scene->frame_rate / rate)));
 }
 
-Status add_video_frame(const ShownWorld& shown, Outputs& outputs) {
+Status take_moment(const ShownWorld& shown, Outputs& outputs) {
   add_to_motion(shown, outputs);
+  if (!outputs.scene->output.video || !has_ffmpeg()) return Done{};
   const std::optional<Image> image =
-      draw_world(shown, outputs, outputs.views.back().camera, !shows_skin(shown));
+      draw_world(shown, outputs, outputs.views.back().camera, !shows_skin(shown), MeshCare::kQuick);
   if (!image) return Done{};
+  if (outputs.video_frames.empty()) outputs.video_begin = shown.time;
+  outputs.video_end = shown.time;
   const fs::path file = outputs.folder / kVideoFolder / fmt::format("{:06}.png", outputs.video_frames.size());
   outputs.video_frames.push_back(file);
   const AddTime time(outputs.facts.file_seconds);
-  return write_png(file, *image);
+  return write_png(file, *image, PngEffort::kFast);
 }
 
 namespace {

@@ -38,6 +38,7 @@ struct Outputs {
   std::vector<lattice::State> at_rest;              // lattices as in the CT, for pictures of before
   std::vector<PvdEntry> series;                     // of meshes
   std::vector<std::filesystem::path> video_frames;  // in a hidden folder
+  double video_begin = 0, video_end = 0;            // when the first and the latest of them were [s]
   Motion motion;                                    // for the page
   bool can_draw = true;                             // OpenGL works
 };
@@ -60,9 +61,9 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
                              const ShownWorld& shown, std::filesystem::path folder);
 /// Pictures and meshes of the world now.
 Status add_snapshot(const ShownWorld& shown, Outputs& outputs);
-/// Every how many frames the video takes a picture; 0 = there is none.
-int video_interval(const Outputs& outputs);
-Status add_video_frame(const ShownWorld& shown, Outputs& outputs);
+/// Every how many frames there is a moment for the 3D view of the page, and for the video if there is one.
+int moment_interval(const Outputs& outputs);
+Status take_moment(const ShownWorld& shown, Outputs& outputs);
 /// Before and after, bodies under the largest forces, sections, volume rendering, deformed CT, OBJ, video.
 Status finish_outputs(const World& world, const ShownWorld& shown, const std::vector<Pressed>& pressed,
                       Outputs& outputs);
@@ -71,7 +72,8 @@ Status finish_outputs(const World& world, const ShownWorld& shown, const std::ve
 std::string motion_of_page(Outputs& outputs);
 
 /// Draws what was put together; nothing and a warning, once, when OpenGL is missing.
-std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs);
+std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs,
+                                MeshCare care = MeshCare::kFull);
 /// Writes a picture and lists it in the report.
 Status add_picture(Outputs& outputs, const std::string& file, const std::string& caption, const Image& image,
                    bool large);

@@ -99,8 +99,8 @@ Result<Simulated> simulate_into(FolderRun& run) {
       return !run.callbacks.frame || run.callbacks.frame(world);
     };
   events.snapshot = [&run](const World& w, const ShownWorld& shown) { return take_snapshot(run, w, shown); };
-  events.picture = [&run](const ShownWorld& shown) { return add_video_frame(shown, run.outputs); };
-  events.picture_every = run.live ? 0 : video_interval(run.outputs);
+  events.picture = [&run](const ShownWorld& shown) { return take_moment(shown, run.outputs); };
+  events.picture_every = run.live ? 0 : moment_interval(run.outputs);
   const Timer timer;
   Result<Simulated> done = simulate(run.exec, run.scene, run.world, events);
   if (run.live) run.live->touch->stop();
@@ -185,6 +185,7 @@ Result<Json> replay_into(const Exec& exec, const Recording& recording, const Sce
   for (int s = 0; s < recording.snapshot_count() && status; s++) {
     status = recording.restore(exec, s, *world, shown);
     if (status) status = add_snapshot(shown, *outputs);
+    if (status) status = take_moment(shown, *outputs);
     if (status && callbacks.snapshot) status = callbacks.snapshot(shown);
     if (progress) progress(double(s + 1) / recording.snapshot_count());
   }

@@ -99,7 +99,16 @@ void set_lights(const View& view) {
   set_uniform("floor_color", lights.floor_color);
 }
 
-void draw_surfaces(GlObjects& objects, GLuint program, const MeshTargets& targets,
+// Depths alone, so that no pixel is lit which something hides.
+void draw_depths(GLuint program, const std::vector<HeldPart>& parts, const View& view) {
+  glUseProgram(program);
+  set_uniform("to_clip", camera_matrix(view));
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  draw_parts(parts);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void draw_surfaces(GlObjects& objects, const MeshPrograms& programs, const MeshTargets& targets,
                    const std::vector<HeldPart>& parts, const View& view, const LightView& light,
                    MeshStyle style) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.sampled);
@@ -107,7 +116,9 @@ void draw_surfaces(GlObjects& objects, GLuint program, const MeshTargets& target
   glEnable(GL_DEPTH_TEST);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  glUseProgram(program);
+  if (style == MeshStyle::kSurface) draw_depths(programs.shadow, parts, view);
+  glDepthFunc(GL_LEQUAL);
+  glUseProgram(programs.surface);
   set_uniform("to_clip", camera_matrix(view));
   set_uniform("to_light", light.matrix);
   set_uniform("shadow_texel", float(light.width / kShadowSize));
@@ -117,6 +128,7 @@ void draw_surfaces(GlObjects& objects, GLuint program, const MeshTargets& target
   set_texture("color_map", 0, new_color_map(objects));
   set_texture("shadow", 1, targets.shadow_depths);
   draw_parts(parts, style);
+  glDepthFunc(GL_LESS);
 }
 
 void draw_screen(GlObjects& objects) {
@@ -183,7 +195,7 @@ GLuint draw_fully(GlObjects& objects, const MeshDrawing& drawing, const HeldScen
   const MeshTargets& targets = *drawing.targets;
   const LightView light = make_light_view(scene.boxes, Vec3d(camera_lights(view.frame).key));
   draw_shadow(drawing.programs.shadow, targets, scene.parts, light);
-  draw_surfaces(objects, drawing.programs.surface, targets, scene.parts, view, light, style);
+  draw_surfaces(objects, drawing.programs, targets, scene.parts, view, light, style);
   resolve_samples(targets);
   draw_occlusion(objects, drawing.programs.occlusion, targets, view);
   draw_picture(objects, drawing.programs.picture, targets, view);

@@ -17,9 +17,6 @@ struct MeshPrograms {
 /// Error: the compiler's log.
 Result<MeshPrograms> link_mesh_programs();
 
-/// kFull: lit at every pixel, with shadows, dark hollows and smooth edges. kQuick: one pass, lit at the
-/// vertices; for pictures that move where no GPU draws.
-enum class MeshCare : std::uint8_t { kFull, kQuick };
 enum class MeshStyle : std::uint8_t { kSurface, kWires };
 
 /// Of one context, and freed while it is current. What is drawn into is kept for the next picture of the same
@@ -34,8 +31,8 @@ struct MeshDrawing {
 /// Draws; the answer is the framebuffer that holds the picture, rows from the bottom, and is bound. Parts as
 /// in draw_meshes, without their legends. Error: which call failed.
 Result<GLuint> draw_into_texture(MeshDrawing& drawing, const std::vector<MeshPart>& parts,
-                                 const Camera& camera, int width, int height,
-                                 MeshCare care = MeshCare::kFull, MeshStyle style = MeshStyle::kSurface);
+                                 const Camera& camera, int width, int height, MeshCare care = MeshCare::kFull,
+                                 MeshStyle style = MeshStyle::kSurface);
 
 /// What is in the framebuffer that is bound, rows from the top.
 Image read_pixels(int width, int height);

@@ -8,6 +8,7 @@ namespace turgor {
 constexpr const char* kShadowVertexShader = R"(#version 330 core
 layout(location = 0) in vec3 position;
 uniform mat4 to_clip;
+invariant gl_Position;
 
 void main() { gl_Position = to_clip * vec4(position, 1); }
 )";
@@ -23,6 +24,7 @@ layout(location = 2) in vec3 color;
 layout(location = 3) in float fraction;
 uniform mat4 to_clip;
 uniform vec3 eye;
+invariant gl_Position;
 out vec3 to_eye;
 out vec3 surface_normal;
 out vec3 surface_color;
@@ -58,11 +60,11 @@ float key_share(vec3 position, vec3 n) {
   vec4 place = to_light * vec4(position + 2.5 * shadow_texel * n, 1);
   vec3 at = 0.5 + 0.5 * place.xyz;
   float sum = 0.0;
-  for (int i = 0; i < 16; i++) {
-    float radius = 5.0 / 2048.0 * sqrt((float(i) + 0.5) / 16.0), angle = 2.39996 * float(i);
+  for (int i = 0; i < 8; i++) {
+    float radius = 5.0 / 2048.0 * sqrt((float(i) + 0.5) / 8.0), angle = 2.39996 * float(i);
     sum += texture(shadow, vec3(at.xy + radius * vec2(cos(angle), sin(angle)), at.z));
   }
-  return sum / 16.0;
+  return sum / 8.0;
 }
 
 void main() {

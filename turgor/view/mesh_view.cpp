@@ -10,14 +10,15 @@ namespace turgor {
 
 namespace {
 
-Result<Image> draw_scene(const std::vector<MeshPart>& parts, const Camera& camera, int width, int height) {
+Result<Image> draw_scene(const std::vector<MeshPart>& parts, const Camera& camera, int width, int height,
+                         MeshCare care) {
   const Result<CurrentGl> gl = hold_gl();
   if (!gl) return gl.error();
   static const Result<MeshPrograms> programs = link_mesh_programs();  // guarded by holding the context
   if (!programs) return programs.error();
   MeshDrawing drawing;
   drawing.programs = *programs;
-  const Result<GLuint> drawn = draw_into_texture(drawing, parts, camera, width, height);
+  const Result<GLuint> drawn = draw_into_texture(drawing, parts, camera, width, height, care);
   if (!drawn) return drawn.error();
   return read_pixels(width, height);
 }
@@ -33,7 +34,8 @@ void draw_legends(Image& image, const std::vector<MeshPart>& parts) {
 
 }  // namespace
 
-Result<Image> draw_meshes(const std::vector<MeshPart>& parts, const Camera& camera, int width, int height) {
+Result<Image> draw_meshes(const std::vector<MeshPart>& parts, const Camera& camera, int width, int height,
+                          MeshCare care) {
   for (const MeshPart& part : parts) {
     TURGOR_ASSERT(part.mesh, "every part of draw_meshes has a mesh");
     const std::size_t count = part.mesh->vertices.size();
@@ -43,7 +45,7 @@ Result<Image> draw_meshes(const std::vector<MeshPart>& parts, const Camera& came
                   "a part with a scale has one scalar a vertex");
     TURGOR_ASSERT(!part.colors || part.colors->size() == count, "one colour a vertex");
   }
-  Result<Image> image = draw_scene(parts, camera, width, height);
+  Result<Image> image = draw_scene(parts, camera, width, height, care);
   if (image) draw_legends(*image, parts);
   return image;
 }

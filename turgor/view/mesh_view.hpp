@@ -12,6 +12,10 @@
 
 namespace turgor {
 
+/// kFull: lit at every pixel, with shadows, dark hollows and smooth edges. kQuick: one pass, lit at the
+/// vertices; for pictures that move where no GPU draws.
+enum class MeshCare : std::uint8_t { kFull, kQuick };
+
 struct MeshPart {
   const TriMesh* mesh = nullptr;
   Rgb color{224, 172, 145};                  // where there is no scale
@@ -22,6 +26,7 @@ struct MeshPart {
 /// Both sides of every triangle are seen; normals are computed where the mesh has none; scalars that are no
 /// numbers show the part's colour. Error: OpenGL or EGL is missing on this machine, or failed; the message
 /// says which call.
-Result<Image> draw_meshes(const std::vector<MeshPart>& parts, const Camera& camera, int width, int height);
+Result<Image> draw_meshes(const std::vector<MeshPart>& parts, const Camera& camera, int width, int height,
+                          MeshCare care = MeshCare::kFull);
 
 }  // namespace turgor

@@ -321,7 +321,7 @@ void read_output(SceneTable output, Scene& scene) {
                            "(`SPACE`), and 3D Slicer heeds that");
   output.read("recording", out.recording,
               "`recording.h5`, for `turgor run --replay` and for Python: see [recording.md](recording.md)");
-  output.read("video", out.video, "`video.mp4` of the cut, when ffmpeg is there");
+  output.read("video", out.video, "`video.mp4`, when ffmpeg is there; the page plays the run without");
   output.finish();
 }
 

@@ -63,7 +63,7 @@ struct OutputScene {
   bool obj = true;
   MeshSpace mesh_space;  // of both
   bool recording = true;
-  bool video = true;
+  bool video = false;
 };
 
 struct Scene {
