@@ -201,10 +201,10 @@ void add_calibrate_command(CLI::App& program, Global& global) {
   auto options = std::make_shared<CalibrateOptions>();
   CLI::App* command = program.add_subcommand("calibrate", "Fit the rhombus chain to a force-depth curve");
   command
-      ->add_option(
-          "input", options->input,
-          "A .csv of depth [m] and force [N], pulls with both below 0, or a scene whose tool presses an "
-          "sfem body")
+      ->add_option("input", options->input,
+                   "A .csv of depth [m] and force [N], or with units in its header as in depth_mm,force_N; "
+                   "pulls with both below 0, or a scene whose tool presses an "
+                   "sfem body")
       ->required();
   command
       ->add_option(

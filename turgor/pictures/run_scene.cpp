@@ -5,6 +5,7 @@
 #include "turgor/io/file.hpp"
 #include "turgor/pictures/outputs.hpp"
 #include "turgor/sim/recording/recording.hpp"
+#include "turgor/sim/report/doubts.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/run.hpp"
@@ -61,10 +62,12 @@ struct FolderRun {
   const RunCallbacks& callbacks;
   std::optional<RecordingWriter> recording;
   std::optional<LiveRun> live;
+  std::vector<ClothStretch> stretch;
   std::vector<ShownWorld> later;  // snapshots of a run in real time, whose frames cannot wait for pictures
 };
 
 Status take_snapshot(FolderRun& run, const World& world, const ShownWorld& shown) {
+  note_stretch(shown, run.stretch);
   Status status = Done{};
   if (run.live)
     run.later.push_back(shown);
@@ -99,7 +102,10 @@ Result<Simulated> simulate_into(FolderRun& run) {
       return !run.callbacks.frame || run.callbacks.frame(world);
     };
   events.snapshot = [&run](const World& w, const ShownWorld& shown) { return take_snapshot(run, w, shown); };
-  events.picture = [&run](const ShownWorld& shown) { return take_moment(shown, run.outputs); };
+  events.picture = [&run](const ShownWorld& shown) {
+    note_stretch(shown, run.stretch);
+    return take_moment(shown, run.outputs);
+  };
   events.picture_every = run.live ? 0 : moment_interval(run.outputs);
   const Timer timer;
   Result<Simulated> done = simulate(run.exec, run.scene, run.world, events);
@@ -114,7 +120,9 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   facts.drawing_seconds += done.show_seconds;
   if (!done.stopped.empty()) facts.warnings.push_back(done.stopped);
   append(facts.warnings, cloth_warnings(run.world));
+  append(facts.warnings, overstretched(run.stretch));
   append(facts.warnings, touch_warnings(run.world));
+  append(facts.warnings, overpressed(run.world, done.measures.pressed));
   if (run.live) append(facts.warnings, haptics_warnings(*run.live));
   Json report = simulation_report(run.exec, run.scene, run.world, done.measures, facts);
   if (run.live) report["haptics"] = haptics_report(*run.live);
@@ -140,9 +148,10 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   if (!outputs) return outputs.error();
   outputs->facts.load_seconds = total.seconds();
   append(outputs->facts.warnings, notes_of(*world));
+  append(outputs->facts.warnings, odd_sizes(first));
   if (scene.output.video && !has_ffmpeg())
     outputs->facts.warnings.push_back("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)");
-  FolderRun run{exec, scene, *world, *outputs, callbacks, std::nullopt, std::nullopt, {}};
+  FolderRun run{exec, scene, *world, *outputs, callbacks, std::nullopt, std::nullopt, {}, {}};
   if (scene.output.recording) {
     Result<RecordingWriter> writer = RecordingWriter::create(folder.path() / "recording.h5", scene, *world);
     if (!writer) return writer.error();

@@ -28,6 +28,18 @@ TEST_F(ForceCurve, names_comments_and_any_separator_are_read) {
   EXPECT_EQ(curve[3].force, 0.09);
 }
 
+TEST_F(ForceCurve, units_in_the_names_of_the_columns_are_obeyed) {
+  for (const char* header : {"depth_mm,force_mN", "Eindringtiefe[mm];Kraft[mN]", "d(mm)\tF(mN)"}) {
+    const auto curve = read_force_curve(file(std::string(header) + "\n1.5 20\n"));
+    ASSERT_TRUE(curve) << header << ": " << curve.error().message;
+    EXPECT_DOUBLE_EQ((*curve)[0].depth, 0.0015) << header;
+    EXPECT_DOUBLE_EQ((*curve)[0].force, 0.02) << header;
+  }
+  EXPECT_EQ((*read_force_curve(file("depth force\n0.002 3\n")))[0].depth, 0.002) << "words are no units";
+  EXPECT_EQ(message("force_N,depth_mm\n1,2\n"),
+            "curve.csv: expected a depth before its force, found the columns \"force_N\" and \"depth_mm\"");
+}
+
 TEST_F(ForceCurve, lines_that_are_no_points_are_refused_with_their_place) {
   EXPECT_EQ(message("depth,force\n0,0\n0.001,abc\n"),
             "curve.csv:3: expected two numbers, a depth [m] and a force [N], found \"0.001,abc\"");

@@ -48,6 +48,21 @@ int unclosed_text(std::string_view text) {
   }
 }
 
+/// Does a line, counted from 1, have a quote without its other?
+bool is_open_string(std::string_view text, int line) {
+  for (int n = 1; n < line && !text.empty(); n++)
+    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  char open = 0;
+  for (std::size_t i = 0; i < text.size() && text[i] != '\n'; i++) {
+    if (!open && text[i] == '#') return false;
+    if (open == '"' && text[i] == '\\')
+      i++;
+    else if (open ? text[i] == open : text[i] == '"' || text[i] == '\'')
+      open = open ? char(0) : text[i];
+  }
+  return open != 0;
+}
+
 std::vector<std::string> split_key(std::string_view key) {
   std::vector<std::string> parts(1);
   for (const char c : key) {
@@ -429,6 +444,9 @@ Result<Scene> parse_scene(std::string_view text, const fs::path& file,
       return Error{fmt::format("{}:{}: not TOML: the text that begins here with three quotes never ends",
                                file.string(), line)};
     const auto& begin = error.source().begin;
+    if (is_open_string(text, int(begin.line)))
+      return Error{
+          fmt::format("{}:{}: not TOML: a quote in this line is never closed", file.string(), begin.line)};
     return Error{
         fmt::format("{}:{}:{}: not TOML: {}", file.string(), begin.line, begin.column, error.description())};
   }

@@ -1,21 +1,67 @@
 #include "turgor/sim/tools/force_curve.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+
 #include <fmt/format.h>
 
 #include "turgor/io/number_table.hpp"
 
 namespace turgor {
 
+namespace {
+
+struct Named {
+  const char* unit;
+  double size;  // in metres or newtons
+};
+constexpr std::array<Named, 4> kLengths{{{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}}};
+constexpr std::array<Named, 3> kForces{{{"N", 1}, {"mN", 1e-3}, {"gf", 9.80665e-3}}};
+
+/// The letters that end a column's name: "mm" of depth_mm and of depth[mm].
+std::string unit_of(std::string_view name) {
+  const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+  while (!name.empty() && !is_letter(name.back())) name.remove_suffix(1);
+  std::size_t begin = name.size();
+  while (begin > 0 && is_letter(name[begin - 1])) begin--;
+  return std::string(name.substr(begin));
+}
+
+template <std::size_t kCount>
+std::optional<double> size_of(const std::string& unit, const std::array<Named, kCount>& units) {
+  const auto at = std::find_if(units.begin(), units.end(), [&](const Named& n) { return unit == n.unit; });
+  return at == units.end() ? std::nullopt : std::optional(at->size);
+}
+
+/// What one of each column is in metres and newtons, as the first line says, if it does.
+Result<std::array<double, 2>> scales_of(const std::filesystem::path& file) {
+  const Result<std::vector<std::string>> names = read_column_names(file);
+  if (!names) return names.error();
+  if (names->size() != 2) return std::array<double, 2>{1, 1};
+  const std::string first = unit_of((*names)[0]), second = unit_of((*names)[1]);
+  if (size_of(first, kForces) && size_of(second, kLengths))
+    return Error{
+        fmt::format("{}: expected a depth before its force, found the columns \"{:.40}\" and \"{:.40}\"",
+                    file.string(), (*names)[0], (*names)[1])};
+  return std::array<double, 2>{size_of(first, kLengths).value_or(1), size_of(second, kForces).value_or(1)};
+}
+
+}  // namespace
+
 Result<std::vector<rhombus::CurvePoint>> read_force_curve(const std::filesystem::path& file) {
   const std::string expected = "two numbers, a depth [m] and a force [N]";
   const Result<std::vector<NumberRow>> rows = read_number_table(file, expected);
   if (!rows) return rows.error();
+  const Result<std::array<double, 2>> scales = scales_of(file);
+  if (!scales) return scales.error();
   std::vector<rhombus::CurvePoint> curve;
   for (const NumberRow& row : *rows) {
     if (row.values.size() != 2)
       return Error{
           fmt::format("{}:{}: expected {}, found \"{:.60}\"", file.string(), row.line, expected, row.text)};
-    curve.push_back({row.values[0], row.values[1]});
+    curve.push_back({row.values[0] * (*scales)[0], row.values[1] * (*scales)[1]});
   }
   return curve;
 }
