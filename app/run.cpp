@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "app/check_scene.hpp"
 #include "app/commands.hpp"
 #include "app/result_folder.hpp"
 #include "turgor/core/progress.hpp"
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 struct CommandOptions {
   fs::path scene, out, replay;
   std::vector<std::string> overrides, required;
-  bool quiet = false, force = false, real_time = false;
+  bool quiet = false, force = false, real_time = false, check = false;
   LiveOptions live;
 };
 
@@ -55,6 +56,7 @@ fs::path goal_of(const CommandOptions& options, const Json& report) {
 }
 
 void run(const Exec& exec, const CommandOptions& options) {
+  if (options.check) return check_scene(exec, required(read_scene(options.scene, options.overrides)));
   RunOptions goal{.out = options.out, .foreign = options.force ? Foreign::kRemove : Foreign::kRefuse};
   if (options.real_time) goal.live = options.live;
   std::vector<Requirement> requirements;
@@ -87,6 +89,7 @@ void add_run_command(CLI::App& program, Global& global) {
       "  turgor run scenes/incision.toml --set body.torso.ct=patient.nii.gz --set "
       "body.torso.skin.tension=60\n"
       "  turgor run --replay out/incision/recording.h5 --set output.color=stretch --out out/again\n"
+      "  turgor run scenes/drape.toml --check\n"
       "  turgor run scenes/palpation.toml --real-time --require \"haptics.missed<0.001\"\n"
       "All keys of a scene are listed in docs/scene.md.");
   command->add_option("scene", options->scene, "The scene, a TOML file");
@@ -97,6 +100,10 @@ void add_run_command(CLI::App& program, Global& global) {
       ->type_size(1)
       ->allow_extra_args(false);
   command->add_option("--replay", options->replay, "Draw this recording.h5 again instead of simulating");
+  CLI::Option* check =
+      command->add_flag("--check", options->check,
+                        "Load the scene, try a few frames, tell what a run will take; write nothing");
+  check->excludes(command->get_option("--replay"));
   command->add_flag("--real-time", options->real_time,
                     "A haptic loop beside the frames, by the clock: a hand holds a tool of the scene");
   CLI::Option* device = command->add_option(

@@ -46,6 +46,19 @@ TEST(Run, TheStateHashIsTheSameOnOneTwoAndEightThreads) {
   EXPECT_EQ(hashes.size(), 1u);
 }
 
+TEST(Run, ACheckTellsWhatARunTakesAndWritesNothing) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", small_scene());
+  const Ended ended = run_program("run s.toml --check", folder);
+  EXPECT_EQ(ended.code, 0) << ended.printed;
+  for (const char* word : {"a run would accept it", "torso", "lattice", "loading", "memory", "simulating"})
+    EXPECT_NE(ended.printed.find(word), std::string::npos) << word << " in " << ended.printed;
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  const Ended wrong = run_program("run s.toml --check --set body.torso.skin.tension=-4", folder);
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.printed.find("body.torso.skin.tension"), std::string::npos);
+}
+
 TEST(Run, WithoutFfmpegItGoesOnAndNamesThePackage) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", small_scene());

@@ -23,7 +23,8 @@ TEST(Doubts, ABodyOfMillimetresTakenForMetresIsDoubted) {
   const std::vector<std::string> told = odd_sizes(world_of(180));
   ASSERT_EQ(told.size(), 1u);
   EXPECT_EQ(told[0],
-            "liver: it is 180 m across, and bodies here are at most 2 m: if its file is in millimetres, scale = 0.001 "
+            "liver: it is 180 m across, and bodies here are at most 2 m: if its file is in millimetres, "
+            "scale = 0.001 "
             "makes metres of them");
   EXPECT_EQ(odd_sizes(world_of(0.00018)).size(), 1u) << "and one that was scaled twice";
   EXPECT_TRUE(odd_sizes(world_of(0.18)).empty());
@@ -61,7 +62,8 @@ TEST(Doubts, AContactHarderThanYoungsModulusIsToldAndAGentleOneIsNot) {
   const std::filesystem::path folder = test::fresh_folder();
   for (const bool deep : {false, true}) {
     const Scene scene = test::four_kinds_scene(
-        folder, {deep ? "tool.finger.press.depth=0.012" : "tool.finger.press.depth=0.001", "output.video=false"});
+        folder,
+        {deep ? "tool.finger.press.depth=0.012" : "tool.finger.press.depth=0.001", "output.video=false"});
     Result<World> world = load_world(Exec(2), scene);
     ASSERT_TRUE(world) << world.error().message;
     const Result<Simulated> done = simulate(Exec(2), scene, *world);

@@ -1,0 +1,77 @@
+#include "app/check_scene.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "app/commands.hpp"
+#include "turgor/core/timing.hpp"
+#include "turgor/sim/report/amount.hpp"
+#include "turgor/sim/report/doubts.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr int kMostFrames = 10;         // that are tried
+constexpr double kMostSeconds = 3;      // for trying
+
+/// The most that this program has taken so far [bytes].
+double memory_taken() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * double(usage.ru_maxrss);
+}
+
+/// Median wall time of the first frames [s].
+double frame_seconds(const Exec& exec, const Scene& scene, World& world) {
+  std::vector<double> seconds;
+  const Timer all;
+  for (int f = 0; f < std::min(kMostFrames, frame_count(scene)) && all.seconds() < kMostSeconds; f++) {
+    const Timer one;
+    const Result<FrameReport> report = step(exec, world);
+    if (!report) throw Failure{2, report.error().message};
+    seconds.push_back(one.seconds());
+  }
+  if (seconds.empty()) return 0;
+  std::nth_element(seconds.begin(), seconds.begin() + std::ptrdiff_t(seconds.size() / 2), seconds.end());
+  return seconds[seconds.size() / 2];
+}
+
+std::string wall_time(double seconds) { return amount(1e9 * seconds, {"ns", "ns"}); }
+
+void print_bodies(const ShownWorld& shown) {
+  for (const ShownBody& body : shown.bodies) {
+    const Vec3d size = (body.box.high - body.box.low) * 1e3;
+    fmt::print("  {:<12} {:<8} {:.0f} x {:.0f} x {:.0f} mm, {} triangles are drawn\n", body.name, model_name(body.id.kind),
+               size.x, size.y, size.z, body.triangles.size());
+  }
+  for (const ShownTool& tool : shown.tools)
+    fmt::print("  {:<12} tool     on {}\n", tool.name, shown_body(shown, tool.body).name);
+}
+
+}  // namespace
+
+void check_scene(const Exec& exec, const Scene& scene) {
+  const Timer loading;
+  Result<World> world = load_world(exec, scene);
+  if (!world) throw Failure{2, world.error().message};
+  const double load = loading.seconds();
+  ShownWorld shown;
+  show(exec, *world, shown);
+  fmt::print("{}: a run would accept it\n", scene.file.string());
+  print_bodies(shown);
+  std::vector<std::string> doubts = notes_of(*world);
+  for (std::string& doubt : odd_sizes(shown)) doubts.push_back(std::move(doubt));
+  const double frame = frame_seconds(exec, scene, *world);
+  const int frames = frame_count(scene);
+  fmt::print("  loading      {}\n", wall_time(load));
+  fmt::print("  memory       {}\n", amount(memory_taken(), {"bytes", "bytes"}));
+  fmt::print("  simulating   {} frames of about {}: about {}, and pictures\n", frames, wall_time(frame), wall_time(frame * frames));
+  for (const std::string& doubt : doubts) fmt::print("warning: {}\n", doubt);
+}
+
+}  // namespace turgor
