@@ -16,8 +16,8 @@ namespace turgor {
 
 namespace {
 
-constexpr int kMostFrames = 10;         // that are tried
-constexpr double kMostSeconds = 3;      // for trying
+constexpr int kMostFrames = 10;     // that are tried
+constexpr double kMostSeconds = 3;  // for trying
 
 /// The most that this program has taken so far [bytes].
 double memory_taken() {
@@ -46,8 +46,8 @@ std::string wall_time(double seconds) { return amount(1e9 * seconds, {"ns", "ns"
 void print_bodies(const ShownWorld& shown) {
   for (const ShownBody& body : shown.bodies) {
     const Vec3d size = (body.box.high - body.box.low) * 1e3;
-    fmt::print("  {:<12} {:<8} {:.0f} x {:.0f} x {:.0f} mm, {} triangles are drawn\n", body.name, model_name(body.id.kind),
-               size.x, size.y, size.z, body.triangles.size());
+    fmt::print("  {:<12} {:<8} {:.0f} x {:.0f} x {:.0f} mm, {} triangles are drawn\n", body.name,
+               model_name(body.id.kind), size.x, size.y, size.z, body.triangles.size());
   }
   for (const ShownTool& tool : shown.tools)
     fmt::print("  {:<12} tool     on {}\n", tool.name, shown_body(shown, tool.body).name);
@@ -70,7 +70,8 @@ void check_scene(const Exec& exec, const Scene& scene) {
   const int frames = frame_count(scene);
   fmt::print("  loading      {}\n", wall_time(load));
   fmt::print("  memory       {}\n", amount(memory_taken(), {"bytes", "bytes"}));
-  fmt::print("  simulating   {} frames of about {}: about {}, and pictures\n", frames, wall_time(frame), wall_time(frame * frames));
+  fmt::print("  simulating   {} frames of about {}: about {}, and pictures\n", frames, wall_time(frame),
+             wall_time(frame * frames));
   for (const std::string& doubt : doubts) fmt::print("warning: {}\n", doubt);
 }
 

@@ -6,8 +6,8 @@
 
 namespace turgor {
 
-/// Loads the scene as a run does, tries a few frames, and prints what it has, what doubts there are, and how much
-/// memory and time a run will take. Writes no file. Failure: whatever a run would refuse.
+/// Loads the scene as a run does, tries a few frames, and prints what it has, what doubts there are, and how
+/// much memory and time a run will take. Writes no file. Failure: whatever a run would refuse.
 void check_scene(const Exec& exec, const Scene& scene);
 
 }  // namespace turgor
