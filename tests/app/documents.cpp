@@ -1,5 +1,5 @@
-// Every command of the documents, as its reader types it: runs are checked on inputs made for it, of other commands
-// every option must be one that there is.
+// Every command of the documents, as its reader types it: runs are checked on inputs made for it, of other
+// commands every option must be one that there is.
 #include <regex>
 
 #include "app/program.hpp"
@@ -16,7 +16,8 @@ struct Command {
 
 /// Lines of documents that begin with the program, and those that scenes tell in their first lines.
 std::vector<Command> commands_in(const fs::path& file) {
-  static const std::regex line_of_shell(R"(^\s*(?:#.*: |# )?(?:build/release/)?turgor ([a-z][^#`]*?)\s*(?:#.*)?$)");
+  static const std::regex line_of_shell(
+      R"(^\s*(?:#.*: |# )?(?:build/release/)?turgor ([a-z][^#`]*?)\s*(?:#.*)?$)");
   std::vector<Command> commands;
   std::ifstream text(file);
   int number = 0;
@@ -34,7 +35,8 @@ std::vector<Command> all_commands() {
   std::vector<fs::path> files{root / "README.md"};
   for (const char* folder : {"docs", "scenes"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder))
-      if (entry.path().extension() == ".md" || entry.path().extension() == ".toml") files.push_back(entry.path());
+      if (entry.path().extension() == ".md" || entry.path().extension() == ".toml")
+        files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   std::vector<Command> commands;
   for (const fs::path& file : files)
@@ -57,15 +59,20 @@ fs::path folder_of_a_reader() {
 }
 
 std::string replaced(std::string text, const std::string& name, const std::string& by) {
-  for (std::size_t at = 0; (at = text.find(name, at)) != text.npos; at += by.size()) text.replace(at, name.size(), by);
+  for (std::size_t at = 0; (at = text.find(name, at)) != text.npos; at += by.size())
+    text.replace(at, name.size(), by);
   return text;
 }
 
 /// With the reader's own files.
 std::string with_inputs(std::string arguments) {
-  for (const auto& [name, by] : {std::pair{"SEGMENTATION.nii.gz", "seg.nii.gz"}, {"SEG.nii.gz", "seg.nii.gz"},
-                                 {"PATIENT.nii.gz", "patient.nii.gz"}, {"FOLDER", "patient"}, {"liver.obj", "own.obj"},
-                                 {"FILE.obj", "scenes/tshirt.obj"}, {"scale=0.001", "scale=1"}})
+  for (const auto& [name, by] : {std::pair{"SEGMENTATION.nii.gz", "seg.nii.gz"},
+                                 {"SEG.nii.gz", "seg.nii.gz"},
+                                 {"PATIENT.nii.gz", "patient.nii.gz"},
+                                 {"FOLDER", "patient"},
+                                 {"liver.obj", "own.obj"},
+                                 {"FILE.obj", "scenes/tshirt.obj"},
+                                 {"scale=0.001", "scale=1"}})
     arguments = replaced(std::move(arguments), name, by);
   return arguments;
 }
@@ -74,7 +81,8 @@ TEST(Documents, EveryRunThatTheyNameIsAccepted) {
   const fs::path folder = folder_of_a_reader();
   std::set<std::string> done;
   for (const Command& command : all_commands()) {
-    if (!command.arguments.starts_with("run ") || command.arguments.find("--replay") != std::string::npos) continue;
+    if (!command.arguments.starts_with("run ") || command.arguments.find("--replay") != std::string::npos)
+      continue;
     const std::string arguments = with_inputs(command.arguments) + " --check";
     if (!done.insert(arguments).second) continue;
     const Ended ended = run_program(arguments, folder);

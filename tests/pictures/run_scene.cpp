@@ -98,6 +98,17 @@ TEST(RunScene, AVideoRunsAtThePaceOfTheRunAlsoInAReplay) {
       << "four snapshots, a tenth of a second each";
 }
 
+TEST(RunScene, ACameraOfTheSceneTakesPicturesOfItsOwn) {
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::four_kinds_scene(
+      folder,
+      {"camera.side.from=[0.3, 0.03, 0.1]", "camera.side.at=[0.03, 0.03, 0]", "camera.side.angle=20"});
+  ASSERT_EQ(scene.cameras.size(), 1u);
+  const Json report = must_run(scene, folder / "out");
+  EXPECT_TRUE(fs::exists(folder / "out/frames/side-0000.png"));
+  EXPECT_TRUE(fs::exists(folder / "out/side-before-after.png"));
+}
+
 TEST(RunScene, TellsPhysicsDrawingAndFilesApart) {
   const fs::path folder = test::fresh_folder();
   const Json timing =

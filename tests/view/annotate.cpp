@@ -1,5 +1,7 @@
 #include "turgor/view/annotate.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "view/shapes.hpp"
@@ -55,6 +57,22 @@ TEST(Annotate, LegendEndsHaveTheEndsOfTheMap) {
             map_color(float(bar.bottom - 1 - (bar.top + bar.bottom) / 2) / float(bar.bottom - bar.top - 1)));
   EXPECT_EQ(image.at(10, 10), (Rgb{90, 90, 90}));
   EXPECT_LT(bar.right, image.width);
+}
+
+TEST(Annotate, AScaleBarIsAsLongAsItSaysAtTheCamerasTarget) {
+  for (const double distance : {0.05, 0.37, 2.9, 40.0}) {
+    const Camera camera{.eye = {0, -distance, 0}, .target = {0, 0, 0}, .up = {0, 0, 1}, .field_of_view = 40};
+    Image image = make_image(800, 500);
+    const PixelBox bar = draw_scale_bar(image, camera);
+    const double metres_a_pixel = 2 * distance * std::tan(20 * 3.14159265358979 / 180) / 500;
+    const double length = (bar.right - bar.left) * metres_a_pixel;
+    const double power = std::pow(10, std::floor(std::log10(length * 1.02)));
+    const double leading = length / power;
+    EXPECT_TRUE(std::abs(leading - 1) < 0.03 || std::abs(leading - 2) < 0.06 || std::abs(leading - 5) < 0.15)
+        << length;
+    EXPECT_GT(bar.right - bar.left, 800 * 0.07) << distance;
+    EXPECT_LE(bar.right - bar.left, 800 * 0.2 + 1) << distance;
+  }
 }
 
 TEST(Annotate, SecondLegendStandsBesideTheFirst) {

@@ -25,6 +25,22 @@ TEST(Camera, FramedBoxFillsThePictureAndNothingIsCutOff) {
   }
 }
 
+TEST(Camera, RoomBesideIsLeftOnTheRightByWhatFilledThePicture) {
+  const Camera whole{.eye = {0.3, -2, 0.4}, .target = {0.1, 0, 0.2}, .up = {0, 0, 1}, .field_of_view = 35};
+  const double aspect = 1.5, part = 0.25;
+  const CameraFrame frame = camera_frame(whole);
+  const double half = norm(whole.eye - whole.target) * frame.tan_half * aspect;
+  const Camera moved = with_room_beside(whole, aspect, part);
+  const CameraFrame after = camera_frame(moved);
+  EXPECT_NEAR(norm(after.back - frame.back), 0, 1e-12) << "it looks the same way";
+  const auto across = [&](Vec3d point) {  // -1 at the left edge, 1 at the right one
+    const Vec3d seen = point - moved.eye;
+    return dot(seen, after.right) / (-dot(seen, after.back) * after.tan_half * aspect);
+  };
+  EXPECT_NEAR(across(whole.target - frame.right * half), -1, 1e-9);
+  EXPECT_NEAR(across(whole.target + frame.right * half), 1 - 2 * part, 1e-9);
+}
+
 TEST(Camera, FrameIsOrthonormalEvenWhenUpIsTheLineOfSight) {
   const CameraFrame frame = camera_frame({.eye = {0, 0, 2}, .target = {0, 0, 0}, .up = {0, 0, 1}});
   EXPECT_NEAR(norm(frame.right), 1, 1e-12);

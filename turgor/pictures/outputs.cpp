@@ -17,63 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kVideoFolder = ".video";
 constexpr double kVideoRate = 20, kMotionRate = 10;  // moments a second, of simulated and of shown time
-Vec3d to_patient(const Grid& grid, Vec3d local) { return grid.origin + grid.axes * local; }
-
-Box grown(Box box, double margin) {
-  const Vec3d m{margin, margin, margin};
-  return {box.low - m, box.high + m};
-}
-
-/// Looks at a cut from outside, a little from below, its line upright or lying as in the patient.
-SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::BladePath& path, double aspect) {
-  const Grid& grid = world.lattice_bodies[std::size_t(cut.body)].model.grid;
-  Box box{to_patient(grid, path.skin.front()), to_patient(grid, path.skin.front())};
-  for (const Vec3d p : path.skin)
-    box = {min(box.low, to_patient(grid, p)), max(box.high, to_patient(grid, p))};
-  const double length = norm(path.skin.back() - path.skin.front());
-  const Vec3d outward = -(grid.axes * path.into);
-  const Vec3d direction = outward + Vec3d{0.15, 0, -0.35};
-  return {cut.blade.name,
-          cut.blade.name + " from near",
-          frame_box(grown(box, std::max(0.01, 0.08 * length)), direction, {0, 0, 1}, aspect),
-          {},
-          {}};
-}
-
-Box box_of(const ShownWorld& shown) {
-  constexpr double kFar = std::numeric_limits<double>::max();
-  Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
-  for (const ShownBody& body : shown.bodies)
-    if (!body.rest.empty()) box = {min(box.low, body.box.low), max(box.high, body.box.high)};
-  return box;
-}
-
-/// The side from which a tool comes to the first body that has one; none without tools.
-std::optional<Vec3d> side_of_tools(const ShownWorld& shown) {
-  const Box box = box_of(shown);
-  for (const ShownBody& body : shown.bodies)
-    for (const ShownTool& tool : shown.tools)
-      if (tool.body == body.id) return tool.pose.position - (box.low + box.high) * 0.5;
-  return {};
-}
-
-bool shows_skin(const ShownWorld& shown) {
-  return std::any_of(shown.bodies.begin(), shown.bodies.end(),
-                     [](const ShownBody& body) { return body.look == Look::kSkin; });
-}
-
-SurfaceView view_of_bodies(const ShownWorld& shown, Vec3d outward, double aspect) {
-  const Vec3d out = normalized(outward);
-  const bool from_head = std::abs(out.z) > 0.8;  // then one sees more from the front
-  const Vec3d direction = out + (from_head ? Vec3d{0.5, -1.1, 0} : Vec3d{0.45, 0, 0.2});
-  const bool skin = shows_skin(shown);
-  return {skin ? "skin" : "body",
-          skin ? "the skin" : "the body",
-          frame_box(box_of(shown), direction, {0, 0, 1}, aspect),
-          true,
-          {},
-          {}};
-}
 
 /// Nothing and a warning, once, when OpenGL is missing.
 std::optional<Image> draw_world(const ShownWorld& shown, Outputs& outputs, const Camera& camera, bool colored,
@@ -81,14 +24,14 @@ std::optional<Image> draw_world(const ShownWorld& shown, Outputs& outputs, const
   const SkinColor color = colored ? outputs.scene->output.color : SkinColor::kNone;
   const ColorScale scale = color_scale(*outputs.scene, color);
   PictureParts parts;
-  add_world(shown, color, color == SkinColor::kNone ? nullptr : &scale, parts);
+  add_world(shown, color, color == SkinColor::kNone ? nullptr : &scale, camera.eye, parts);
   return draw_parts(parts, camera, outputs, care);
 }
 
 /// A cut from near once more, in colours.
 Status add_colored_view(const ShownWorld& shown, Outputs& outputs, const SurfaceView& view) {
   if (view.colored || outputs.scene->output.color == SkinColor::kNone) return Done{};
-  const std::optional<Image> image = draw_world(shown, outputs, view.camera, true);
+  const std::optional<Image> image = draw_world(shown, outputs, beside_legend(view.camera, outputs), true);
   if (!image) return Done{};
   return add_picture(outputs, view.name + "-colored.png", view.caption + ", in colours", *image, false);
 }
@@ -119,6 +62,11 @@ Status finish_video(Outputs& outputs) {
 
 }  // namespace
 
+bool shows_skin(const ShownWorld& shown) {
+  return std::any_of(shown.bodies.begin(), shown.bodies.end(),
+                     [](const ShownBody& body) { return body.look == Look::kSkin; });
+}
+
 Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& world,
                              const ShownWorld& shown, fs::path folder) {
   Outputs outputs;
@@ -128,21 +76,20 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
     if (!fs::create_directory(outputs.folder / name, error))
       return Error{
           fmt::format("{}: cannot make the folder: {}", (outputs.folder / name).string(), error.message())};
-  const double aspect = double(scene.output.width) / scene.output.height;
-  Vec3d outward = side_of_tools(shown).value_or(Vec3d{0, -1, 0});  // else the front of a patient
-  std::vector<SurfaceView> cuts;
   for (const LatticeBody& body : world.lattice_bodies)
     outputs.at_rest.push_back(lattice::make_state(body.model));
-  for (const Cut& cut : world.cuts) {
-    const auto body = std::size_t(cut.body);
-    const auto path = lattice::lay_blade(world.lattice_bodies[body].model, outputs.at_rest[body], cut.blade);
-    if (!path) return path.error();
-    if (cuts.empty()) outward = -(world.lattice_bodies[body].model.grid.axes * path->into);
-    cuts.push_back(view_of_cut(world, cut, *path, aspect));
-  }
-  outputs.views.push_back(view_of_bodies(shown, outward, aspect));
-  std::move(cuts.begin(), cuts.end(), std::back_inserter(outputs.views));
+  Result<std::vector<SurfaceView>> views = make_views(scene, world, shown, outputs.at_rest);
+  if (!views) return views.error();
+  outputs.views = std::move(*views);
+  for (SurfaceView& view : outputs.views)
+    if (view.colored && scene.output.color != SkinColor::kNone)
+      view.camera = beside_legend(view.camera, outputs);
   return outputs;
+}
+
+Camera beside_legend(const Camera& camera, const Outputs& outputs) {
+  const OutputScene& output = outputs.scene->output;
+  return with_room_beside(camera, double(output.width) / output.height, kLegendPart);
 }
 
 ColorScale color_scale(const Scene& scene, SkinColor color) {
@@ -166,6 +113,7 @@ std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera,
   Result<Image> image = draw_meshes(parts.parts, camera, output.width, output.height, care);
   if (image) {
     draw_labels(parts.labels, camera, *image);
+    draw_scale_bar(*image, camera);
     return std::move(*image);
   }
   outputs.can_draw = false;

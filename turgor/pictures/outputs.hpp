@@ -59,6 +59,10 @@ class AddTime {
 /// Cameras for the world at its first snapshot, and the folders.
 Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& world,
                              const ShownWorld& shown, std::filesystem::path folder);
+/// views.cpp: from where it is seen; the whole first.
+Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& world, const ShownWorld& shown,
+                                            const std::vector<lattice::State>& at_rest);
+bool shows_skin(const ShownWorld& shown);
 /// Pictures and meshes of the world now.
 Status add_snapshot(const ShownWorld& shown, Outputs& outputs);
 /// Every how many frames there is a moment for the 3D view of the page, and for the video if there is one.
@@ -74,6 +78,8 @@ std::string motion_of_page(Outputs& outputs);
 /// Draws what was put together; nothing and a warning, once, when OpenGL is missing.
 std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs,
                                 MeshCare care = MeshCare::kFull);
+/// A camera for pictures with a legend, which stands beside the body and not over it.
+Camera beside_legend(const Camera& camera, const Outputs& outputs);
 /// Writes a picture and lists it in the report.
 Status add_picture(Outputs& outputs, const std::string& file, const std::string& caption, const Image& image,
                    bool large);

@@ -26,18 +26,21 @@ std::string newtons(double force) {
 }
 
 /// From where the tool ends, in the direction of the force on it.
-void add_arrow(const ShownTool& tool, const TriMesh& mesh, ArrowScale arrows, PictureParts& parts) {
+void add_arrow(const ShownTool& tool, const TriMesh& mesh, ArrowScale arrows, Vec3d eye,
+               PictureParts& parts) {
   const double force = norm(tool.force);
   if (!(force > 1e-3 * arrows.force)) return;
   const Vec3d direction = tool.force / force;
   double beyond = 0;
   for (const Vec3 x : mesh.vertices) beyond = std::max(beyond, dot(Vec3d(x) - tool.pose.position, direction));
-  const double length = arrows.length * std::clamp(force / arrows.force, 0.25, 3.0);
+  const double length = arrows.length * std::clamp(force / arrows.force, 0.25, kLongestArrow);
   const double thickness = 0.06 * arrows.length;
   Vec3d tail = tool.pose.position + direction * beyond;
   const bool pulls = dot(direction, tool.pose.axes.column[2]) < -0.5;
-  if (pulls)  // beside the tool: the body would hide it
-    tail = tool.pose.position - direction * length - tool.pose.axes.column[0] * (0.5 * arrows.length);
+  if (pulls) {  // beside the tool as it is seen: it and the body would hide it
+    const Vec3d beside = normalized(cross(direction, eye - tool.pose.position));
+    tail = tool.pose.position - direction * length - beside * (0.4 * arrows.length);
+  }
   parts.add(arrow_mesh(tail, tail + direction * length, thickness), kArrow);
   const Vec3d end = pulls ? tail - direction * (2 * thickness) : tail + direction * (length + 2 * thickness);
   parts.labels.push_back({end, newtons(force)});
@@ -97,17 +100,18 @@ void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, P
   parts.add(std::move(surface), color_of(body.look), scale);
 }
 
-void add_tool(const ShownTool& tool, ArrowScale arrows, PictureParts& parts) {
-  add_arrow(tool, parts.add(placed(tool.mesh, tool.pose), kTool), arrows, parts);
+void add_tool(const ShownTool& tool, ArrowScale arrows, Vec3d eye, PictureParts& parts) {
+  add_arrow(tool, parts.add(placed(tool.mesh, tool.pose), kTool), arrows, eye, parts);
 }
 
-void add_world(const ShownWorld& shown, SkinColor color, const ColorScale* scale, PictureParts& parts) {
+void add_world(const ShownWorld& shown, SkinColor color, const ColorScale* scale, Vec3d eye,
+               PictureParts& parts) {
   for (const ShownBody& body : shown.bodies)
     is_beside_tissue(body, shown) ? add_body(body, SkinColor::kNone, nullptr, parts)
                                   : add_body(body, color, scale, parts);
   for (const ShownTool& tool : shown.tools) {
     const ShownBody& body = shown_body(shown, tool.body);
-    add_tool(tool, {body.usual_force, 0.2 * norm(body.box.high - body.box.low)}, parts);
+    add_tool(tool, {body.usual_force, 0.2 * norm(body.box.high - body.box.low)}, eye, parts);
   }
   for (const TriMesh& obstacle : shown.obstacles) parts.add(obstacle, kObstacle);
 }

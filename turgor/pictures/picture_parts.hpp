@@ -33,8 +33,9 @@ struct PictureParts {
 /// How long the arrows of forces are.
 struct ArrowScale {
   double force = 1;   // an arrow of `length` is this many newtons [N]
-  double length = 0;  // [m]; the longest is three times, the shortest a quarter of it
+  double length = 0;  // [m]; the longest is kLongestArrow times, the shortest a quarter of it
 };
+constexpr double kLongestArrow = 1.5;
 
 /// The quantity at every vertex that a colour shows: displacement [m], stretch [1] or pressure [Pa]. Empty:
 /// the body knows none.
@@ -44,10 +45,11 @@ TriMesh shown_mesh(const ShownBody& body);
 
 /// A surface as its look is, or coloured by the scale where the body knows the quantity.
 void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, PictureParts& parts);
-/// A tool, and an arrow for the force on it, with its newtons.
-void add_tool(const ShownTool& tool, ArrowScale arrows, PictureParts& parts);
+/// A tool, and an arrow for the force on it, with its newtons, where it is not hidden from the eye [m].
+void add_tool(const ShownTool& tool, ArrowScale arrows, Vec3d eye, PictureParts& parts);
 /// All bodies, their tools, and what cloth lies on.
-void add_world(const ShownWorld& shown, SkinColor color, const ColorScale* scale, PictureParts& parts);
+void add_world(const ShownWorld& shown, SkinColor color, const ColorScale* scale, Vec3d eye,
+               PictureParts& parts);
 
 /// Writes the labels where the camera sees their places.
 void draw_labels(const std::vector<PictureLabel>& labels, const Camera& camera, Image& image);

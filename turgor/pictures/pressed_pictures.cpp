@@ -65,7 +65,7 @@ std::optional<Image> draw_body(const ShownBody& body, const std::vector<ShownToo
                                const Camera& camera, double arrow, Outputs& outputs) {
   PictureParts parts;
   add_body(body, SkinColor::kNone, nullptr, parts);
-  for (const ShownTool& tool : tools) add_tool(tool, {body.usual_force, arrow}, parts);
+  for (const ShownTool& tool : tools) add_tool(tool, {body.usual_force, arrow}, camera.eye, parts);
   return draw_parts(parts, camera, outputs);
 }
 
@@ -80,7 +80,7 @@ Status add_colored(const ShownBody& body, SkinColor color, const char* name, con
     scale.high = *std::max_element(values.begin(), values.end());
   PictureParts parts;
   add_body(body, color, &scale, parts);
-  const std::optional<Image> image = draw_parts(parts, camera, outputs);
+  const std::optional<Image> image = draw_parts(parts, beside_legend(camera, outputs), outputs);
   if (!image) return Done{};
   return add_picture(outputs, fmt::format("{}-{}.png", body.name, name),
                      fmt::format("{} under the largest force, the tool left out: {}", body.name, caption),

@@ -104,6 +104,27 @@ PixelBox draw_legend(Image& image, const ColorScale& scale, int slot) {
   return bar;
 }
 
+PixelBox draw_scale_bar(Image& image, const Camera& camera) {
+  const int size = std::clamp(image.height / 44, 11, 40), margin = size;
+  const double height =
+      2 * norm(camera.eye - camera.target) * camera_frame(camera).tan_half;  // of the picture [m]
+  const double longest = 0.2 * height * image.width / image.height;
+  double length = std::pow(10, std::floor(std::log10(longest)));
+  for (const double more : {5.0, 2.0})
+    if (more * length <= longest) {
+      length *= more;
+      break;
+    }
+  const int pixels = int(std::lround(length / height * image.height)), bottom = image.height - margin;
+  const PixelBox bar{margin, bottom - std::max(2, size / 5), margin + pixels, bottom};
+  fill(image, {bar.left - 1, bar.top - 1, bar.right + 1, bar.bottom + 1}, kPanel, 0.6f);
+  fill(image, bar, kInk, 1);
+  const std::string text =
+      length >= 0.999 ? fmt::format("{:.0f} m", length) : fmt::format("{:.3g} mm", 1e3 * length);
+  draw_text(image, text, bar.left, bar.top - size, {.size = size, .color = kInk, .halo = true});
+  return bar;
+}
+
 Image side_by_side(const std::vector<Image>& images, const std::vector<std::string>& captions) {
   constexpr int kGap = 4;
   int width = 0, height = 0;

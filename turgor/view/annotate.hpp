@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "turgor/io/image.hpp"
+#include "turgor/view/camera.hpp"
 #include "turgor/view/color.hpp"
 
 namespace turgor {
@@ -33,6 +34,13 @@ int text_width(std::string_view text, int size);
 /// A bar of the scale's colours with round numbers and the label, at the right edge; the `slot`-th legend of
 /// a picture stands `slot` places to the left. Returns the bar, whose top row is the colour of `high`.
 PixelBox draw_legend(Image& image, const ColorScale& scale, int slot = 0);
+
+/// The part of a picture's width that a legend takes, with one that is not wide.
+constexpr double kLegendPart = 0.22;
+
+/// A bar of a round length, with its length, at the lower left: it is as long as what lies at the camera's
+/// target and faces it. Returns the bar.
+PixelBox draw_scale_bar(Image& image, const Camera& camera);
 
 /// Several pictures in a row, each with a caption above.
 Image side_by_side(const std::vector<Image>& images, const std::vector<std::string>& captions);

@@ -52,4 +52,14 @@ Camera frame_box(const Box& box, Vec3d direction, Vec3d up, double aspect) {
   return camera;
 }
 
+Camera with_room_beside(const Camera& camera, double aspect, double part) {
+  const CameraFrame frame = camera_frame(camera);
+  const double distance = norm(camera.eye - camera.target) / (1 - part);
+  Camera moved = camera;
+  const Vec3d aside = frame.right * (part * distance * frame.tan_half * aspect);
+  moved.target += aside;
+  moved.eye = moved.target + frame.back * distance;
+  return moved;
+}
+
 }  // namespace turgor

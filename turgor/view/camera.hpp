@@ -36,4 +36,8 @@ Box bounding_box(const Grid& grid);
 /// width / height.
 Camera frame_box(const Box& box, Vec3d direction, Vec3d up, double aspect);
 
+/// The camera farther away and aside, so that what filled its pictures leaves this part of their width free
+/// on the right.
+Camera with_room_beside(const Camera& camera, double aspect, double part);
+
 }  // namespace turgor

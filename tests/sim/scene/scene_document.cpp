@@ -27,6 +27,8 @@ body = "a"
 [incision.other]
 body = "a"
 from_fraction = [0, 0, 0]
+[camera.side]
+from = [0, 0, 0]
 [output]
 deformed_size = [1, 1, 1]
 )",

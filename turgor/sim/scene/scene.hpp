@@ -66,6 +66,13 @@ struct OutputScene {
   bool video = false;
 };
 
+/// [camera.NAME]: pictures of every snapshot from one more place.
+struct CameraScene {
+  std::string name;
+  Vec3d from, at, up{0, 0, 1};  // [m], [m], any length
+  double angle = 30;            // vertical [degrees]
+};
+
 struct Scene {
   std::filesystem::path file;
   std::string text;                    // of the file
@@ -78,6 +85,7 @@ struct Scene {
   std::vector<SfemScene> sfem_bodies;
   std::vector<RhombusScene> rhombus_bodies;
   std::vector<ToolScene> tools;
+  std::vector<CameraScene> cameras;
   std::vector<ClothScene> cloth_bodies;
   OutputScene output;
 };

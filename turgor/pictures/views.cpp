@@ -1,0 +1,125 @@
+// From where a run is seen: the whole of it from the side of the tools or the front, every cut from near, and the
+// cameras of the scene.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "turgor/pictures/outputs.hpp"
+
+namespace turgor {
+
+namespace {
+
+Vec3d to_patient(const Grid& grid, Vec3d local) { return grid.origin + grid.axes * local; }
+
+Box grown(Box box, double margin) {
+  const Vec3d m{margin, margin, margin};
+  return {box.low - m, box.high + m};
+}
+
+/// Looks at a cut from outside, a little from below, its line upright or lying as in the patient.
+SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::BladePath& path, double aspect) {
+  const Grid& grid = world.lattice_bodies[std::size_t(cut.body)].model.grid;
+  Box box{to_patient(grid, path.skin.front()), to_patient(grid, path.skin.front())};
+  for (const Vec3d p : path.skin)
+    box = {min(box.low, to_patient(grid, p)), max(box.high, to_patient(grid, p))};
+  const double length = norm(path.skin.back() - path.skin.front());
+  const Vec3d outward = -(grid.axes * path.into);
+  const Vec3d direction = outward + Vec3d{0.15, 0, -0.35};
+  return {cut.blade.name,
+          cut.blade.name + " from near",
+          frame_box(grown(box, std::max(0.01, 0.08 * length)), direction, {0, 0, 1}, aspect),
+          {},
+          {}};
+}
+
+Box box_of(const ShownWorld& shown) {
+  constexpr double kFar = std::numeric_limits<double>::max();
+  Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+  for (const ShownBody& body : shown.bodies)
+    if (!body.rest.empty()) box = {min(box.low, body.box.low), max(box.high, body.box.high)};
+  return box;
+}
+
+/// Where the holds of cloth go.
+void add_holds(const World& world, Box& box) {
+  const Box rest = box;
+  for (const ClothBody& cloth : world.cloth_bodies)
+    for (const ClothHold& hold : cloth.holds) {
+      std::vector<Vec3d> places;
+      if (hold.scene.ball) places.push_back(hold.scene.ball->centre);
+      if (hold.scene.box)
+        for (const Vec3d corner : *hold.scene.box) places.push_back(max(rest.low, min(rest.high, corner)));
+      for (const auto& [t, x, y, z] : hold.scene.path)
+        for (const Vec3d place : places) {
+          const Vec3d there = place + Vec3d{x, y, z};
+          box = {min(box.low, there), max(box.high, there)};
+        }
+    }
+}
+
+/// Room for the arrows beside tools, on the side from which they come.
+void add_arrows(const ShownWorld& shown, Box& box) {
+  const double room = 0.15 * norm(box.high - box.low);
+  const Box most = grown(box, room);
+  for (const ShownTool& tool : shown.tools) {
+    const Vec3d place = max(most.low, min(most.high, tool.pose.position));
+    box = {min(box.low, place), max(box.high, place)};
+  }
+}
+
+/// Around all that the run is going to show, as far as one knows at its start.
+Box box_of_motion(const World& world, const ShownWorld& shown) {
+  Box box = box_of(shown);
+  add_holds(world, box);
+  add_arrows(shown, box);
+  return box;
+}
+
+/// The side from which a tool comes to the first body that has one; none without tools.
+std::optional<Vec3d> side_of_tools(const ShownWorld& shown) {
+  const Box box = box_of(shown);
+  for (const ShownBody& body : shown.bodies)
+    for (const ShownTool& tool : shown.tools)
+      if (tool.body == body.id) return tool.pose.position - (box.low + box.high) * 0.5;
+  return {};
+}
+
+SurfaceView view_of_bodies(const World& world, const ShownWorld& shown, Vec3d outward, double aspect) {
+  const Vec3d out = normalized(outward);
+  const bool from_head = std::abs(out.z) > 0.8;  // then one sees more from the front
+  const Vec3d direction = out + (from_head ? Vec3d{0.5, -1.1, 0} : Vec3d{0.45, 0, 0.2});
+  const bool skin = shows_skin(shown);
+  return {skin ? "skin" : "body",
+          skin ? "the skin" : "the body",
+          frame_box(box_of_motion(world, shown), direction, {0, 0, 1}, aspect),
+          true,
+          {},
+          {}};
+}
+
+SurfaceView view_of_camera(const CameraScene& camera) {
+  return {camera.name, camera.name, {camera.from, camera.at, camera.up, camera.angle}, false, {}, {}};
+}
+
+}  // namespace
+
+Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& world, const ShownWorld& shown,
+                                            const std::vector<lattice::State>& at_rest) {
+  const double aspect = double(scene.output.width) / scene.output.height;
+  Vec3d outward = side_of_tools(shown).value_or(Vec3d{0, -1, 0});  // else the front of a patient
+  std::vector<SurfaceView> cuts;
+  for (const Cut& cut : world.cuts) {
+    const auto body = std::size_t(cut.body);
+    const auto path = lattice::lay_blade(world.lattice_bodies[body].model, at_rest[body], cut.blade);
+    if (!path) return path.error();
+    if (cuts.empty()) outward = -(world.lattice_bodies[body].model.grid.axes * path->into);
+    cuts.push_back(view_of_cut(world, cut, *path, aspect));
+  }
+  std::vector<SurfaceView> views{view_of_bodies(world, shown, outward, aspect)};
+  std::move(cuts.begin(), cuts.end(), std::back_inserter(views));
+  for (const CameraScene& camera : scene.cameras) views.push_back(view_of_camera(camera));
+  return views;
+}
+
+}  // namespace turgor
