@@ -1,5 +1,5 @@
-// From where a run is seen: the whole of it from the side of the tools or the front, every cut from near, and the
-// cameras of the scene.
+// From where a run is seen: the whole of it from the side of the tools or the front, every cut from near, and
+// the cameras of the scene.
 #include <algorithm>
 #include <cmath>
 #include <limits>

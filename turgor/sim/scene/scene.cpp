@@ -102,8 +102,7 @@ Status apply_override(toml::table& root, const std::string& text, SceneProblems&
   std::string path;
   for (std::size_t i = 0; i + 1 < parts.size(); i++) {
     // Bodies, incisions and tools are not made by naming them: a misspelt one would be silently alone.
-    const bool names_one = i == 1 && (parts[0] == "body" || parts[0] == "incision" || parts[0] == "tool" ||
-                                      parts[0] == "camera");
+    const bool names_one = i == 1 && (parts[0] == "body" || parts[0] == "incision" || parts[0] == "tool");
     if (names_one && !table->contains(parts[i]))
       return Error{fmt::format("--set {}: the scene has no {} {}{}", key, parts[0], parts[i],
                                suggestion(parts[i], keys_of(*table)))};

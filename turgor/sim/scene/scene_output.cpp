@@ -63,7 +63,8 @@ CameraScene read_camera(SceneTable table, const std::string& name) {
   table.require({"at"}, "what it looks at, [x, y, z] [m]");
   table.read("at", camera.at, any_number("m"), "what it looks at: the middle of its pictures");
   table.read("up", camera.up, any_number("1"), "what is up in its pictures; any length");
-  table.read("angle", camera.angle, within(1, 150, "degrees"), "from the lower to the upper edge of its pictures");
+  table.read("angle", camera.angle, within(1, 150, "degrees"),
+             "from the lower to the upper edge of its pictures");
   if (table.has("from") && table.has("at") && !(norm(camera.from - camera.at) > 0))
     table.fail("at", "the camera is where it looks at; expected another place");
   if (!(norm(camera.up) > 0)) table.fail("up", "expected a direction, found a vector without length");
