@@ -1,0 +1,186 @@
+"""The Python module against the program: TURGOR (the program) and PYTHONPATH come from scripts/python."""
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import threading
+import unittest
+
+import numpy as np
+
+import turgor
+
+PROGRAM = os.environ["TURGOR"]
+FORCEPS = """
+[world]
+duration = 0.4
+frame_rate = 50
+[body.liver]
+model = "rhombus"
+surface = { phantom = "liver", detail = 0.3 }
+[tool.forceps]
+body = "liver"
+shape = { forceps = "phantom" }
+grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.004, pull = 0.006, start = 0, duration = 0.1 }
+[output]
+video = false
+snapshots = { every = 0.2, size = [160, 120] }
+"""
+PAD = """
+[world]
+duration = 0.2
+frame_rate = 50
+[body.pad]
+model = "sfem"
+block = { size = [0.06, 0.06, 0.03], count = [6, 6, 3] }
+fixed = "bottom"
+young = 5e3
+poisson = 0.4
+cache = false
+[tool.finger]
+body = "pad"
+shape = { sphere = 0.006 }
+path = [[0, 0.03, 0.03, 0.05]]
+[output]
+video = false
+snapshots = { every = 0.1, size = [160, 120] }
+"""
+CLOTH = """
+[world]
+duration = 0.2
+frame_rate = 50
+gravity = [0, 0, -9.81]
+[body.sheet]
+model = "cloth"
+sheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0.2, 0], columns = 12, rows = 12 }
+[body.sheet.hold.edge]
+box = [[-1, 0.19, -1], [1, 1, 1]]
+[output]
+video = false
+snapshots = { every = 0.1, size = [160, 120] }
+"""
+TORSO = """
+[world]
+duration = 0.2
+frame_rate = 50
+[body.torso]
+model = "lattice"
+ct = { phantom = "torso", size = [64, 48, 40], spacing_mm = [6.5, 6.5, 6.5] }
+block = 2
+fixed = ["bone", "ends"]
+[incision.midline]
+body = "torso"
+from_fraction = [0.5, 0.0, 0.7]
+to_fraction = [0.5, 0.0, 0.3]
+depth = 0.02
+start = 0.02
+duration = 0.05
+[output]
+video = false
+snapshots = { every = 0.1, size = [160, 120] }
+"""
+
+
+def hash_of_program(text, *arguments):
+    with tempfile.TemporaryDirectory() as folder:
+        scene = pathlib.Path(folder) / "s.toml"
+        scene.write_text(text)
+        subprocess.run([PROGRAM, "run", scene, "-q", "-o", f"{folder}/out", *arguments], check=True)
+        return json.loads((pathlib.Path(folder) / "out/report.json").read_text())["state_hash"]
+
+
+class Turgor(unittest.TestCase):
+    def test_every_model_has_the_programs_bits(self):
+        for text in (FORCEPS, PAD, CLOTH, TORSO):
+            world = turgor.World(text=text, threads=2)
+            for _ in world.run():
+                pass
+            self.assertEqual(world.state_hash, hash_of_program(text), text)
+
+    def test_a_run_is_the_programs_and_leaves_its_folder(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder) / "s.toml"
+            scene.write_text(FORCEPS)
+            report = turgor.run(scene, out=pathlib.Path(folder) / "out", set={"world.duration": 0.2})
+            self.assertEqual(report["state_hash"], hash_of_program(FORCEPS, "--set", "world.duration=0.2"))
+            self.assertTrue((pathlib.Path(folder) / "out/report.html").exists())
+
+    def test_places_are_rest_and_displacement(self):
+        world = turgor.World(text=CLOTH)
+        world.step(5)
+        sheet = world["sheet"]
+        self.assertEqual(sheet.rest_points.shape, (len(sheet.points), 3))
+        np.testing.assert_allclose(sheet.rest_points + sheet.displacement, sheet.points, atol=1e-6)
+        self.assertLess(sheet.displacement[:, 2].min(), -1e-3)
+        self.assertEqual(sheet.triangles.min(), 0)
+        self.assertEqual(sheet.triangles.max(), len(sheet.points) - 1)
+
+    def test_arrays_outlive_their_world_and_do_not_change(self):
+        world = turgor.World(text=CLOTH)
+        before = world["sheet"].points
+        kept = before.copy()
+        world.step(3)
+        del world
+        np.testing.assert_array_equal(before, kept)
+
+    def test_a_driven_tool_presses_where_it_is_led_as_hard_as_a_path_of_the_scene(self):
+        driven = turgor.World(text=PAD)
+        rows = np.array([[0.1, 0.03, 0.03, 0.0345], [0.2, 0.03, 0.03, 0.0345]])
+        driven.drive("finger", rows)
+        written = turgor.World(text=PAD, set={
+            "tool.finger.path": [[0, 0.03, 0.03, 0.05], [0.1, 0.03, 0.03, 0.0345], [0.2, 0.03, 0.03, 0.0345]]})
+        for world in (driven, written):
+            for _ in world.run():
+                pass
+        felt, expected = driven.forces("finger"), written.forces("finger")
+        self.assertGreater(expected["force_N"][-1, 2], 0.005)
+        np.testing.assert_allclose(felt["force_N"][-1], expected["force_N"][-1], atol=1e-6)
+        line = 0.05 - 0.0155 * np.minimum(felt["time_s"] / 0.1, 1)
+        np.testing.assert_allclose(felt["position_m"][:, 2], line, atol=1e-12)
+
+    def test_what_the_program_refuses_is_an_error_with_its_sentence(self):
+        with self.assertRaisesRegex(turgor.Error, "tension"):
+            turgor.World(text=TORSO, set={"body.torso.skin.tension": -4})
+        with self.assertRaisesRegex(turgor.Error, "no-such.toml"):
+            turgor.World("no-such.toml")
+        with self.assertRaisesRegex(KeyError, "spleen"):
+            turgor.World(text=CLOTH)["spleen"]
+        with self.assertRaisesRegex(turgor.Error, "row"):
+            turgor.World(text=PAD).drive("finger", np.array([[0.1, 2.0]]))
+        with self.assertRaises(TypeError):
+            turgor.World()
+
+    def test_overrides_are_written_as_toml(self):
+        world = turgor.World(text=FORCEPS, set={"body.liver.surface": {"phantom": "liver", "detail": 0.25},
+                                                "world.duration": np.float64(0.1), "output.video": None})
+        self.assertAlmostEqual(world.duration, 0.1)
+
+    def test_worlds_run_beside_each_other_and_one_world_is_entered_once(self):
+        worlds = [turgor.World(text=CLOTH, threads=1) for _ in range(4)]
+        threads = [threading.Thread(target=world.step, args=(10,)) for world in worlds]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(len({world.state_hash for world in worlds}), 1)
+        one = turgor.World(text=CLOTH, threads=1)
+        refused = []
+
+        def enter():
+            try:
+                for _ in range(20):
+                    one.step(20)
+            except RuntimeError as error:
+                refused.append(str(error))
+
+        threads = [threading.Thread(target=enter) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertTrue(refused and "another thread" in refused[0])
+
+
+if __name__ == "__main__":
+    unittest.main()
