@@ -51,7 +51,8 @@ TEST(mouse_device, a_force_holds_the_tool_back_by_force_over_the_stiffness_of_th
   MouseDevice device(kReach);
   ASSERT_TRUE(device.open());
   device.lead(at({}, 1));
-  const DeviceInput input = exchange_for(device, 0.5, {.force = {0, 2.4, -1.2}, .torque = {}, .grip_force = 0});
+  const DeviceInput input =
+      exchange_for(device, 0.5, {.force = {0, 2.4, -1.2}, .torque = {}, .grip_force = 0});
   EXPECT_NEAR(input.pose.position.y, 2.4 / MouseDevice::kStiffness, 2e-5);
   EXPECT_NEAR(input.pose.position.z, -1.2 / MouseDevice::kStiffness, 2e-5);
 }

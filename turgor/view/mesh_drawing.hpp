@@ -34,8 +34,8 @@ struct MeshDrawing {
 /// Draws; the answer is the framebuffer that holds the picture, rows from the bottom, and is bound. Parts as
 /// in draw_meshes, without their legends. Error: which call failed.
 Result<GLuint> draw_into_texture(MeshDrawing& drawing, const std::vector<MeshPart>& parts,
-                                 const Camera& camera, int width, int height,
-                                 MeshCare care = MeshCare::kFull, MeshStyle style = MeshStyle::kSurface);
+                                 const Camera& camera, int width, int height, MeshCare care = MeshCare::kFull,
+                                 MeshStyle style = MeshStyle::kSurface);
 
 /// What is in the framebuffer that is bound, rows from the top.
 Image read_pixels(int width, int height);

@@ -52,7 +52,8 @@ Above above(const SessionNow& now, const MouseTool& mouse) {
   const ShownTool& tool = now.shown.tools[std::size_t(mouse.tool)];
   const ShownBody& body = shown_body(now.shown, tool.body);
   Above place;
-  place.top = Vec3d(*std::max_element(body.x.begin(), body.x.end(), [](Vec3 a, Vec3 b) { return a.z < b.z; }));
+  place.top =
+      Vec3d(*std::max_element(body.x.begin(), body.x.end(), [](Vec3 a, Vec3 b) { return a.z < b.z; }));
   for (const Vec3 x : tool.mesh.vertices) place.tip = std::max(place.tip, -double(x.z));
   return place;
 }
@@ -61,20 +62,23 @@ Above above(const SessionNow& now, const MouseTool& mouse) {
 double force_at(Session& session, std::size_t mouse, const Above& place, double depth, int put) {
   const MouseTool tool = session.now().mouse[mouse];
   const Vec3d high{0, 0, place.tip + 0.02}, wanted{0, 0, place.tip - depth};
-  tool.device->lead({.pose = {place.top + wanted, {}}, .hold = false, .put = put, .put_at = place.top + high});
+  tool.device->lead(
+      {.pose = {place.top + wanted, {}}, .hold = false, .put = put, .put_at = place.top + high});
   const double begin = session.now().shown.time;
   EXPECT_TRUE(wait_until(session, [begin](const SessionNow& now) { return now.shown.time > begin + 0.6; }));
   const auto& felt = session.now().felt[std::size_t(tool.tool)];
   return felt.empty() ? 0 : felt.back().force;
 }
 
-TEST(Session, a_mouse_presses_bodies_of_every_model_that_is_touched_and_feels_more_the_deeper_it_wants_to_be) {
+TEST(Session,
+     a_mouse_presses_bodies_of_every_model_that_is_touched_and_feels_more_the_deeper_it_wants_to_be) {
   Session session(four_kinds_file(), {}, kParams);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
   ASSERT_EQ(session.now().mouse.size(), 3u) << "sfem, rhombus, lattice";
   for (std::size_t mouse = 0; mouse < 3; mouse++) {
     const Above place = above(session.now(), session.now().mouse[mouse]);
-    const double far = force_at(session, mouse, place, -0.02, 1), near = force_at(session, mouse, place, 0.004, 1),
+    const double far = force_at(session, mouse, place, -0.02, 1),
+                 near = force_at(session, mouse, place, 0.004, 1),
                  deep = force_at(session, mouse, place, 0.010, 1);
     EXPECT_EQ(far, 0) << "body " << mouse;
     EXPECT_GT(near, 0.005) << "body " << mouse;
@@ -135,7 +139,8 @@ TEST(Session, a_cut_that_is_asked_for_opens_a_wound_and_a_reset_closes_it) {
 TEST(Session, a_cut_beside_the_body_is_answered_by_a_sentence_and_the_world_goes_on) {
   Session session(four_kinds_file(), {}, kParams);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
-  session.ask(AskCut{.blade = {.name = "cut", .from = {1, 1, 1}, .to = {1, 1, 1.1}, .depth = 0.01}, .body = 0});
+  session.ask(
+      AskCut{.blade = {.name = "cut", .from = {1, 1, 1}, .to = {1, 1, 1.1}, .depth = 0.01}, .body = 0});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.error.empty(); }));
   EXPECT_NE(session.now().error.find("no cut"), std::string::npos);
   const int frame = session.now().shown.frame;

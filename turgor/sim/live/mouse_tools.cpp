@@ -23,19 +23,19 @@ bool can_be_touched(const Scene& scene, BodyId id) {
 /// In front of the body, before anything is asked of it.
 ToolScene fingertip(BodyId id, const std::string& body) {
   constexpr double kNever = 1e6;  // [s]
-  return {.name = "finger-" + body,
-          .place = "the mouse's fingertip on " + body,
-          .body = id,
-          .shape = BallTool{.radius = 0.008},
-          .friction = 0.3,
-          .motion = Press{.at = {0.5, 0, 0.5}, .to = {}, .by_fraction = true, .depth = 0.001, .start = kNever}};
+  return {
+      .name = "finger-" + body,
+      .place = "the mouse's fingertip on " + body,
+      .body = id,
+      .shape = BallTool{.radius = 0.008},
+      .friction = 0.3,
+      .motion = Press{.at = {0.5, 0, 0.5}, .to = {}, .by_fraction = true, .depth = 0.001, .start = kNever}};
 }
 
 Box box_of(const RestSurface& surface, const TouchingTool& tool) {
   constexpr double kRoom = 0.3;  // [m]
   Box box = box_around(surface.vertices);
-  for (const PathRow& row : tool.path.rows)
-    box = {min(box.low, row.position), max(box.high, row.position)};
+  for (const PathRow& row : tool.path.rows) box = {min(box.low, row.position), max(box.high, row.position)};
   return {box.low - Vec3d{kRoom, kRoom, kRoom}, box.high + Vec3d{kRoom, kRoom, kRoom}};
 }
 

@@ -16,7 +16,8 @@ struct LiveHands {
   std::vector<HeldTool> held;
   std::vector<MouseTool> mouse;  // their devices
 };
-/// The first tool of every body goes on its path until the mouse leads it. Error: what the device's open says.
+/// The first tool of every body goes on its path until the mouse leads it. Error: what the device's open
+/// says.
 Result<LiveHands> hold_mouse_tools(const World& world);
 
 }  // namespace turgor

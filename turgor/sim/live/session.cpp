@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/timing.hpp"
+#include "turgor/models/lattice/resample.hpp"
 #include "turgor/sim/live/change_world.hpp"
 #include "turgor/sim/live/mouse_tools.hpp"
 #include "turgor/sim/world.hpp"
@@ -27,12 +28,13 @@ struct Session::Thread {
   Exec exec;
   AskOpen file;
   std::shared_ptr<const Scene> scene;
-  std::unique_ptr<World> world;        // stays where it is in memory
+  std::unique_ptr<World> world;  // stays where it is in memory
   std::vector<MouseTool> mouse;
-  std::unique_ptr<LiveTouch> touch;    // after the world and the devices, which it uses
-  std::optional<FrameClock> clock;     // where nothing is felt
-  SessionNow next;                     // all but `shown`, which is made where it is read
+  std::unique_ptr<LiveTouch> touch;  // after the world and the devices, which it uses
+  std::optional<FrameClock> clock;   // where nothing is felt
+  SessionNow next;                   // all but `shown`, which is made where it is read
   std::chrono::steady_clock::time_point frame_begun;
+  double frame_period = 0;  // by the clock, a mean over some [s]
 
   void run();
   bool wait(std::vector<Ask>& asked);
@@ -52,6 +54,7 @@ struct Session::Thread {
   void answer(const AskOpen& ask);
   void answer(const AskCut& ask);
   void answer(const AskWind& ask);
+  void answer(const AskCt&);
   void answer(const AskChange& ask);
 };
 
@@ -59,8 +62,7 @@ void Session::Thread::run() {
   load();
   std::vector<Ask> asked;
   while (wait(asked)) {
-    for (const Ask& ask : asked)
-      std::visit([this](const auto& one) { answer(one); }, ask);
+    for (const Ask& ask : asked) std::visit([this](const auto& one) { answer(one); }, ask);
     asked.clear();
     if (next.plays && world) frame();
     publish();
@@ -137,9 +139,10 @@ void Session::Thread::frame() {
   average(next.frame_seconds, timer.seconds());
   if (!report) return stand_still(report.error().message);
   if (!report->finite)
-    return stand_still(fmt::format("the numbers of the next step were not finite; the world stands still as it was "
-                                   "at {:.3f} s (a smaller skin tension or a higher frame rate may help)",
-                                   time_of(*world)));
+    return stand_still(
+        fmt::format("the numbers of the next step were not finite; the world stands still as it was "
+                    "at {:.3f} s (a smaller skin tension or a higher frame rate may help)",
+                    time_of(*world)));
   take_felt();
   const double late = wait_for_clock();
   constexpr double kForgotten = 0.25;  // what cannot be made up for [s]
@@ -151,7 +154,8 @@ double Session::Thread::wait_for_clock() {
   const auto now = std::chrono::steady_clock::now();
   const double passed = std::chrono::duration<double>(now - frame_begun).count();
   frame_begun = now;
-  average(next.real_pace, world->dt / std::max(passed, 1e-6));
+  average(frame_period, passed);
+  next.real_pace = world->dt / std::max(frame_period, 1e-6);
   return late;
 }
 
@@ -237,6 +241,17 @@ void Session::Thread::answer(const AskWind& ask) {
   body.turns.clear(), body.air.velocity = ask.velocity;
 }
 
+void Session::Thread::answer(const AskCt&) {
+  if (!world || world->lattice_bodies.empty()) return;
+  const LatticeBody& body = world->lattice_bodies[0];
+  const auto most = [](int samples) { return std::min(samples, DeformedCt::kMostSamples); };
+  const Int3 size = body.ct.grid.size;
+  const Grid grid = lattice::resized(body.ct.grid, {most(size.x), most(size.y), most(size.z)});
+  const lattice::ResampleOptions alone{.conserve_mass = false, .keep_surroundings = false};
+  auto now = lattice::resample_ct(exec, body.model, body.state, body.ct, grid, alone);
+  next.ct = std::make_shared<const DeformedCt>(DeformedCt{world->frame, std::move(now.ct)});
+}
+
 void Session::Thread::answer(const AskChange& ask) {
   if (!scene) return;
   std::vector<std::string> overrides = scene->overrides;
@@ -255,7 +270,7 @@ Session::Session(const std::filesystem::path& file, std::vector<std::string> ove
                  const SessionParams& params)
     : params_(params) {
   thread_ = std::thread([this, opened = AskOpen{file, std::move(overrides)}] {
-    Thread thread{*this, Exec(params_.threads), opened, {}, {}, {}, {}, {}, {}, {}};
+    Thread thread{*this, Exec(params_.threads), opened, {}, {}, {}, {}, {}, {}, {}, 0};
     thread.run();
   });
 }

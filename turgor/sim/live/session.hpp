@@ -1,7 +1,7 @@
 // A scene that goes on by the clock, on a thread of its own, until told otherwise: to stand still, to go on
-// more slowly, to begin again, to be cut, to be another scene. Every body that tools can touch has a tool that
-// a mouse may lead (haptics/mouse_device.hpp), felt at 1 kHz. Who looks on reads whole values by latest<T>,
-// and may be as slow as they like: nothing here waits for them.
+// more slowly, to begin again, to be cut, to be another scene. Every body that tools can touch has a tool
+// that a mouse may lead (haptics/mouse_device.hpp), felt at 1 kHz. Who looks on reads whole values by
+// latest<T>, and may be as slow as they like: nothing here waits for them.
 #pragma once
 
 #include <condition_variable>
@@ -32,6 +32,14 @@ struct FeltPoint {
   double time = 0, force = 0, depth = 0;  // [s] [N] [m]
 };
 
+/// The CT of the first lattice as it would be scanned at some frame, no finer than kMostSamples along an
+/// axis.
+struct DeformedCt {
+  int frame = 0;
+  CtVolume ct;
+  static constexpr int kMostSamples = 160;
+};
+
 /// What a session says of itself.
 struct SessionNow {
   enum class Phase : std::uint8_t { kLoading, kReady, kFailed };
@@ -51,7 +59,8 @@ struct SessionNow {
   bool is_felt = false;                        // a haptic loop goes on:
   haptics::TimingReport haptics;
   FrameTiming frames;
-  std::vector<std::string> notes;  // what a person should know of how the world was made
+  std::shared_ptr<const DeformedCt> ct;  // when it was asked for last; null: it was not
+  std::vector<std::string> notes;        // what a person should know of how the world was made
 
   static constexpr std::size_t kMostFelt = 900;
 };
@@ -75,11 +84,12 @@ struct AskWind {
   int body = 0;    // of World::cloth_bodies
   Vec3d velocity;  // [m/s]
 };
+struct AskCt {};  // see SessionNow::ct
 /// A key of the scene, at once where that is possible (sim/live/change_world.hpp), else with the next world.
 struct AskChange {
   std::string key, value;
 };
-using Ask = std::variant<AskPace, AskStep, AskReset, AskOpen, AskCut, AskWind, AskChange>;
+using Ask = std::variant<AskPace, AskStep, AskReset, AskOpen, AskCut, AskWind, AskCt, AskChange>;
 
 struct SessionParams {
   int threads = 0;  // of physics; 0 = one a core
