@@ -1,5 +1,6 @@
-// The Python module. Arrays are copies, which nothing changes behind one's back; places in metres, in the patient
-// frame. While the engine works, other Python threads run; a world that works is not entered a second time.
+// The Python module. Arrays are copies, which nothing changes behind one's back; places in metres, in the
+// patient frame. While the engine works, other Python threads run; a world that works is not entered a second
+// time.
 #include <atomic>
 #include <filesystem>
 #include <memory>
@@ -110,12 +111,16 @@ class PyWorld {
     for (const ForceSample& s : log) {
       time.push_back(s.time), depth.push_back(s.depth), contacts.push_back(s.contacts);
       for (int axis = 0; axis < 3; axis++)
-        position.push_back(s.position[axis]), force.push_back(s.force[axis]), torque.push_back(s.torque[axis]);
+        position.push_back(s.position[axis]), force.push_back(s.force[axis]),
+            torque.push_back(s.torque[axis]);
     }
     nb::dict columns;
-    columns["time_s"] = new_array(std::move(time), 0), columns["position_m"] = new_array(std::move(position), 3);
-    columns["force_N"] = new_array(std::move(force), 3), columns["torque_Nm"] = new_array(std::move(torque), 3);
-    columns["depth_m"] = new_array(std::move(depth), 0), columns["contacts"] = new_array(std::move(contacts), 0);
+    columns["time_s"] = new_array(std::move(time), 0),
+    columns["position_m"] = new_array(std::move(position), 3);
+    columns["force_N"] = new_array(std::move(force), 3),
+    columns["torque_Nm"] = new_array(std::move(torque), 3);
+    columns["depth_m"] = new_array(std::move(depth), 0),
+    columns["contacts"] = new_array(std::move(contacts), 0);
     return columns;
   }
 
@@ -143,7 +148,8 @@ class PyWorld {
   struct Entered {
     PyWorld& world;
     explicit Entered(PyWorld& w) : world(w) {
-      if (world.busy_.exchange(true)) throw std::runtime_error("this world is being stepped by another thread");
+      if (world.busy_.exchange(true))
+        throw std::runtime_error("this world is being stepped by another thread");
     }
     ~Entered() { world.busy_ = false; }
   };
@@ -156,8 +162,8 @@ class PyWorld {
 };
 
 /// Reports are plain text to Python, whose json reads them.
-std::string run_to_json(const fs::path& file, const std::vector<std::string>& overrides, const fs::path& out, bool force,
-                        int threads) {
+std::string run_to_json(const fs::path& file, const std::vector<std::string>& overrides, const fs::path& out,
+                        bool force, int threads) {
   const Scene scene = required(read_scene(file, overrides));
   const nb::gil_scoped_release others;
   RunOptions options{.out = out, .foreign = force ? Foreign::kRemove : Foreign::kRefuse, .live = {}};
@@ -168,30 +174,41 @@ void bind_body(nb::module_& module) {
   constexpr auto kOwn = nb::rv_policy::automatic;  // arrays own their numbers
   nb::class_<ShownBody>(module, "Body", "A body as it was when it was asked for. Arrays are copies.")
       .def_ro("name", &ShownBody::name)
-      .def_prop_ro("model", [](const ShownBody& b) { return model_name(b.id.kind); }, "sfem, lattice, rhombus or cloth")
-      .def_prop_ro("rest_points", [](const ShownBody& b) { return places(b.rest); }, kOwn, "(n, 3), at rest [m]")
-      .def_prop_ro("points", [](const ShownBody& b) { return places(b.x); }, kOwn, "(n, 3), now [m]")
-      .def_prop_ro("displacement", [](const ShownBody& b) { return places(b.displacement); }, kOwn, "(n, 3) [m]")
-      .def_prop_ro("normals", [](const ShownBody& b) { return places(b.normals); }, kOwn, "(n, 3), unit, outward")
-      .def_prop_ro("pressure", [](const ShownBody& b) { return new_array(std::vector<float>(b.pressure), 0); }, kOwn,
-                   "(n,) of the contact [Pa]; empty where it is not known")
-      .def_prop_ro("triangles",
-                   [](const ShownBody& b) {
-                     std::vector<int> corners;
-                     for (const Int3 t : b.triangles) corners.insert(corners.end(), {t.x, t.y, t.z});
-                     return new_array(std::move(corners), 3);
-                   },
-                   kOwn, "(m, 3), counter-clockwise seen from outside");
+      .def_prop_ro(
+          "model", [](const ShownBody& b) { return model_name(b.id.kind); },
+          "sfem, lattice, rhombus or cloth")
+      .def_prop_ro(
+          "rest_points", [](const ShownBody& b) { return places(b.rest); }, kOwn, "(n, 3), at rest [m]")
+      .def_prop_ro(
+          "points", [](const ShownBody& b) { return places(b.x); }, kOwn, "(n, 3), now [m]")
+      .def_prop_ro(
+          "displacement", [](const ShownBody& b) { return places(b.displacement); }, kOwn, "(n, 3) [m]")
+      .def_prop_ro(
+          "normals", [](const ShownBody& b) { return places(b.normals); }, kOwn, "(n, 3), unit, outward")
+      .def_prop_ro(
+          "pressure", [](const ShownBody& b) { return new_array(std::vector<float>(b.pressure), 0); }, kOwn,
+          "(n,) of the contact [Pa]; empty where it is not known")
+      .def_prop_ro(
+          "triangles",
+          [](const ShownBody& b) {
+            std::vector<int> corners;
+            for (const Int3 t : b.triangles) corners.insert(corners.end(), {t.x, t.y, t.z});
+            return new_array(std::move(corners), 3);
+          },
+          kOwn, "(m, 3), counter-clockwise seen from outside");
 }
 
 void bind_world(nb::module_& module) {
   nb::class_<PyWorld>(module, "World", "A scene that is being simulated.")
-      .def("__init__",
-           [](PyWorld* self, const fs::path& scene, const std::optional<std::string>& text,
-              const std::vector<std::string>& overrides, int threads) {
-             new (self) PyWorld(required(text ? parse_scene(*text, scene, overrides) : read_scene(scene, overrides)), threads);
-           },
-           "scene"_a, "text"_a.none(), "overrides"_a, "threads"_a)
+      .def(
+          "__init__",
+          [](PyWorld* self, const fs::path& scene, const std::optional<std::string>& text,
+             const std::vector<std::string>& overrides, int threads) {
+            new (self)
+                PyWorld(required(text ? parse_scene(*text, scene, overrides) : read_scene(scene, overrides)),
+                        threads);
+          },
+          "scene"_a, "text"_a.none(), "overrides"_a, "threads"_a)
       .def("step", &PyWorld::step, "frames"_a = 1, "Simulates so many frames.")
       .def_prop_ro("time", &PyWorld::time, "simulated so far [s]")
       .def_prop_ro("frame", &PyWorld::frame, "finished frames")
@@ -201,11 +218,14 @@ void bind_world(nb::module_& module) {
       .def_prop_ro("bodies", &PyWorld::bodies, "their names")
       .def_prop_ro("tools", &PyWorld::tools, "their names")
       .def_prop_ro("notes", &PyWorld::notes, "what a person should know of how it was made")
-      .def("__getitem__", [](const PyWorld& w, const std::string& name) { return ShownBody(w.body(name)); }, "name"_a)
+      .def(
+          "__getitem__", [](const PyWorld& w, const std::string& name) { return ShownBody(w.body(name)); },
+          "name"_a)
       .def("forces", &PyWorld::forces, "tool"_a,
            "What a tool felt, tick by tick: time_s, position_m, force_N, torque_Nm, depth_m, contacts.")
       .def("drive", &PyWorld::drive, "tool"_a, "rows"_a,
-           "Leads a tool from where it is in straight lines along rows of [t, x, y, z], t [s] from now on; a fifth column takes hold (1) or "
+           "Leads a tool from where it is in straight lines along rows of [t, x, y, z], t [s] from now on; a "
+           "fifth column takes hold (1) or "
            "not (0), four more turn it (a quaternion w, x, y, z).");
 }
 

@@ -83,6 +83,8 @@ class VirtualDevice final : public Device {
 
   /// Sets it moving from somewhere; for tests.
   void place(const contact::Pose& pose, Vec3d velocity = {}, Vec3d angular_velocity = {});
+  /// It is there now, with the hand that holds it.
+  void put(const contact::Pose& pose) { place(pose), from_ = to_ = target(time_); }
   /// As it is, not as its encoder says.
   const contact::Pose& pose() const { return pose_; }
   Vec3d velocity() const { return velocity_; }

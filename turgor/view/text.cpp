@@ -19,6 +19,8 @@ namespace {
 using Library = std::unique_ptr<FT_LibraryRec_, decltype(&FT_Done_FreeType)>;
 using Face = std::unique_ptr<FT_FaceRec_, decltype(&FT_Done_Face)>;
 
+}  // namespace
+
 std::string font_file() {
   if (const char* chosen = std::getenv("TURGOR_FONT")) return chosen;
   for (const char* folder : {"/usr/share/fonts/truetype/dejavu", "/usr/share/fonts/dejavu-sans-fonts",
@@ -29,6 +31,8 @@ std::string font_file() {
   }
   return {};
 }
+
+namespace {
 
 std::vector<char32_t> code_points(std::string_view text) {
   std::vector<char32_t> points;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct TextMask {
   std::vector<std::uint8_t> coverage;  // width · height, 255 = all of it
   bool built_in = false;               // no font file was found
 };
+
+/// The file of the font; empty when there is none.
+std::string font_file();
 
 /// One line of UTF-8 text; `size` is the distance of two lines [pixels]. The font's file is the one named by
 /// the environment variable TURGOR_FONT, or else DejaVuSans.ttf in the usual folders.

@@ -154,22 +154,6 @@ struct MeasureTriangle {
   }
 };
 
-/// The CT shows a body at rest under its skin's tension. So whatever the skin pulls at a node there, curved
-/// skin inward and the steps of the lattice every way, is answered by the tissue's own prestress, and stays
-/// answered when the skin is cut.
-void measure_pull(const Model& model, Skin& skin) {
-  const SkinForces forces(model);
-  skin.pull.resize(skin.nodes.size());
-  for (std::size_t at = 0; at < skin.nodes.size(); at++) {
-    NodeSystem s;
-    for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
-      const Skin::Corner corner = skin.corners[std::size_t(c)];
-      forces.add(s, skin.triangles[std::size_t(corner.triangle)], corner.corner, {}, {});
-    }
-    skin.pull[at] = s.f;
-  }
-}
-
 void collect_corners(const Lattice& lattice, Skin& skin) {
   struct Entry {
     int slot, triangle, corner;
@@ -222,6 +206,22 @@ Edge edge_between(const Lattice& lattice, int a, int b) {
   const Int3 from = slot_node(lattice, a), to = slot_node(lattice, b), offset = to - from;
   if (const int family = family_of(offset); family >= 0) return {a, family};
   return {b, family_of(-offset)};
+}
+
+/// The CT shows a body at rest under its skin's tension. So whatever the skin pulls at a node there, curved
+/// skin inward and the steps of the lattice every way, is answered by the tissue's own prestress, and stays
+/// answered when the skin is cut.
+void measure_pull(const Model& model, Skin& skin) {
+  const SkinForces forces(model);
+  skin.pull.resize(skin.nodes.size());
+  for (std::size_t at = 0; at < skin.nodes.size(); at++) {
+    NodeSystem s;
+    for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
+      const Skin::Corner corner = skin.corners[std::size_t(c)];
+      forces.add(s, skin.triangles[std::size_t(corner.triangle)], corner.corner, {}, {});
+    }
+    skin.pull[at] = s.f;
+  }
 }
 
 void cut_skin(const Model& model, State& state) {

@@ -8,31 +8,28 @@
 //   stop    ends the ticks; the tools, with what they felt, are the world's again
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "turgor/core/result.hpp"
 #include "turgor/haptics/loop.hpp"
+#include "turgor/sim/live/frame_clock.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
 
 /// A tool of the world in a hand. Jaws follow the device's gripper, or close while its button is held.
 struct HeldTool {
-  int tool = 0;        // index into World::tools
-  haptics::Hand hand;  // its device is open
+  int tool = 0;                               // index into World::tools
+  haptics::Hand hand;                         // its device is open
+  const std::atomic<bool>* is_led = nullptr;  // while it is false the tool goes on its path; null: always led
 };
 
 struct LiveParams {
   haptics::LoopParams loop;
   double longest = 600;  // so much of what tools feel is kept, what comes later is only felt [s]
-};
-
-/// How frames kept up.
-struct FrameTiming {
-  long frames = 0, late = 0;  // late: begun more than a frame's time after they were due
-  double latest = 0;          // [s]
 };
 
 class LiveTouch {
@@ -44,9 +41,16 @@ class LiveTouch {
   LiveTouch(const LiveTouch&) = delete;
   LiveTouch& operator=(const LiveTouch&) = delete;
 
-  /// After a frame: until the world's next one is due; at once when it is late.
-  void wait_for_frame();
+  /// After a frame: until the world's next one is due; at once when it is late. Answers how late [s].
+  double wait_for_frame();
+  /// Seconds of the world a second of the clock, from now on; at 0 nothing moves and nothing is felt.
+  void set_pace(double pace);
+  /// While nothing moves: this much of the world's time is ticked yet [s].
+  void allow(double time);
   void stop();
+
+  /// What every tool felt in the newest tick, as World::tools; by one reader's thread.
+  const std::vector<contact::ToolReading>& felt();
 
   const haptics::TimingReport& timing();
   FrameTiming frames() const;

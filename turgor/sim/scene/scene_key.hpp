@@ -42,6 +42,7 @@ struct SceneKey {
   std::string unit, fallback;  // "N/m", "100"
   Allowed allowed;             // of numbers
   std::string meaning;
+  bool is_whole = false;  // a whole number
 };
 
 /// The keys that a scene has or could have: what its text is asked for while it is read. A scene with errors

@@ -107,7 +107,7 @@ void SceneTable::read(std::string_view key, double& value, const Allowed& allowe
 }
 
 void SceneTable::read(std::string_view key, int& value, const Allowed& allowed, Meaning meaning) {
-  list(key, allowed, text_of(value), meaning);
+  list(key, allowed, text_of(value), meaning, true);
   const toml::node* node = find(key);
   if (!node) return;
   const auto number = node->is_integer() ? node->value<std::int64_t>() : std::nullopt;
@@ -203,7 +203,7 @@ void SceneTable::read_choice(std::string_view key, std::string& value,
 }
 
 void SceneTable::list(std::string_view key, const Allowed& allowed, const std::string& fallback,
-                      Meaning meaning) {
+                      Meaning meaning, bool is_whole) {
   if (!problems_.lists_keys) return;
   const auto same = [path = path_of(key)](const SceneKey& known) { return known.path == path; };
   if (std::any_of(problems_.keys.begin(), problems_.keys.end(), same)) return;
@@ -212,7 +212,7 @@ void SceneTable::list(std::string_view key, const Allowed& allowed, const std::s
                             meaning.fallback ? meaning.fallback
                             : is_required    ? std::string("required")
                                              : fallback,
-                            allowed, meaning.text});
+                            allowed, meaning.text, is_whole});
 }
 
 void SceneTable::describe(std::string_view key, const char* unit, const char* fallback, const char* meaning,

@@ -99,7 +99,8 @@ class SceneTable {
  private:
   std::string path_of(std::string_view key) const;
   SceneTable inner(std::string_view key, std::string_view shown);
-  void list(std::string_view key, const Allowed& allowed, const std::string& fallback, Meaning meaning);
+  void list(std::string_view key, const Allowed& allowed, const std::string& fallback, Meaning meaning,
+            bool is_whole = false);
 
   const toml::table& table_;
   std::string path_;

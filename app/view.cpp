@@ -1,0 +1,59 @@
+// `turgor view`: a window on a scene while it is simulated. The work is the library's (window/window.hpp).
+#include <filesystem>
+
+#include "app/commands.hpp"
+#ifdef TURGOR_HAS_WINDOW
+#include "turgor/window/window.hpp"
+#endif
+
+namespace turgor {
+
+namespace {
+
+#ifdef TURGOR_HAS_WINDOW
+void view(const WindowOptions& options) {
+  if (const Status status = view_scene(options); !status) throw Failure{2, status.error().message};
+}
+#else
+struct WindowOptions {
+  std::filesystem::path scene, out;
+  std::vector<std::string> overrides;
+  int width = 960, height = 720;
+  struct {
+    int threads = 0;
+  } session;
+};
+void view(const WindowOptions& options) {
+  throw Failure{
+      2,
+      "view: this turgor was built without its window (Debian: apt-get install libglfw3-dev libimgui-dev, "
+      "then build again); turgor run " +
+          options.scene.string() + " simulates the scene and draws pictures"};
+}
+#endif
+
+}  // namespace
+
+void add_view_command(CLI::App& program, Global& global) {
+  auto options = std::make_shared<WindowOptions>();
+  CLI::App* command =
+      program.add_subcommand("view", "Simulate a scene in a window: look, press, cut, change it");
+  command->footer(
+      "Examples:\n"
+      "  turgor view scenes/palpation.toml\n"
+      "  turgor view scenes/incision.toml --set body.torso.ct=patient.nii.gz\n"
+      "In the window, ? tells what mouse and keys do; docs/window.md is a tour.");
+  command->add_option("scene", options->scene, "The scene, a TOML file")->required();
+  command
+      ->add_option("--set", options->overrides,
+                   "key=value: overrides a key of the scene, key= removes it; may be repeated")
+      ->type_size(1)
+      ->allow_extra_args(false);
+  command->add_option("-o,--out", options->out, "Folder for pictures and videos (default: out/view)");
+  command->callback([options, &global] {
+    options->session.threads = global.threads;
+    view(*options);
+  });
+}
+
+}  // namespace turgor

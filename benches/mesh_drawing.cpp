@@ -1,0 +1,59 @@
+// How long a picture of 100 000 triangles takes at 960 x 720, quickly as a window draws while something
+// moves, and with all care. With LIBGL_ALWAYS_SOFTWARE=1 without a GPU.
+#include "turgor/view/mesh_drawing.hpp"
+
+#include <numbers>
+
+#include <benchmark/benchmark.h>
+
+#include "turgor/view/gl_context.hpp"
+
+namespace turgor {
+namespace {
+
+/// A ball of 2 · rings² · 2 triangles, with waves.
+TriMesh wavy_ball(int rings) {
+  TriMesh mesh;
+  const int columns = 2 * rings;
+  for (int j = 0; j <= rings; j++)
+    for (int i = 0; i < columns; i++) {
+      const float polar = std::numbers::pi_v<float> * float(j) / float(rings),
+                  turn = std::numbers::pi_v<float> * float(i) / float(rings);
+      const float radius = 0.2f + 0.01f * std::sin(9 * turn) * std::sin(7 * polar);
+      mesh.vertices.push_back(
+          Vec3{std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)} * radius);
+    }
+  for (int j = 0; j < rings; j++)
+    for (int i = 0; i < columns; i++) {
+      const int a = j * columns + i, b = j * columns + (i + 1) % columns;
+      mesh.triangles.push_back({a, a + columns, b});
+      mesh.triangles.push_back({b, a + columns, b + columns});
+    }
+  mesh.normals = vertex_normals(mesh);
+  return mesh;
+}
+
+void draw(benchmark::State& state, MeshCare care) {
+  const Result<CurrentGl> gl = hold_gl();
+  const Result<MeshPrograms> programs = gl ? link_mesh_programs() : Result<MeshPrograms>(gl.error());
+  if (!programs) return state.SkipWithError(programs.error().message.c_str());
+  MeshDrawing drawing;
+  drawing.programs = *programs;
+  const TriMesh ball = wavy_ball(158);
+  const Camera camera{.eye = {0, -1, 0}, .target = {}};
+  for (auto _ : state) {
+    const Result<GLuint> drawn = draw_into_texture(drawing, {{.mesh = &ball}}, camera, 960, 720, care);
+    if (!drawn) return state.SkipWithError(drawn.error().message.c_str());
+    glFinish();
+  }
+  state.counters["pictures/s"] = benchmark::Counter(double(state.iterations()), benchmark::Counter::kIsRate);
+  state.counters["triangles"] = double(ball.triangles.size());
+}
+
+BENCHMARK_CAPTURE(draw, quickly, MeshCare::kQuick)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(draw, with_full_care, MeshCare::kFull)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace
+}  // namespace turgor
+
+BENCHMARK_MAIN();

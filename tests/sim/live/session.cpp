@@ -1,0 +1,231 @@
+#include "turgor/sim/live/session.hpp"
+
+#include <chrono>
+#include <fstream>
+
+#include "sim/four_kinds.hpp"
+#include "turgor/core/timing.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+using test::fresh_folder;
+using Phase = SessionNow::Phase;
+
+constexpr SessionParams kParams{.threads = 1, .loop = {.priority = 0, .lock_memory = false}, .longest = 60};
+
+fs::path written(const fs::path& folder, const std::string& name, const std::string& text) {
+  std::ofstream(folder / name) << text;
+  return folder / name;
+}
+
+/// A body of every model, none of which is touched before the mouse does.
+fs::path four_kinds_file() {
+  const fs::path folder = fresh_folder();
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  const std::string text = test::four_kinds_text(), no_cut = text.substr(0, text.find("[incision.cut]"));
+  return written(folder, "four.toml", no_cut);
+}
+
+/// Looks until it is so, at most so long [s].
+bool wait_until(Session& session, const std::function<bool(const SessionNow&)>& is_so, double longest = 20) {
+  const Timer timer;
+  while (timer.seconds() < longest) {
+    if (is_so(session.now())) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return false;
+}
+bool wait_for_world(Session& session, int frames = 1) {
+  return wait_until(session, [frames](const SessionNow& now) {
+    return now.phase == Phase::kReady && now.shown.frame >= frames;
+  });
+}
+
+/// Straight above the highest place of a body.
+struct Above {
+  Vec3d top;
+  double tip = 0;  // of the tool below its origin [m]
+};
+Above above(const SessionNow& now, const MouseTool& mouse) {
+  const ShownTool& tool = now.shown.tools[std::size_t(mouse.tool)];
+  const ShownBody& body = shown_body(now.shown, tool.body);
+  Above place;
+  place.top =
+      Vec3d(*std::max_element(body.x.begin(), body.x.end(), [](Vec3 a, Vec3 b) { return a.z < b.z; }));
+  for (const Vec3 x : tool.mesh.vertices) place.tip = std::max(place.tip, -double(x.z));
+  return place;
+}
+
+/// The force after a while under a tool that wants to be so deep [N].
+double force_at(Session& session, std::size_t mouse, const Above& place, double depth, int put) {
+  const MouseTool tool = session.now().mouse[mouse];
+  const Vec3d high{0, 0, place.tip + 0.02}, wanted{0, 0, place.tip - depth};
+  tool.device->lead(
+      {.pose = {place.top + wanted, {}}, .hold = false, .put = put, .put_at = place.top + high});
+  const double begin = session.now().shown.time;
+  EXPECT_TRUE(wait_until(session, [begin](const SessionNow& now) { return now.shown.time > begin + 0.6; }));
+  const auto& felt = session.now().felt[std::size_t(tool.tool)];
+  return felt.empty() ? 0 : felt.back().force;
+}
+
+TEST(Session,
+     a_mouse_presses_bodies_of_every_model_that_is_touched_and_feels_more_the_deeper_it_wants_to_be) {
+  Session session(four_kinds_file(), {}, kParams);
+  ASSERT_TRUE(wait_for_world(session)) << session.now().error;
+  ASSERT_EQ(session.now().mouse.size(), 3u) << "sfem, rhombus, lattice";
+  for (std::size_t mouse = 0; mouse < 3; mouse++) {
+    const Above place = above(session.now(), session.now().mouse[mouse]);
+    const double far = force_at(session, mouse, place, -0.02, 1),
+                 near = force_at(session, mouse, place, 0.004, 1),
+                 deep = force_at(session, mouse, place, 0.010, 1);
+    EXPECT_EQ(far, 0) << "body " << mouse;
+    EXPECT_GT(near, 0.005) << "body " << mouse;
+    EXPECT_GT(deep, 1.5 * near) << "body " << mouse;
+  }
+}
+
+TEST(Session, a_world_goes_on_by_the_clock_at_the_pace_that_is_asked_for) {
+  Session session(four_kinds_file(), {}, kParams);
+  ASSERT_TRUE(wait_for_world(session, 5)) << session.now().error;
+  session.ask(AskPace{.plays = true, .pace = 0.25});
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.pace == 0.25; }));
+  const double begin = session.now().shown.time;
+  const std::uint64_t ticks = session.now().haptics.ticks;
+  const Timer timer;
+  ASSERT_TRUE(wait_until(session, [begin](const SessionNow& now) { return now.shown.time >= begin + 0.3; }));
+  EXPECT_GE(timer.seconds(), 0.95 * 0.3 / 0.25);
+  EXPECT_GT(session.now().haptics.ticks, ticks + 300) << "the loop keeps its own rate";
+}
+
+TEST(Session, it_stands_still_when_asked_and_a_step_is_one_frame) {
+  Session session(four_kinds_file(), {}, kParams);
+  ASSERT_TRUE(wait_for_world(session, 3)) << session.now().error;
+  session.ask(AskPace{.plays = false, .pace = 1});
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.plays; }));
+  const int frame = session.now().shown.frame;
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(session.now().shown.frame, frame);
+  session.ask(AskStep{}), session.ask(AskStep{});
+  EXPECT_TRUE(wait_until(session, [frame](const SessionNow& now) { return now.shown.frame == frame + 2; }));
+  session.ask(AskPace{});
+  EXPECT_TRUE(wait_until(session, [frame](const SessionNow& now) { return now.shown.frame > frame + 4; }));
+}
+
+TEST(Session, a_cut_that_is_asked_for_opens_a_wound_and_a_reset_closes_it) {
+  Session session(four_kinds_file(), {}, kParams);
+  ASSERT_TRUE(wait_for_world(session)) << session.now().error;
+  const auto walls = [](const SessionNow& now) {
+    for (const ShownBody& body : now.shown.bodies)
+      if (body.id.kind == BodyKind::kLattice) return body.triangles.size() - body.wall_begin;
+    return std::size_t(0);
+  };
+  EXPECT_EQ(walls(session.now()), 0u);
+  const int world = session.now().world;
+  session.ask(AskCut{.blade = {.name = "cut",
+                               .from = {0.002, -0.02, -0.03},
+                               .to = {0.002, -0.02, 0.03},
+                               .depth = 0.012,
+                               .duration = 0.1},
+                     .body = 0});
+  EXPECT_TRUE(wait_until(session, [&](const SessionNow& now) { return walls(now) > 50; }));
+  session.ask(AskReset{});
+  EXPECT_TRUE(wait_until(session, [&](const SessionNow& now) {
+    return now.phase == Phase::kReady && now.world > world && walls(now) == 0 && now.shown.frame < 20;
+  }));
+}
+
+TEST(Session, a_cut_beside_the_body_is_answered_by_a_sentence_and_the_world_goes_on) {
+  Session session(four_kinds_file(), {}, kParams);
+  ASSERT_TRUE(wait_for_world(session)) << session.now().error;
+  session.ask(
+      AskCut{.blade = {.name = "cut", .from = {1, 1, 1}, .to = {1, 1, 1.1}, .depth = 0.01}, .body = 0});
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.error.empty(); }));
+  EXPECT_NE(session.now().error.find("no cut"), std::string::npos);
+  const int frame = session.now().shown.frame;
+  EXPECT_TRUE(wait_until(session, [frame](const SessionNow& now) { return now.shown.frame > frame + 3; }));
+}
+
+TEST(Session, wind_blows_a_hanging_cloth_where_it_is_asked_to) {
+  const fs::path file = written(fresh_folder(), "flag.toml", R"([world]
+duration = 1
+gravity = [0, 0, -9.81]
+[body.flag]
+model = "cloth"
+sheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0, 0.2], columns = 10, rows = 10 }
+[body.flag.hold.edge]
+box = [[-0.01, -0.01, 0.19], [0.21, 0.01, 0.21]]
+)");
+  for (const double side : {-1.0, 1.0}) {
+    Session session(file, {}, kParams);
+    ASSERT_TRUE(wait_for_world(session)) << session.now().error;
+    EXPECT_FALSE(session.now().is_felt) << "no tool touches a cloth";
+    session.ask(AskWind{.body = 0, .velocity = {0, 6 * side, 0}});
+    const double begin = session.now().shown.time;
+    ASSERT_TRUE(wait_until(session, [begin](const SessionNow& now) { return now.shown.time > begin + 0.5; }));
+    double mean = 0;
+    for (const Vec3 u : session.now().shown.bodies[0].displacement) mean += double(u.y) / 121;
+    EXPECT_GT(side * mean, 0.02) << "m, with the wind";
+  }
+}
+
+TEST(Session, more_tension_leaves_whole_skin_where_it_is_and_opens_a_wound_wider) {
+  const fs::path folder = fresh_folder();
+  ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  const fs::path file = written(folder, "block.toml", test::block_scene_text("block.nii"));
+  const auto largest = [](const SessionNow& now) {
+    float most = 0;
+    for (const Vec3 u : now.shown.bodies[0].displacement) most = std::max(most, norm(u));
+    return double(most);
+  };
+  const auto settle = [](Session& session, double time) {
+    return wait_until(session, [time](const SessionNow& now) { return now.shown.time > time; });
+  };
+  Session whole(file, {"incision.cut.start=0.19"}, kParams);  // not before the run's end
+  ASSERT_TRUE(wait_for_world(whole)) << whole.now().error;
+  whole.ask(AskChange{"body.block.skin.tension", "90"});
+  ASSERT_TRUE(settle(whole, 0.15));
+  EXPECT_LT(largest(whole.now()), 1e-5) << "m: the CT shows it at rest";
+  Session cut(file, {}, kParams);
+  ASSERT_TRUE(wait_for_world(cut) && settle(cut, 1.5));
+  const double before = largest(cut.now());
+  EXPECT_GT(before, 5e-4);
+  cut.ask(AskChange{"body.block.skin.tension", "90"});
+  ASSERT_TRUE(settle(cut, 3.5));
+  EXPECT_GT(largest(cut.now()), 1.4 * before);
+}
+
+TEST(Session, a_value_that_is_not_allowed_is_refused_with_the_scenes_own_sentence) {
+  Session session(four_kinds_file(), {}, kParams);
+  ASSERT_TRUE(wait_for_world(session)) << session.now().error;
+  session.ask(AskChange{"body.block.solver.sweeps", "-3"});
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.error.empty(); }));
+  EXPECT_NE(session.now().error.find("expected a whole number"), std::string::npos) << session.now().error;
+}
+
+TEST(Session, a_scene_with_a_mistake_is_told_and_another_can_be_opened_after_it) {
+  const fs::path bad = written(fresh_folder(), "bad.toml", "[world]\nduration = -1\n");
+  Session session(bad, {}, kParams);
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.phase == Phase::kFailed; }));
+  EXPECT_NE(session.now().error.find("bad.toml:2"), std::string::npos) << session.now().error;
+  session.ask(AskReset{});  // again the same mistake, not a crash
+  session.ask(AskOpen{.file = four_kinds_file(), .overrides = {}});
+  EXPECT_TRUE(wait_for_world(session)) << session.now().error;
+}
+
+TEST(Session, one_who_looks_away_for_a_second_costs_neither_ticks_nor_frames) {
+  Session session(four_kinds_file(), {}, kParams);
+  ASSERT_TRUE(wait_for_world(session, 5)) << session.now().error;
+  const SessionNow& now = session.now();
+  const double begin = now.shown.time;
+  const haptics::TimingReport before = now.haptics;
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  const SessionNow& after = session.now();
+  EXPECT_GT(after.shown.time, begin + 0.5) << "s: frames went on";
+  EXPECT_GT(after.haptics.ticks + after.haptics.missed, before.ticks + before.missed + 700);
+  EXPECT_LT(after.haptics.period.largest, 0.5) << "s: no pause as long as the look away";
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,295 @@
+#include "turgor/sim/live/session.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "turgor/core/timing.hpp"
+#include "turgor/models/lattice/resample.hpp"
+#include "turgor/sim/live/change_world.hpp"
+#include "turgor/sim/live/mouse_tools.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+namespace {
+
+/// A mean over some tens of samples.
+void average(double& mean, double sample) { mean += (mean > 0 ? 0.1 : 1.0) * (sample - mean); }
+
+}  // namespace
+
+/// What the session's thread owns.
+struct Session::Thread {
+  Session& session;
+  Exec exec;
+  AskOpen file;
+  std::shared_ptr<const Scene> scene;
+  std::unique_ptr<World> world;  // stays where it is in memory
+  std::vector<MouseTool> mouse;
+  std::unique_ptr<LiveTouch> touch;  // after the world and the devices, which it uses
+  std::optional<FrameClock> clock;   // where nothing is felt
+  SessionNow next;                   // all but `shown`, which is made where it is read
+  std::chrono::steady_clock::time_point frame_begun;
+  double frame_period = 0;  // by the clock, a mean over some [s]
+
+  void run();
+  bool wait(std::vector<Ask>& asked);
+  void load();
+  Status try_load();
+  void unload();
+  void frame();
+  double wait_for_clock();
+  void stand_still(const std::string& why);
+  void publish();
+  void take_felt();
+  void set_pace();
+
+  void answer(const AskPace& ask);
+  void answer(const AskStep&);
+  void answer(const AskReset&);
+  void answer(const AskOpen& ask);
+  void answer(const AskCut& ask);
+  void answer(const AskWind& ask);
+  void answer(const AskCt&);
+  void answer(const AskChange& ask);
+};
+
+void Session::Thread::run() {
+  load();
+  std::vector<Ask> asked;
+  while (wait(asked)) {
+    for (const Ask& ask : asked) std::visit([this](const auto& one) { answer(one); }, ask);
+    asked.clear();
+    if (next.plays && world) frame();
+    publish();
+  }
+  unload();
+}
+
+/// For something to do. False: to end.
+bool Session::Thread::wait(std::vector<Ask>& asked) {
+  std::unique_lock lock(session.mutex_);
+  const bool goes_on = next.plays && world;
+  if (!goes_on) session.woken_.wait(lock, [this] { return session.ends_ || !session.asked_.empty(); });
+  asked.swap(session.asked_);
+  return !session.ends_;
+}
+
+void Session::Thread::unload() {
+  if (touch) touch->stop();
+  touch.reset(), clock.reset(), mouse.clear(), world.reset();
+}
+
+/// The file as it is now, with what was changed.
+void Session::Thread::load() {
+  unload();
+  const SessionNow before = std::move(next);
+  next = {.world = before.world + 1, .scene = before.scene, .pace = before.pace, .plays = before.plays};
+  next.doing = "loading " + file.file.filename().string();
+  publish();
+  if (const Status status = try_load(); !status) {
+    unload();
+    next.phase = SessionNow::Phase::kFailed, next.error = status.error().message;
+  } else {
+    next.phase = SessionNow::Phase::kReady, next.notes = notes_of(*world);
+  }
+  publish();
+}
+
+Status Session::Thread::try_load() {
+  if (!scene) {
+    Result<Scene> read = read_scene(file.file, file.overrides);
+    if (!read) return read.error();
+    scene = std::make_shared<const Scene>(std::move(*read));
+  }
+  next.scene = scene;
+  const Scene with_tools = with_mouse_tools(*scene);
+  const BeginWork begin = [this](const std::string& label, const std::string&) -> Progress {
+    next.doing = label, next.done = 0;
+    publish();
+    return {};
+  };
+  Result<World> loaded = load_world(exec, with_tools, begin);
+  if (!loaded) return loaded.error();
+  world = std::make_unique<World>(std::move(*loaded));
+  next.felt.resize(world->tools.size());
+  clock.emplace(world->dt);
+  Result<LiveHands> hands = hold_mouse_tools(*world);
+  if (!hands) return hands.error();
+  mouse = hands->mouse;
+  if (!hands->held.empty()) {
+    auto started =
+        LiveTouch::start(*world, std::move(hands->held), {session.params_.loop, session.params_.longest});
+    if (!started) return started.error();
+    touch = std::move(*started);
+  }
+  next.mouse = mouse, next.is_felt = touch != nullptr;
+  set_pace();
+  return Done{};
+}
+
+/// One of the world, and then until the next is due.
+void Session::Thread::frame() {
+  const Timer timer;
+  const Result<FrameReport> report = step(exec, *world);
+  average(next.frame_seconds, timer.seconds());
+  if (!report) return stand_still(report.error().message);
+  if (!report->finite)
+    return stand_still(
+        fmt::format("the numbers of the next step were not finite; the world stands still as it was "
+                    "at {:.3f} s (a smaller skin tension or a higher frame rate may help)",
+                    time_of(*world)));
+  take_felt();
+  const double late = wait_for_clock();
+  constexpr double kForgotten = 0.25;  // what cannot be made up for [s]
+  if (late > kForgotten) set_pace();
+}
+
+double Session::Thread::wait_for_clock() {
+  const double late = touch ? touch->wait_for_frame() : clock->wait(world->frame);
+  const auto now = std::chrono::steady_clock::now();
+  const double passed = std::chrono::duration<double>(now - frame_begun).count();
+  frame_begun = now;
+  average(frame_period, passed);
+  next.real_pace = world->dt / std::max(frame_period, 1e-6);
+  return late;
+}
+
+void Session::Thread::stand_still(const std::string& why) {
+  next.error = why, next.plays = false;
+  set_pace();
+}
+
+/// What passed since the last time is forgotten.
+void Session::Thread::set_pace() {
+  if (touch) touch->set_pace(next.plays ? next.pace : 0);
+  clock->set_pace(next.pace);
+  frame_begun = std::chrono::steady_clock::now();
+}
+
+void Session::Thread::take_felt() {
+  if (!touch) return;
+  const std::vector<contact::ToolReading>& felt = touch->felt();
+  for (std::size_t t = 0; t < felt.size(); t++) {
+    std::vector<FeltPoint>& points = next.felt[t];
+    if (points.size() == SessionNow::kMostFelt) points.erase(points.begin());
+    points.push_back({time_of(*world), norm(felt[t].force), felt[t].depth});
+  }
+}
+
+/// All of it where the reader finds it; what is shown is made there, in memory of before.
+void Session::Thread::publish() {
+  if (touch) next.haptics = touch->timing();
+  next.frames = touch ? touch->frames() : clock ? clock->timing() : FrameTiming();
+  SessionNow& out = session.now_.writing();
+  ShownWorld shown = out.world == next.world ? std::move(out.shown) : ShownWorld();
+  out = next;
+  out.shown = std::move(shown);
+  if (world && next.phase == SessionNow::Phase::kReady) {
+    const Timer timer;
+    show(exec, *world, out.shown);
+    average(next.show_seconds, timer.seconds());
+  }
+  session.now_.publish();
+}
+
+void Session::Thread::answer(const AskPace& ask) {
+  next.plays = ask.plays, next.pace = ask.pace;
+  if (next.plays) next.error.clear();
+  if (world) set_pace();
+}
+
+void Session::Thread::answer(const AskStep&) {
+  if (!world || next.plays) return;
+  if (touch) touch->allow(world->dt);
+  if (touch) std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * world->dt / next.pace));
+  const Result<FrameReport> report = step(exec, *world);
+  next.error = report ? "" : report.error().message;
+  take_felt();
+}
+
+void Session::Thread::answer(const AskReset&) { load(); }
+
+void Session::Thread::answer(const AskOpen& ask) {
+  file = ask, scene.reset();
+  load();
+}
+
+void Session::Thread::answer(const AskCut& ask) {
+  if (!world || std::size_t(ask.body) >= world->lattice_bodies.size()) return;
+  Cut cut{.blade = ask.blade, .body = ask.body, .path = {}, .done = 0, .edges = 0};
+  cut.blade.start = time_of(*world);
+  const LatticeBody& body = world->lattice_bodies[std::size_t(ask.body)];
+  const Result<lattice::BladePath> trial = lattice::lay_blade(body.model, body.state, cut.blade);
+  constexpr std::size_t kMostCuts = 255;  // a cut edge remembers its incision in a byte
+  next.error.clear();
+  if (!trial)
+    next.error = "no cut: " + trial.error().message;
+  else if (world->cuts.size() == kMostCuts)
+    next.error = "no cut: a world holds at most 255";
+  else
+    world->cuts.push_back(std::move(cut));
+}
+
+void Session::Thread::answer(const AskWind& ask) {
+  if (!world || std::size_t(ask.body) >= world->cloth_bodies.size()) return;
+  ClothBody& body = world->cloth_bodies[std::size_t(ask.body)];
+  body.turns.clear(), body.air.velocity = ask.velocity;
+}
+
+void Session::Thread::answer(const AskCt&) {
+  if (!world || world->lattice_bodies.empty()) return;
+  const LatticeBody& body = world->lattice_bodies[0];
+  const auto most = [](int samples) { return std::min(samples, DeformedCt::kMostSamples); };
+  const Int3 size = body.ct.grid.size;
+  const Grid grid = lattice::resized(body.ct.grid, {most(size.x), most(size.y), most(size.z)});
+  const lattice::ResampleOptions alone{.conserve_mass = false, .keep_surroundings = false};
+  auto now = lattice::resample_ct(exec, body.model, body.state, body.ct, grid, alone);
+  next.ct = std::make_shared<const DeformedCt>(DeformedCt{world->frame, std::move(now.ct)});
+}
+
+void Session::Thread::answer(const AskChange& ask) {
+  if (!scene) return;
+  std::vector<std::string> overrides = scene->overrides;
+  const std::string prefix = ask.key + "=";
+  std::erase_if(overrides, [&prefix](const std::string& one) { return one.starts_with(prefix); });
+  overrides.push_back(prefix + ask.value);
+  Result<Scene> changed = parse_scene(scene->text, scene->file, overrides);
+  next.error = changed ? "" : changed.error().message;
+  if (!changed) return;
+  scene = std::make_shared<const Scene>(std::move(*changed));
+  next.scene = scene;
+  if (world) change_world(*scene, *world);
+}
+
+Session::Session(const std::filesystem::path& file, std::vector<std::string> overrides,
+                 const SessionParams& params)
+    : params_(params) {
+  thread_ = std::thread([this, opened = AskOpen{file, std::move(overrides)}] {
+    Thread thread{*this, Exec(params_.threads), opened, {}, {}, {}, {}, {}, {}, {}, 0};
+    thread.run();
+  });
+}
+
+Session::~Session() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  woken_.notify_one();
+  thread_.join();
+}
+
+void Session::ask(Ask ask) {
+  {
+    const std::lock_guard lock(mutex_);
+    asked_.push_back(std::move(ask));
+  }
+  woken_.notify_one();
+}
+
+}  // namespace turgor

@@ -1,0 +1,123 @@
+// A scene that goes on by the clock, on a thread of its own, until told otherwise: to stand still, to go on
+// more slowly, to begin again, to be cut, to be another scene. Every body that tools can touch has a tool
+// that a mouse may lead (haptics/mouse_device.hpp), felt at 1 kHz. Who looks on reads whole values by
+// latest<T>, and may be as slow as they like: nothing here waits for them.
+#pragma once
+
+#include <condition_variable>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "turgor/core/exec.hpp"
+#include "turgor/core/latest.hpp"
+#include "turgor/haptics/mouse_device.hpp"
+#include "turgor/sim/live/live_touch.hpp"
+#include "turgor/sim/shown.hpp"
+
+namespace turgor {
+
+/// A tool that the mouse may lead.
+struct MouseTool {
+  int tool = 0;  // of ShownWorld::tools
+  std::shared_ptr<haptics::MouseDevice> device;
+};
+
+/// Of a tool, once a frame.
+struct FeltPoint {
+  double time = 0, force = 0, depth = 0;  // [s] [N] [m]
+};
+
+/// The CT of the first lattice as it would be scanned at some frame, no finer than kMostSamples along an
+/// axis.
+struct DeformedCt {
+  int frame = 0;
+  CtVolume ct;
+  static constexpr int kMostSamples = 160;
+};
+
+/// What a session says of itself.
+struct SessionNow {
+  enum class Phase : std::uint8_t { kLoading, kReady, kFailed };
+  Phase phase = Phase::kLoading;
+  int world = 0;                       // another number, another world: places of before mean nothing
+  std::string doing;                   // while loading
+  double done = 0;                     // of that, 0 … 1
+  std::string error;                   // why there is no world, or why it stands still
+  std::shared_ptr<const Scene> scene;  // as it was loaded; null: none was yet
+  ShownWorld shown;
+  std::vector<MouseTool> mouse;
+  std::vector<std::vector<FeltPoint>> felt;  // of every tool, the newest last, at most kMostFelt
+  double pace = 1;                           // that is wished: seconds a second of the clock
+  bool plays = true;
+  double frame_seconds = 0, show_seconds = 0;  // wall times of a frame, means over some
+  double real_pace = 0;                        // that is reached
+  bool is_felt = false;                        // a haptic loop goes on:
+  haptics::TimingReport haptics;
+  FrameTiming frames;
+  std::shared_ptr<const DeformedCt> ct;  // when it was asked for last; null: it was not
+  std::vector<std::string> notes;        // what a person should know of how the world was made
+
+  static constexpr std::size_t kMostFelt = 900;
+};
+
+/// What a session may be asked for.
+struct AskPace {
+  bool plays = true;
+  double pace = 1;  // above 0
+};
+struct AskStep {};   // one frame, while it stands still
+struct AskReset {};  // the same scene from its beginning
+struct AskOpen {     // a file, as it is now
+  std::filesystem::path file;
+  std::vector<std::string> overrides;
+};
+struct AskCut {
+  lattice::Incision blade;  // its `start` is set
+  int body = 0;             // of World::lattice_bodies
+};
+struct AskWind {
+  int body = 0;    // of World::cloth_bodies
+  Vec3d velocity;  // [m/s]
+};
+struct AskCt {};  // see SessionNow::ct
+/// A key of the scene, at once where that is possible (sim/live/change_world.hpp), else with the next world.
+struct AskChange {
+  std::string key, value;
+};
+using Ask = std::variant<AskPace, AskStep, AskReset, AskOpen, AskCut, AskWind, AskCt, AskChange>;
+
+struct SessionParams {
+  int threads = 0;  // of physics; 0 = one a core
+  haptics::LoopParams loop;
+  double longest = 120;  // so much of what tools feel is kept [s]
+};
+
+class Session {
+ public:
+  Session(const std::filesystem::path& file, std::vector<std::string> overrides, const SessionParams& params);
+  ~Session();  // ends the thread: after the frame, or the loading, that it is at
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  void ask(Ask ask);
+  /// The newest; by one reader's thread. The reference holds until the next time.
+  const SessionNow& now() { return now_.read(); }
+  bool has_news() const { return now_.has_news(); }
+
+ private:
+  struct Thread;
+  SessionParams params_;
+  latest<SessionNow> now_;
+  std::mutex mutex_;  // of the two below
+  std::vector<Ask> asked_;
+  bool ends_ = false;
+  std::condition_variable woken_;
+  std::thread thread_;
+};
+
+}  // namespace turgor

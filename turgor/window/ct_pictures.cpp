@@ -1,0 +1,62 @@
+#include "turgor/window/ct_pictures.hpp"
+
+#include <chrono>
+
+#include "turgor/view/volume_view.hpp"
+
+namespace turgor {
+
+namespace {
+
+bool is_ready(const std::future<Image>& image) {
+  return image.valid() && image.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+void begin(const VolumeWish& wish, int coarseness, VolumePicture& picture) {
+  picture.wish = wish, picture.coarseness = coarseness;
+  picture.coming = std::async(std::launch::async, [wish, coarseness, exec = picture.exec] {
+    return draw_volume(exec, wish.ct->ct, wish.preset, wish.camera, std::max(1, wish.width / coarseness),
+                       std::max(1, wish.height / coarseness));
+  });
+}
+
+}  // namespace
+
+void ShownImage::show(const Image& image) {
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  if (!texture) texture = objects.new_texture(), framebuffer = objects.new_framebuffer();
+  glBindTexture(GL_TEXTURE_2D, texture);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, image.width, image.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
+               image.pixels.data());
+  attach_textures(framebuffer, GL_TEXTURE_2D, {texture}, 0);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  width = image.width, height = image.height;
+}
+
+void renew(const VolumeWish& wish, VolumePicture& picture) {
+  constexpr int kCoarse = 4;
+  if (is_ready(picture.coming)) {
+    picture.image.show(picture.coming.get());
+    picture.made = picture.wish, picture.shown_coarseness = picture.coarseness;
+  }
+  if (picture.coming.valid()) return;
+  if (!(wish == picture.made))
+    begin(wish, kCoarse, picture);
+  else if (picture.shown_coarseness > 1)
+    begin(wish, picture.shown_coarseness / 2, picture);
+}
+
+void renew(const std::shared_ptr<const DeformedCt>& ct, Vec3d point, const std::string& window,
+           Sections& sections) {
+  if (ct == sections.ct && point == sections.point && window == sections.window) return;
+  sections.ct = ct, sections.point = point, sections.window = window;
+  const Result<Window> greys = window_preset(window);
+  constexpr int kHeight = 200;
+  int n = 0;
+  for (const Plane plane : {Plane::kAxial, Plane::kCoronal, Plane::kSagittal})
+    sections.images[n++].show(draw_section(ct->ct, plane, point, greys ? *greys : Window(), kHeight));
+}
+
+}  // namespace turgor

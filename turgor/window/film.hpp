@@ -1,0 +1,30 @@
+// Pictures and videos of a window, with a key each, under names that are free.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "turgor/io/image.hpp"
+
+namespace turgor {
+
+constexpr double kFilmRate = 20;  // pictures a second of a video
+
+/// A video on its way: pictures in a hidden folder.
+struct Film {
+  std::filesystem::path folder;
+  std::vector<std::filesystem::path> frames;
+  std::chrono::steady_clock::time_point latest;
+};
+
+/// All answer a sentence.
+std::string save_picture(const Image& image, const std::filesystem::path& out, const std::string& name);
+/// Adds the picture when it is time for the next.
+std::string add_to_film(const Image& image, const std::filesystem::path& out, Film& film);
+std::string end_film(const std::filesystem::path& out, const std::string& name, Film& film);
+/// Is it time for the next?
+bool is_due(const Film& film);
+
+}  // namespace turgor

@@ -1,0 +1,50 @@
+#include <imgui.h>
+
+#include "turgor/view/transfer.hpp"
+#include "turgor/window/panels.hpp"
+
+namespace turgor {
+
+namespace {
+
+void choose(const char* name, const std::vector<std::string>& names, std::string& chosen) {
+  if (!ImGui::BeginCombo(name, chosen.c_str())) return;
+  for (const std::string& one : names)
+    if (ImGui::Selectable(one.c_str(), one == chosen)) chosen = one;
+  ImGui::EndCombo();
+}
+
+/// The images of a texture stand on their heads for ImGui no more than for OpenGL: rows from the top.
+void show_image(const ShownImage& image) {
+  ImGui::Image(reinterpret_cast<ImTextureID>(std::intptr_t(image.texture)),
+               {float(image.width), float(image.height)});
+}
+
+}  // namespace
+
+void show_ct(Viewer& viewer, Sections& sections) {
+  const SessionNow& now = *viewer.now;
+  if (!viewer.panels.ct || !now.scene || now.scene->lattice_bodies.empty()) return;
+  ImGui::SetNextWindowPos({8, 300}, ImGuiCond_FirstUseEver);
+  if (!ImGui::Begin("The CT as it would be now", &viewer.panels.ct, ImGuiWindowFlags_AlwaysAutoResize))
+    return ImGui::End();
+  ImGui::Checkbox("volume rendering", &viewer.display.volume);
+  ImGui::SetNextItemWidth(140);
+  choose("tissue", volume_presets(), viewer.display.preset);
+  ImGui::SetNextItemWidth(140);
+  choose("window", known_windows(), viewer.display.window);
+  if (now.ct) {
+    const Box box = bounding_box(now.ct->ct.grid);
+    const Vec3d point = viewer.touched.value_or((box.low + box.high) * 0.5);
+    renew(now.ct, point, viewer.display.window, sections);
+    for (const ShownImage& image : sections.images) {
+      show_image(image);
+      ImGui::SameLine();
+    }
+    ImGui::NewLine();
+    ImGui::TextUnformatted("axial, coronal and sagittal, through the last touch");
+  }
+  ImGui::End();
+}
+
+}  // namespace turgor

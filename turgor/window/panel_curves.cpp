@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "turgor/window/panels.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr ImU32 kAxis = IM_COL32(120, 125, 132, 255), kCurve = IM_COL32(250, 204, 70, 255),
+                kInk = IM_COL32(215, 218, 222, 255);
+
+/// A number at or above, of which 1, 2 or 5 is the first digit.
+double round_above(double value) {
+  if (!(value > 0)) return 1;
+  const double decade = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double digit : {1.0, 2.0, 5.0})
+    if (value <= digit * decade) return digit * decade;
+  return 10 * decade;
+}
+
+/// A curve from its lowest to its highest x, from 0 up, with words at the ends of its axes.
+void plot(const char* name, const std::vector<ImVec2>& points, const char* x_unit, const char* y_unit) {
+  const ImVec2 corner = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, 92};
+  ImGui::Dummy(size);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const ImVec2 low{corner.x, corner.y + size.y - 16}, high{corner.x + size.x, corner.y + 16};
+  draw.AddLine(low, {high.x, low.y}, kAxis);
+  draw.AddLine(low, {low.x, high.y}, kAxis);
+  float x_low = 1e30f, x_high = -1e30f, y_most = 0;
+  for (const ImVec2 p : points)
+    x_low = std::min(x_low, p.x), x_high = std::max(x_high, p.x), y_most = std::max(y_most, p.y);
+  const float y_high = float(round_above(y_most));
+  draw.AddText(corner, kInk, fmt::format("{}   to {:.3g} {}", name, y_high, y_unit).c_str());
+  if (points.empty() || !(x_high > x_low)) return;
+  std::vector<ImVec2> line;
+  for (const ImVec2 p : points)
+    line.push_back({low.x + (p.x - x_low) / (x_high - x_low) * (high.x - low.x),
+                    low.y + p.y / y_high * (high.y - low.y)});
+  draw.AddPolyline(line.data(), int(line.size()), kCurve, 0, 1.5f);
+  draw.AddText({low.x, low.y + 1}, kInk, fmt::format("{:.3g}", x_low).c_str());
+  const std::string right = fmt::format("{:.3g} {}", x_high, x_unit);
+  draw.AddText({high.x - ImGui::CalcTextSize(right.c_str()).x, low.y + 1}, kInk, right.c_str());
+}
+
+void show_tool(const std::string& name, const std::vector<FeltPoint>& felt) {
+  std::vector<ImVec2> over_time, over_depth;
+  for (const FeltPoint& p : felt) {
+    over_time.push_back({float(p.time), float(p.force)});
+    over_depth.push_back({float(1e3 * p.depth), float(p.force)});
+  }
+  ImGui::Text("%s: %.3f N at %.1f mm", name.c_str(), felt.back().force, 1e3 * felt.back().depth);
+  plot("force over time", over_time, "s", "N");
+  plot("force over depth", over_depth, "mm", "N");
+}
+
+}  // namespace
+
+void show_curves(const Viewer& viewer) {
+  const SessionNow& now = *viewer.now;
+  const bool any =
+      std::any_of(now.felt.begin(), now.felt.end(), [](const auto& felt) { return !felt.empty(); });
+  if (!viewer.panels.curves || !any) return;
+  const float right = ImGui::GetIO().DisplaySize.x;
+  ImGui::SetNextWindowPos({right - 8, 8}, ImGuiCond_FirstUseEver, {1, 0});
+  ImGui::SetNextWindowSize({270, 0}, ImGuiCond_FirstUseEver);
+  if (!ImGui::Begin("What is felt")) return ImGui::End();
+  for (std::size_t t = 0; t < now.felt.size() && t < now.shown.tools.size(); t++)
+    if (!now.felt[t].empty()) show_tool(now.shown.tools[t].name, now.felt[t]);
+  ImGui::End();
+}
+
+}  // namespace turgor

@@ -1,0 +1,61 @@
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "turgor/window/panels.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr ImU32 kInk = IM_COL32(236, 239, 242, 255), kShade = IM_COL32(0, 0, 0, 160),
+                kLine = IM_COL32(255, 90, 70, 255), kWind = IM_COL32(120, 190, 255, 255);
+
+std::optional<ImVec2> pixel_of(const Viewer& viewer, Vec3d point) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const auto seen = seen_at(viewer.camera, point, viewer.aspect);
+  if (!seen) return std::nullopt;
+  return ImVec2{float(0.5 * (1 + seen->x)) * size.x, float(0.5 * (1 - seen->y)) * size.y};
+}
+
+void write(ImDrawList& draw, ImVec2 at, const std::string& text) {
+  draw.AddText({at.x + 1, at.y + 1}, kShade, text.c_str());
+  draw.AddText(at, kInk, text.c_str());
+}
+
+void draw_line(ImDrawList& draw, const Viewer& viewer, const Drawn& line, ImU32 color) {
+  const auto from = pixel_of(viewer, line.from), to = pixel_of(viewer, line.to);
+  if (!from || !to) return;
+  draw.AddLine(*from, *to, color, 3);
+  draw.AddCircleFilled(*to, 5, color);
+}
+
+void draw_legend(ImDrawList& draw, const ColorScale& scale) {
+  constexpr int kSteps = 32;
+  constexpr float kWidth = 16, kHeight = 180;
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const ImVec2 corner{size.x - 100, size.y - kHeight - 90};
+  for (int n = 0; n < kSteps; n++) {
+    const Rgb c = map_color(1 - (float(n) + 0.5f) / kSteps);
+    const float top = corner.y + kHeight * float(n) / kSteps;
+    draw.AddRectFilled({corner.x, top}, {corner.x + kWidth, top + kHeight / kSteps},
+                       IM_COL32(c.r, c.g, c.b, 255));
+  }
+  write(draw, {corner.x + kWidth + 6, corner.y - 8}, fmt::format("{:.3g}", scale.high * scale.factor));
+  write(draw, {corner.x + kWidth + 6, corner.y + kHeight - 8},
+        fmt::format("{:.3g}", scale.low * scale.factor));
+  const float width = ImGui::CalcTextSize(scale.label.c_str()).x;
+  write(draw, {size.x - width - 12, corner.y - 30}, scale.label);
+}
+
+}  // namespace
+
+void show_marks(const Viewer& viewer, const WorldPicture& picture) {
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  for (const PictureLabel& label : picture.labels)
+    if (const auto at = pixel_of(viewer, label.place)) write(draw, *at, label.text);
+  if (viewer.cut) draw_line(draw, viewer, *viewer.cut, kLine);
+  if (viewer.wind) draw_line(draw, viewer, *viewer.wind, kWind);
+  if (picture.has_scale) draw_legend(draw, picture.scale);
+}
+
+}  // namespace turgor

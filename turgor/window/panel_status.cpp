@@ -1,0 +1,54 @@
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "turgor/window/panels.hpp"
+
+namespace turgor {
+
+namespace {
+
+const ImVec4 kBad{1.0f, 0.45f, 0.35f, 1}, kGood{0.75f, 0.9f, 0.75f, 1}, kPlain{0.8f, 0.82f, 0.85f, 1};
+
+void line(const std::string& text, ImVec4 color = kPlain) {
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
+std::string physics_text(const SessionNow& now) {
+  const std::string when = fmt::format("{:.2f} s", now.shown.time);
+  if (!now.plays) return when + ", stands still";
+  return fmt::format("{}, {:.2f} of the clock (a frame takes {:.2g} ms, showing it {:.2g} ms)", when,
+                     now.real_pace, 1e3 * now.frame_seconds, 1e3 * now.show_seconds);
+}
+
+std::string haptics_text(const SessionNow& now) {
+  const haptics::TimingReport& t = now.haptics;
+  return fmt::format("hand {:.0f} ticks/s, {} of {} missed, a tick takes {:.0f} µs (99 of 100)", t.rate,
+                     t.missed, t.ticks + t.missed, 1e6 * t.compute.p99);
+}
+
+}  // namespace
+
+void show_status(const Viewer& viewer) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({8, size.y - 8}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSize({size.x - 16, 0});
+  ImGui::SetNextWindowBgAlpha(0.55f);
+  const ImGuiWindowFlags flags =
+      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings;
+  if (!ImGui::Begin("status", nullptr, flags)) return ImGui::End();
+  const SessionNow& now = *viewer.now;
+  if (now.phase == SessionNow::Phase::kLoading)
+    line(now.doing + " …", kGood);
+  else if (now.phase == SessionNow::Phase::kReady)
+    line(fmt::format("{}   |   {}   |   {:.0f} pictures/s", physics_text(now),
+                     now.is_felt ? haptics_text(now) : std::string("nothing is felt here"),
+                     viewer.drawn_per_second));
+  if (!now.error.empty()) line(now.error, kBad);
+  if (!viewer.message.empty()) line(viewer.message, kGood);
+  if (now.phase == SessionNow::Phase::kFailed) line("R reads the file again, ? tells the keys");
+  ImGui::End();
+}
+
+}  // namespace turgor

@@ -1,0 +1,68 @@
+#include "turgor/window/parameters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "turgor/sim/live/change_world.hpp"
+#include "turgor/sim/scene/scene_edit.hpp"
+
+namespace turgor {
+
+namespace {
+
+/// Numbers of "3", "[0, 0, -9.81]" or "`[1, 0, 0]`"; 0: it is something else.
+int numbers_of(std::string text, std::array<double, 3>& numbers) {
+  std::erase_if(text, [](char c) { return c == '`' || c == '[' || c == ']' || c == '_'; });
+  int count = 0;
+  const char* at = text.c_str();
+  while (*at) {
+    char* end = nullptr;
+    const double number = std::strtod(at, &end);
+    if (end == at || count == 3 || !std::isfinite(number)) return 0;
+    numbers[std::size_t(count++)] = number;
+    at = end + std::strspn(end, ", \t");
+  }
+  return count;
+}
+
+bool is_offered(const SceneKey& key) {
+  return !key.path.starts_with("output.") && key.path.find("NAME") == key.path.npos;
+}
+
+}  // namespace
+
+ParameterList list_parameters(const Scene& scene) {
+  ParameterList list;
+  for (SceneKey& key : scene_keys(scene.text, scene.file)) {
+    if (!is_offered(key)) continue;
+    const std::string given = scene_value(scene, key.path), text = given.empty() ? key.fallback : given;
+    Parameter parameter{.key = key, .is_live = changes_live(key)};
+    parameter.count = numbers_of(text, parameter.value);
+    if (parameter.count != 1 && parameter.count != 3) continue;
+    list.push_back(std::move(parameter));
+  }
+  std::stable_partition(list.begin(), list.end(), [](const Parameter& one) { return one.is_live; });
+  return list;
+}
+
+std::string value_text(const Parameter& parameter) {
+  const auto& v = parameter.value;
+  const auto number = [&](double x) {
+    return parameter.key.is_whole ? fmt::format("{}", std::lround(x)) : fmt::format("{:.6g}", x);
+  };
+  return parameter.count == 1 ? number(v[0])
+                              : fmt::format("[{}, {}, {}]", number(v[0]), number(v[1]), number(v[2]));
+}
+
+double limited(const Allowed& allowed, double value) {
+  const double clamped = std::clamp(value, allowed.low, allowed.high);
+  if (!allowed.open || (clamped > allowed.low && clamped < allowed.high)) return clamped;
+  return clamped <= allowed.low ? std::nextafter(float(allowed.low), 1e30f)
+                                : std::nextafter(float(allowed.high), -1e30f);
+}
+
+}  // namespace turgor

@@ -1,0 +1,46 @@
+#include "turgor/window/pick.hpp"
+
+#include <cmath>
+
+namespace turgor {
+
+namespace {
+
+/// Along the ray to the triangle, or none. [Möller, Trumbore 1997]
+std::optional<double> ray_distance(const SightRay& ray, Vec3d a, Vec3d b, Vec3d c) {
+  const Vec3d ab = b - a, ac = c - a, p = cross(ray.direction, ac), s = ray.from - a, q = cross(s, ab);
+  const double volume = dot(ab, p);
+  if (volume == 0) return std::nullopt;
+  const double u = dot(s, p) / volume, v = dot(ray.direction, q) / volume, t = dot(ac, q) / volume;
+  if (u < 0 || v < 0 || u + v > 1 || !(t > 0)) return std::nullopt;
+  return t;
+}
+
+}  // namespace
+
+std::optional<Picked> pick_surface(std::span<const Vec3> x, std::span<const Int3> triangles,
+                                   const SightRay& ray) {
+  std::optional<Picked> nearest;
+  for (const Int3 t : triangles) {
+    const Vec3d a(x[std::size_t(t.x)]), b(x[std::size_t(t.y)]), c(x[std::size_t(t.z)]);
+    const std::optional<double> distance = ray_distance(ray, a, b, c);
+    if (!distance || (nearest && *distance >= nearest->distance)) continue;
+    nearest = Picked{.body = 0,
+                     .point = ray.from + ray.direction * *distance,
+                     .normal = normalized(cross(b - a, c - a)),
+                     .distance = *distance};
+  }
+  return nearest;
+}
+
+std::optional<Picked> pick(const ShownWorld& shown, const SightRay& ray) {
+  std::optional<Picked> nearest;
+  for (std::size_t b = 0; b < shown.bodies.size(); b++) {
+    std::optional<Picked> found = pick_surface(shown.bodies[b].x, shown.bodies[b].triangles, ray);
+    if (!found || (nearest && found->distance >= nearest->distance)) continue;
+    found->body = b, nearest = found;
+  }
+  return nearest;
+}
+
+}  // namespace turgor

@@ -1,0 +1,59 @@
+#include "turgor/window/picture.hpp"
+
+#include <algorithm>
+
+#include "turgor/core/timing.hpp"
+#include "turgor/pictures/outputs.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr double kSlow = 0.02;  // of a picture that moves [s]
+
+/// Ends of the scene's own colours, or of what there is now.
+ColorScale scale_for(const ShownWorld& shown, const Scene& scene, SkinColor color) {
+  ColorScale scale = color_scale(scene, color);
+  if (scene.output.color == color && scene.output.color_range) return scale;
+  if (color == SkinColor::kStretch) return scale;
+  float high = 0;
+  for (const ShownBody& body : shown.bodies)
+    for (const float value : shown_values(body, color)) high = std::max(high, value);
+  if (high > 0) scale.high = high;
+  return scale;
+}
+
+}  // namespace
+
+Result<WorldPicture> make_world_picture() {
+  Result<MeshPrograms> programs = link_mesh_programs();
+  if (!programs) return programs.error();
+  WorldPicture picture;
+  picture.drawing.programs = *programs;
+  return picture;
+}
+
+bool can_be_refined(const WorldPicture& picture) {
+  return !picture.drawing.targets || picture.framebuffer != picture.drawing.targets->picture;
+}
+
+Status draw_world(const Viewer& viewer, bool moves, int width, int height, WorldPicture& picture) {
+  const ShownWorld& shown = viewer.now->shown;
+  const SkinColor color = viewer.display.color;
+  picture.has_scale = color != SkinColor::kNone;
+  if (picture.has_scale) picture.scale = scale_for(shown, *viewer.now->scene, color);
+  PictureParts parts;
+  add_world(shown, color, picture.has_scale ? &picture.scale : nullptr, viewer.camera.eye, parts);
+  const bool quickly = moves && (picture.full_seconds == 0 || picture.full_seconds > kSlow);
+  const Timer timer;
+  const Result<GLuint> drawn =
+      draw_into_texture(picture.drawing, parts.parts, viewer.camera, width, height,
+                        quickly ? MeshCare::kQuick : MeshCare::kFull, viewer.display.style);
+  if (!drawn) return drawn.error();
+  if (!quickly) glFinish(), picture.full_seconds = timer.seconds();
+  picture.framebuffer = *drawn, picture.width = width, picture.height = height;
+  picture.labels = std::move(parts.labels);
+  return Done{};
+}
+
+}  // namespace turgor

@@ -1,0 +1,43 @@
+#include "turgor/window/viewer.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "turgor/geometry/box.hpp"
+
+namespace turgor {
+
+void meet_world(Viewer& viewer) {
+  viewer.touching.reset(), viewer.touched.reset(), viewer.cut.reset(), viewer.wind.reset();
+  viewer.cuts.clear();
+  const Box box = box_of(viewer.now->shown);
+  const bool first = viewer.framed == 0;
+  viewer.framed = viewer.now->world;
+  viewer.parameters = list_parameters(*viewer.now->scene);
+  if (first || !meet(box, {viewer.camera.target, viewer.camera.target}))
+    viewer.camera = frame_box(box, {0.35, -1, 0.35}, {0, 0, 1}, viewer.aspect);
+}
+
+Box box_of(const ShownWorld& shown) {
+  std::vector<Vec3d> corners;
+  for (const ShownBody& body : shown.bodies)
+    for (const Vec3 x : body.x) corners.emplace_back(x);
+  for (const TriMesh& obstacle : shown.obstacles)
+    for (const Vec3 x : obstacle.vertices) corners.emplace_back(x);
+  return corners.empty() ? Box{{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}} : box_around(corners);
+}
+
+void open_file(Viewer& viewer, const std::filesystem::path& file) {
+  viewer.session.ask(AskOpen{.file = file, .overrides = {}});
+  viewer.framed = 0;
+  viewer.message = "opening " + file.string();
+}
+
+bool press_key(Viewer& viewer, int key, bool /*shift*/) {
+  for (const KeyHelp& entry : key_table())
+    if (entry.key == key) return entry.act(viewer), true;
+  return false;
+}
+
+}  // namespace turgor

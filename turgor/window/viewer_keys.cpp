@@ -1,0 +1,149 @@
+// What the keys do: one table for those who press them and for the help.
+#define GLFW_INCLUDE_NONE
+#include <algorithm>
+#include <cmath>
+
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+
+#include "turgor/io/file.hpp"
+#include "turgor/sim/scene/scene_edit.hpp"
+#include "turgor/window/viewer.hpp"
+
+namespace turgor {
+
+namespace {
+
+bool has_world(const Viewer& viewer) {
+  return viewer.now && viewer.now->phase == SessionNow::Phase::kReady && !viewer.now->shown.bodies.empty();
+}
+
+void set_pace(Viewer& viewer, bool plays, double pace) {
+  viewer.session.ask(AskPace{.plays = plays, .pace = pace});
+  viewer.message = plays ? fmt::format("plays at {:.3g} of the clock", pace) : "stands still";
+}
+
+template <int kDoublings>
+void change_pace(Viewer& viewer) {
+  if (!viewer.now) return;
+  set_pace(viewer, true, std::clamp(viewer.now->pace * std::exp2(kDoublings), 1.0 / 64, 4.0));
+}
+
+template <StandardView kView>
+void look_from(Viewer& viewer) {
+  if (has_world(viewer)) viewer.camera = standard_view(kView, box_of(viewer.now->shown), viewer.aspect);
+}
+
+void look_at_all(Viewer& viewer) {
+  if (!has_world(viewer)) return;
+  const Vec3d direction = camera_frame(viewer.camera).back;
+  viewer.camera = frame_box(box_of(viewer.now->shown), direction, viewer.camera.up, viewer.aspect);
+}
+
+void focus(Viewer& viewer) {
+  if (!has_world(viewer)) return;
+  std::optional<Vec3d> point = viewer.touching ? viewer.touching->place : viewer.touched;
+  if (!point)
+    if (const auto found = pick(viewer.now->shown, sight_ray(viewer.camera, viewer.cursor, viewer.aspect)))
+      point = found->point;
+  if (!point) {
+    viewer.message = "nothing was touched yet, and nothing lies under the cursor";
+    return;
+  }
+  const Box box = box_of(viewer.now->shown);
+  viewer.camera = focused(viewer.camera, *point, 0.7 * norm(box.high - box.low));
+}
+
+template <MouseMode kMode>
+void set_mode(Viewer& viewer) {
+  viewer.mode = kMode;
+}
+
+void next_color(Viewer& viewer) {
+  if (!has_world(viewer)) return;
+  const std::vector<SkinColor> colors = known_colors(*viewer.now->scene);
+  const auto at = std::find(colors.begin(), colors.end(), viewer.display.color);
+  viewer.display.color = at == colors.end() || at + 1 == colors.end() ? colors.front() : *(at + 1);
+}
+
+void toggle_wires(Viewer& viewer) {
+  MeshStyle& style = viewer.display.style;
+  style = style == MeshStyle::kSurface ? MeshStyle::kWires : MeshStyle::kSurface;
+}
+
+void reset(Viewer& viewer) {
+  viewer.session.ask(AskReset{});
+  viewer.message = "from the beginning";
+}
+
+void reload(Viewer& viewer) {
+  if (!viewer.now || !viewer.now->scene) return viewer.session.ask(AskReset{});
+  viewer.session.ask(AskOpen{.file = viewer.now->scene->file, .overrides = viewer.now->scene->overrides});
+  viewer.message = "the file as it is now";
+}
+
+void save(Viewer& viewer) { viewer.message = save_scene(viewer); }
+
+constexpr KeyHelp kKeys[] = {
+    {GLFW_KEY_SPACE, "Space", "play, or stand still",
+     [](Viewer& v) {
+       if (v.now) set_pace(v, !v.now->plays, v.now->pace);
+     }},
+    {GLFW_KEY_PERIOD, ".", "one frame, while it stands still", [](Viewer& v) { v.session.ask(AskStep{}); }},
+    {GLFW_KEY_BACKSPACE, "Backspace", "from the beginning, with what was changed", reset},
+    {GLFW_KEY_R, "R", "read the file again", reload},
+    {GLFW_KEY_MINUS, "-", "half as fast", change_pace<-1>},
+    {GLFW_KEY_EQUAL, "+", "twice as fast", change_pace<1>},
+    {GLFW_KEY_T, "T", "the mouse touches", set_mode<MouseMode::kTouch>},
+    {GLFW_KEY_G, "G", "the mouse grabs, as with Shift", set_mode<MouseMode::kGrab>},
+    {GLFW_KEY_C, "C", "the mouse cuts skin", set_mode<MouseMode::kCut>},
+    {GLFW_KEY_W, "W", "the mouse is wind on cloth", set_mode<MouseMode::kWind>},
+    {GLFW_KEY_1, "1", "from the front", look_from<StandardView::kFront>},
+    {GLFW_KEY_2, "2", "from the back", look_from<StandardView::kBack>},
+    {GLFW_KEY_3, "3", "from the patient's right", look_from<StandardView::kRight>},
+    {GLFW_KEY_4, "4", "from the patient's left", look_from<StandardView::kLeft>},
+    {GLFW_KEY_5, "5", "from the head", look_from<StandardView::kHead>},
+    {GLFW_KEY_6, "6", "from the feet", look_from<StandardView::kFeet>},
+    {GLFW_KEY_0, "0", "all of it", look_at_all},
+    {GLFW_KEY_F, "F", "turn about the last touch, or what lies under the cursor", focus},
+    {GLFW_KEY_D, "D", "other colours", next_color},
+    {GLFW_KEY_L, "L", "surface, or wires", toggle_wires},
+    {GLFW_KEY_X, "X", "the CT as it would be now: sections, volume rendering",
+     [](Viewer& v) { v.panels.ct = !v.panels.ct; }},
+    {GLFW_KEY_P, "P", "save a picture", [](Viewer& v) { v.wants_picture = true; }},
+    {GLFW_KEY_V, "V", "begin a video, or end it", [](Viewer& v) { v.wants_video = !v.wants_video; }},
+    {GLFW_KEY_S, "S", "save the scene with what was changed", save},
+    {GLFW_KEY_TAB, "Tab", "panels come and go", [](Viewer& v) { v.panels.controls = !v.panels.controls; }},
+    {GLFW_KEY_SLASH, "?", "this help", [](Viewer& v) { v.panels.help = !v.panels.help; }},
+    {GLFW_KEY_ESCAPE, "Esc", "close the help, then the window",
+     [](Viewer& v) {
+       v.ends = !v.panels.help;
+       v.panels.help = false;
+     }},
+};
+
+}  // namespace
+
+std::span<const KeyHelp> key_table() { return kKeys; }
+
+std::vector<SkinColor> known_colors(const Scene& scene) {
+  std::vector<SkinColor> colors = {SkinColor::kNone, SkinColor::kDisplacement};
+  if (!scene.lattice_bodies.empty()) colors.push_back(SkinColor::kStretch);
+  if (!scene.sfem_bodies.empty()) colors.push_back(SkinColor::kPressure);
+  return colors;
+}
+
+std::string save_scene(const Viewer& viewer) {
+  if (!viewer.now || !viewer.now->scene) return "nothing to save: no scene was loaded";
+  const Scene& scene = *viewer.now->scene;
+  Result<std::string> text = with_values(scene.text, scene.file, scene.overrides);
+  if (!text) return text.error().message;
+  *text += incisions_text(scene, viewer.cuts);
+  std::filesystem::path path;
+  for (int n = 1; path.empty() || std::filesystem::exists(path); n++)
+    path = scene.file.parent_path() / fmt::format("{}-{}.toml", scene.file.stem().string(), n);
+  if (const Status written = write_file(path, *text); !written) return written.error().message;
+  return "saved " + path.string();
+}
+
+}  // namespace turgor

@@ -1,0 +1,218 @@
+// What the mouse does: it presses, grabs, cuts and blows where it lies on a body, and moves the camera beside
+// it.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "turgor/geometry/quaternion.hpp"
+#include "turgor/sim/tools/tool_path.hpp"
+#include "turgor/window/viewer.hpp"
+
+namespace turgor {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kLeft = 0, kRight = 1, kMiddle = 2;  // GLFW's
+constexpr double kLift = 0.03;                     // of a tool that touches nothing [m]
+constexpr double kWind = 12;                       // of a drag over half the picture's height [m/s]
+
+SightRay ray_at_cursor(const Viewer& viewer) {
+  return sight_ray(viewer.camera, viewer.cursor, viewer.aspect);
+}
+
+/// Outward is where the camera is: surfaces are picked from outside, but cloth has two sides.
+Vec3d towards_eye(Vec3d normal, const SightRay& ray) {
+  return dot(normal, ray.direction) > 0 ? -normal : normal;
+}
+
+double tip_of(const ShownTool& tool) {
+  float lowest = 0;
+  for (const Vec3 x : tool.mesh.vertices) lowest = std::min(lowest, x.z);
+  return -double(lowest);
+}
+
+/// The tool wants its tip `depth` below its place; lifted it wants to be away.
+void lead(const Touching& touching, int put, double depth) {
+  const Mat3d axes = axes_of(turned_to(touching.normal));
+  constexpr double kTakesHold = 0.35;  // after pressing [s]
+  const bool holds = touching.grabs && depth > -kLift &&
+                     std::chrono::duration<double>(Clock::now() - touching.began).count() > kTakesHold;
+  const auto above = [&](double height) {
+    return touching.place + touching.normal * (touching.tip + height);
+  };
+  touching.tool.device->lead(
+      {.pose = {above(-depth), axes}, .hold = holds, .put = put, .put_at = above(0.1 * touching.size)});
+}
+
+bool begin_touch(Viewer& viewer, const Picked& picked, bool grabs) {
+  const ShownWorld& shown = viewer.now->shown;
+  const ShownBody& body = shown.bodies[picked.body];
+  for (const MouseTool& mouse : viewer.now->mouse) {
+    const ShownTool& tool = shown.tools[std::size_t(mouse.tool)];
+    if (!(tool.body == body.id)) continue;
+    const double size = std::max(tool.size, 1e-3);
+    viewer.touching = Touching{.tool = mouse,
+                               .body = picked.body,
+                               .x = body.x,
+                               .triangles = body.triangles,
+                               .place = picked.point,
+                               .normal = towards_eye(picked.normal, ray_at_cursor(viewer)),
+                               .tip = tip_of(tool),
+                               .size = size,
+                               .depth = viewer.depth < 0 ? size / 6 : viewer.depth,
+                               .grabs = grabs,
+                               .began = Clock::now()};
+    lead(*viewer.touching, ++viewer.puts, viewer.touching->depth);
+    return true;
+  }
+  return false;
+}
+
+/// Pressing slides over the surface as it was; what is grabbed goes with the cursor.
+void move_touch(Viewer& viewer) {
+  Touching& touching = *viewer.touching;
+  const SightRay ray = ray_at_cursor(viewer);
+  if (touching.grabs) {
+    touching.place = in_plane(viewer.camera, ray, touching.place);
+  } else if (const auto found = pick_surface(touching.x, touching.triangles, ray)) {
+    touching.place = found->point;
+    touching.normal = normalized(touching.normal * 4.0 + towards_eye(found->normal, ray));
+  }
+}
+
+/// A line on a body of the model, from where the cursor is.
+bool begin_line(Viewer& viewer, const Picked& picked, BodyKind kind, std::optional<Drawn>& line) {
+  if (viewer.now->shown.bodies[picked.body].id.kind != kind) return false;
+  line = Drawn{picked.body, picked.point, picked.point};
+  return true;
+}
+
+void end_cut(Viewer& viewer) {
+  const Drawn line = *viewer.cut;
+  viewer.cut.reset();
+  const ShownBody& body = viewer.now->shown.bodies[line.body];
+  if (norm(line.to - line.from) < 0.005) {
+    viewer.message = "no cut: expected a line of 5 mm or more";
+    return;
+  }
+  lattice::Incision blade{.name = body.name, .from = line.from, .to = line.to};
+  for (const IncisionScene& incision : viewer.now->scene->incisions)
+    if (incision.body == body.id.index) blade.depth = incision.blade.depth;
+  blade.duration = std::clamp(norm(line.to - line.from) / 0.2, 0.1, 1.0);
+  viewer.session.ask(AskCut{.blade = blade, .body = body.id.index});
+  viewer.cuts.push_back(blade);
+  viewer.message =
+      fmt::format("a cut of {:.0f} mm, {:.0f} mm deep", 1e3 * norm(line.to - line.from), 1e3 * blade.depth);
+}
+
+void blow(Viewer& viewer) {
+  const Drawn& line = *viewer.wind;
+  const double half_height =
+      norm(viewer.camera.eye - viewer.camera.target) * camera_frame(viewer.camera).tan_half;
+  const Vec3d velocity = (line.to - line.from) * (kWind / half_height);
+  viewer.session.ask(AskWind{.body = viewer.now->shown.bodies[line.body].id.index, .velocity = velocity});
+  viewer.message = fmt::format("wind of {:.1f} m/s", norm(velocity));
+}
+
+/// Does the left button mean the body under the cursor?
+bool begin_on_body(Viewer& viewer, bool shift) {
+  if (!viewer.now || viewer.now->phase != SessionNow::Phase::kReady) return false;
+  const auto picked = pick(viewer.now->shown, ray_at_cursor(viewer));
+  if (!picked) return false;
+  if (viewer.mode == MouseMode::kCut) return begin_line(viewer, *picked, BodyKind::kLattice, viewer.cut);
+  if (begin_line(viewer, *picked, BodyKind::kCloth, viewer.wind)) return true;
+  if (viewer.mode == MouseMode::kWind) return false;
+  return begin_touch(viewer, *picked, shift || viewer.mode == MouseMode::kGrab);
+}
+
+/// Where it is looked at, some times a second; an answer costs frames, not ticks.
+void ask_for_ct(Viewer& viewer) {
+  constexpr std::chrono::milliseconds kPause(700);
+  const SessionNow& now = *viewer.now;
+  const bool is_wanted = (viewer.display.volume || viewer.panels.ct) && !now.scene->lattice_bodies.empty();
+  if (!is_wanted || (now.ct && now.ct->frame == now.shown.frame) || Clock::now() < viewer.asked_ct + kPause)
+    return;
+  viewer.asked_ct = Clock::now();
+  viewer.session.ask(AskCt{});
+}
+
+constexpr MouseHelp kMouse[] = {
+    {"left on a body", "press it with its tool, and slide; on cloth: wind; in cut mode: a cut on skin"},
+    {"Shift + left on a body", "take hold and pull; forceps close"},
+    {"wheel while pressing", "deeper, and less deep"},
+    {"left beside it, or right", "turn"},
+    {"middle, or Shift + right", "shift"},
+    {"wheel", "nearer and farther, to the cursor"},
+    {"drop a file on the window", "open that scene"},
+};
+
+}  // namespace
+
+std::span<const MouseHelp> mouse_table() { return kMouse; }
+
+void press_button(Viewer& viewer, int button, bool shift) {
+  viewer.camera_button.reset();
+  if (button == kLeft && begin_on_body(viewer, shift)) return;
+  viewer.camera_button = button == kMiddle || (button == kRight && shift) ? 1 : 0;
+}
+
+void release_button(Viewer& viewer) {
+  viewer.camera_button.reset();
+  if (viewer.touching) {
+    viewer.touched = viewer.touching->place;
+    viewer.touching->grabs = false;
+    lead(*viewer.touching, viewer.puts, -kLift);
+    viewer.touching.reset();
+  }
+  if (viewer.cut) end_cut(viewer);
+  viewer.wind.reset();
+}
+
+void move_cursor(Viewer& viewer, Seen place) {
+  const Seen before = viewer.cursor;
+  viewer.cursor = place;
+  if (viewer.touching) return move_touch(viewer);
+  if (viewer.cut) {
+    if (const auto found = pick(viewer.now->shown, ray_at_cursor(viewer));
+        found && found->body == viewer.cut->body)
+      viewer.cut->to = found->point;
+  } else if (viewer.wind) {
+    viewer.wind->to = in_plane(viewer.camera, ray_at_cursor(viewer), viewer.wind->from);
+    blow(viewer);
+  } else if (viewer.camera_button == 1) {
+    viewer.camera = panned(viewer.camera, before, place, viewer.aspect);
+  } else if (viewer.camera_button == 0) {
+    constexpr double kTurn = 1.5;  // of half the picture [rad]
+    viewer.camera =
+        orbited(viewer.camera, -kTurn * viewer.aspect * (place.x - before.x), -kTurn * (place.y - before.y));
+  }
+}
+
+void scroll(Viewer& viewer, double notches) {
+  if (viewer.touching) {
+    Touching& touching = *viewer.touching;
+    touching.depth =
+        std::clamp(touching.depth + notches * touching.size / 30, -2 * touching.size, 2 * touching.size);
+    viewer.depth = std::max(0.0, touching.depth);
+    return;
+  }
+  viewer.camera = zoomed(viewer.camera, std::pow(0.9, notches), viewer.cursor, viewer.aspect);
+}
+
+void look(Viewer& viewer) {
+  const SessionNow& now = viewer.session.now();
+  const bool ready = now.phase == SessionNow::Phase::kReady;
+  viewer.now = &now;
+  if (!ready || now.shown.bodies.empty()) {
+    viewer.touching.reset(), viewer.cut.reset(), viewer.wind.reset();
+    return;
+  }
+  if (viewer.framed != now.world) meet_world(viewer);
+  if (viewer.touching) lead(*viewer.touching, viewer.puts, viewer.touching->depth);
+  ask_for_ct(viewer);
+}
+
+}  // namespace turgor
