@@ -102,9 +102,7 @@ struct GatherRow {
   void springs(int parity, int slot, int count, SystemBuffer& out) const {
     const auto elements =
         model.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
-    const int whole_vectors =
-        (count + kSpareSlots - 1) / kSpareSlots * kSpareSlots;  // of which the last lanes are not used
-    elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot, whole_vectors, out);
+    elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot, count, out);
   }
 
   void operator()(int parity, int slot, int count, SystemBuffer& out) const {
@@ -144,16 +142,18 @@ struct Inertia {
   }
 };
 
-/// Calls body(parity, slot, count) on pieces of all half rows of a layer, in order or against it.
+/// Calls body(parity, slot, count) on pieces of all half rows of a layer that can move, in order or against
+/// it.
 template <class Body>
-void for_each_piece(const Lattice& l, int k, const Body& body, Order order = Order::kForward) {
+void for_each_piece(const Model& model, int k, const Body& body, Order order = Order::kForward) {
+  const Lattice& l = model.lattice;
   const bool backward = order == Order::kBackward;
   for (int row = 0; row < l.size.y; row++)
     for (int turn = 0; turn < 2; turn++) {
       const int j = backward ? l.size.y - 1 - row : row, parity = backward ? 1 - turn : turn;
-      const int slot = row_slot(l, j, k) + parity * l.half, count = half_count(l, parity);
-      for (int begin = 0; begin < count; begin += kLanes)
-        body(parity, slot + begin, std::min(kLanes, count - begin));
+      for (const Run run : model.moving.of_half_row(row_slot(l, j, k) / l.half + parity))
+        for (int begin = 0; begin < run.count; begin += kLanes)
+          body(parity, run.begin + begin, std::min(kLanes, run.count - begin));
     }
 }
 
@@ -166,7 +166,7 @@ struct DescendLayer {
   void operator()(int k) const {
     SystemBuffer buffer;
     for_each_piece(
-        gather.model.lattice, k,
+        gather.model, k,
         [&](int parity, int slot, int count) {
           gather(parity, slot, count, buffer);
           const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
@@ -236,7 +236,7 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
   parallel_for(exec, layers.size(), [&](std::size_t k) {
     SystemBuffer buffer;
     LayerResidual& layer = layers[k];
-    for_each_piece(model.lattice, int(k), [&](int parity, int slot, int count) {
+    for_each_piece(model, int(k), [&](int parity, int slot, int count) {
       gather(parity, slot, count, buffer);
       for (const NodeContact& c : contacts_of(inputs.contacts, slot, count)) {
         NodeSystem s = buffer.get(c.slot - slot);

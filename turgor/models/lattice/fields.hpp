@@ -39,6 +39,10 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"hu", "HU", Axis::kSlot}, m.hu);
   visit(Field{"cell_young", "Pa", Axis::kSlot}, m.cell_young);
   visit(Field{"around", "", Axis::kSlot}, m.around);
+  visit(Field{"moving", ""}, m.moving.all);
+  visit(Field{"moving_begin", "", Axis::kRow}, m.moving.row_begin);
+  visit(Field{"joining", ""}, m.joining.all);
+  visit(Field{"joining_begin", "", Axis::kRow}, m.joining.row_begin);
   visit(Field{"skin_triangles", "", Axis::kSkinTriangle}, m.skin.triangles);
   visit(Field{"lines", "", Axis::kSkinTriangle}, m.skin.lines);
   visit(Field{"batch_begin", ""}, m.skin.batch_begin);

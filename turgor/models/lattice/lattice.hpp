@@ -19,6 +19,7 @@
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/lattice.hpp"
 #include "turgor/geometry/volume.hpp"
+#include "turgor/models/lattice/runs.hpp"
 
 namespace turgor::lattice {
 
@@ -128,6 +129,8 @@ struct Model {
   Real volume_scale = 0;                          // volume stiffness = scale · mean root² [1]
   aligned_vector<Real> cell_young;  // solid: by slot of a cell's lowest node; 0 = no whole cell [Pa]
   std::vector<Around> around;       // solid: by group of slots, in the CT
+  Runs moving;   // slots of nodes that can move
+  Runs joining;  // pbd: slots of nodes whose edges or tetrahedra hold a node that can move
   Skin skin;
   int body_nodes = 0, free_nodes = 0;
 };

@@ -73,10 +73,10 @@ void project_volumes(const NodeArrays& n, const TetRuns& runs, int count, Real r
   }
 }
 
-TetRuns tet_runs(const Lattice& l, int row, int parity, const std::array<Int3, 4>& tet) {
+TetRuns tet_runs(const Lattice& l, int first, int parity, const std::array<Int3, 4>& tet) {
   TetRuns runs{};
   for (int c = 0; c < 4; c++)
-    runs.slot[c] = row + parity * l.half + slot_offset(l, tet[std::size_t(c)], parity);
+    runs.slot[c] = first + slot_offset(l, tet[std::size_t(c)], parity);
   const auto rest = [&](int c) { return hadamard(l.step, Vec3(tet[std::size_t(c)] - tet[0])); };
   runs.e1 = rest(1), runs.e2 = rest(2), runs.e3 = rest(3);
   int e = 0;
@@ -96,6 +96,15 @@ struct SweepRow {
   const std::uint8_t* row_cut;
   std::array<Vec3, kFamilyCount> edges;
 
+  /// Calls body(first slot, count) where half a row has something to project. No run goes beyond the row's
+  /// last node: the slot behind it may be the first of the other half.
+  template <class Body>
+  void for_each_run(int row, int parity, const Body& body) const {
+    const int first = row + parity * model.lattice.half, end = first + half_count(model.lattice, parity);
+    for (const Run run : model.joining.of_half_row(first / model.lattice.half))
+      body(run.begin, std::min(run.count, end - run.begin));
+  }
+
   template <bool kWithCuts>
   void sweep(int j, int k) const {
     const Lattice& l = model.lattice;
@@ -103,17 +112,18 @@ struct SweepRow {
     for (int f = 0; f < kFamilyCount; f++) {
       const Int3 offset = kFamilies[std::size_t(f)];
       if (j + offset.y >= l.size.y || k + offset.z >= l.size.z) continue;
-      for (int parity = 0; parity < 2; parity++) {
-        const int a = row + parity * l.half;
-        project_edges<kWithCuts>(nodes, a, a + slot_offset(l, offset, parity), half_count(l, parity),
-                                 edges[std::size_t(f)], model.rest_length[std::size_t(f)], f);
-      }
+      for (int parity = 0; parity < 2; parity++)
+        for_each_run(row, parity, [&](int a, int count) {
+          project_edges<kWithCuts>(nodes, a, a + slot_offset(l, offset, parity), count,
+                                   edges[std::size_t(f)], model.rest_length[std::size_t(f)], f);
+        });
     }
     if (model.volume_scale <= 0 || j + 1 >= l.size.y || k + 1 >= l.size.z) return;
     for (const auto& tet : kKuhnTets)
       for (int parity = 0; parity < 2; parity++)
-        project_volumes<kWithCuts>(nodes, tet_runs(l, row, parity, tet), half_count(l, parity),
-                                   model.rest_volume);
+        for_each_run(row, parity, [&](int first, int count) {
+          project_volumes<kWithCuts>(nodes, tet_runs(l, first, parity, tet), count, model.rest_volume);
+        });
   }
 
   void operator()(int j, int k) const {
