@@ -26,7 +26,7 @@ Model torso(Method method, TissueLaw law) {
 
 int slots_in(const Runs& runs) {
   int slots = 0;
-  for (const Run run : runs.all) slots += run.count;
+  for (const auto& run : runs.all) slots += run.count;
   return slots;
 }
 
@@ -43,7 +43,7 @@ std::uint64_t hash_after_a_cut(const Model& model) {
 TEST(lattice_runs, every_node_that_can_move_is_in_a_run_and_every_group_of_a_run_has_one) {
   const Model model = torso(Method::kDescent, TissueLaw::kSprings);
   std::vector<int> covered(model.inverse_mass.size(), 0);
-  for (const Run run : model.moving.all)
+  for (const auto& run : model.moving.all)
     for (int group = run.begin; group < run.begin + run.count; group += kGroup) {
       bool any = false;
       for (int s = group; s < group + kGroup; s++)
@@ -53,7 +53,9 @@ TEST(lattice_runs, every_node_that_can_move_is_in_a_run_and_every_group_of_a_run
     }
   for (std::size_t s = 0; s < covered.size(); s++) {
     ASSERT_LE(covered[s], 1);
-    if (model.inverse_mass[s] > 0) ASSERT_EQ(covered[s], 1) << "slot " << s;
+    if (model.inverse_mass[s] > 0) {
+      ASSERT_EQ(covered[s], 1) << "slot " << s;
+    }
   }
 }
 

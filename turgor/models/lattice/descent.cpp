@@ -3,6 +3,7 @@
 // half row have no edge in common, so a half row is done at once: forces and stiffnesses into a buffer as
 // SIMD, skin node by node, one Newton step as SIMD.
 #include <algorithm>
+#include <bit>
 #include <vector>
 
 #include "turgor/core/assert.hpp"
@@ -12,6 +13,7 @@
 #include "turgor/models/lattice/node_contact.hpp"
 #include "turgor/models/lattice/rows.hpp"
 #include "turgor/models/lattice/skin_forces.hpp"
+#include "turgor/models/lattice/sleep.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
 namespace turgor::lattice {
@@ -62,24 +64,27 @@ void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_vo
 }
 
 /// Adds what the skin around the nodes of [slot, slot + count) asks of them.
-void gather_skin(const Model& model, const State& state, const NodeArrays& n, int slot, int count,
-                 SystemBuffer& out) {
+void gather_skin(const Model& model, const State& state, const NodeArrays& n, const SkinForces& forces,
+                 int slot, int count, SystemBuffer& out) {
   const Skin& skin = model.skin;
-  const SkinForces forces(model);
   const auto row = std::size_t(slot / model.lattice.half);
-  for (auto at = std::size_t(skin.row_begin[row]); at < std::size_t(skin.row_begin[row + 1]); at++) {
-    const int a = skin.nodes[at];
-    if (a < slot || a >= slot + count || n.w[a] == 0) continue;
-    NodeSystem s = out.get(a - slot);
+  const int *nodes = skin.nodes.data(), *end = nodes + skin.row_begin[row + 1];
+  const int* node = std::lower_bound(nodes + skin.row_begin[row], end, slot);
+  if (node == end || *node >= slot + count) return;
+  const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
+  CornerSystems systems;
+  int gathered = -1;  // which lanes
+  for (; node != end && *node < slot + count; node++) {
+    const auto at = std::size_t(node - nodes);
+    NodeSystem s = out.get(*node - slot);
     s.f -= skin.pull[at];
     for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
-      const Skin::Corner corner = skin.corners[std::size_t(c)];
-      if (state.skin_cut[std::size_t(corner.triangle)]) continue;
-      const SkinTriangle& t = skin.triangles[std::size_t(corner.triangle)];
-      const Vec3 origin = n.u(t.vertex.x);
-      forces.add(s, t, corner.corner, n.u(t.vertex.y) - origin, n.u(t.vertex.z) - origin);
+      const int lanes = skin.lanes_begin[row] + (c - first) / kSkinLanes, lane = (c - first) % kSkinLanes;
+      const SkinCorners& corners = skin.corners[std::size_t(lanes)];
+      if (lanes != gathered) forces.gather(corners, n, systems), gathered = lanes;
+      if (!state.skin_cut[std::size_t(corners.triangle[lane])]) add(s, systems.get(lane));
     }
-    out.set(a - slot, s);
+    out.set(*node - slot, s);
   }
 }
 
@@ -90,13 +95,15 @@ struct GatherRow {
   NodeArrays nodes;
   Neighbours neighbours[2];
   SolidRow solid;
+  SkinForces skin;
 
   GatherRow(const Model& m, State& s)
       : model(m),
         state(s),
         nodes(node_arrays(m, s)),
         neighbours{neighbours_of(m, 0), neighbours_of(m, 1)},
-        solid(m, s) {}
+        solid(m, s),
+        skin(m) {}
 
   template <bool kWithCuts>
   void springs(int parity, int slot, int count, SystemBuffer& out) const {
@@ -112,7 +119,7 @@ struct GatherRow {
       springs<true>(parity, slot, count, out);
     else
       springs<false>(parity, slot, count, out);
-    if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, slot, count, out);
+    if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, skin, slot, count, out);
   }
 };
 
@@ -142,15 +149,17 @@ struct Inertia {
   }
 };
 
-/// Calls body(parity, slot, count) on pieces of all half rows of a layer that can move, in order or against
-/// it.
+/// Calls body(parity, slot, count) on pieces of all half rows of a layer that can move and are awake, in
+/// order or against it.
 template <class Body>
-void for_each_piece(const Model& model, int k, const Body& body, Order order = Order::kForward) {
+void for_each_piece(const Model& model, const std::uint8_t* awake, int k, const Body& body,
+                    Order order = Order::kForward) {
   const Lattice& l = model.lattice;
   const bool backward = order == Order::kBackward;
   for (int row = 0; row < l.size.y; row++)
     for (int turn = 0; turn < 2; turn++) {
       const int j = backward ? l.size.y - 1 - row : row, parity = backward ? 1 - turn : turn;
+      if (awake != nullptr && !awake[row_of(model, row_slot(l, j, k))]) continue;
       for (const Run run : model.moving.of_half_row(row_slot(l, j, k) / l.half + parity))
         for (int begin = 0; begin < run.count; begin += kLanes)
           body(parity, run.begin + begin, std::min(kLanes, run.count - begin));
@@ -162,17 +171,21 @@ struct DescendLayer {
   const Inertia& inertia;
   std::span<NodeContact> contacts;
   Order order;
+  Sleep& sleep;
+  Real way2;  // square of how far a node goes in a step without waking others [m²]; negative: none sleeps
 
   void operator()(int k) const {
     SystemBuffer buffer;
+    const bool sleeps = way2 >= 0;
     for_each_piece(
-        gather.model, k,
+        gather.model, sleeps ? sleep.awake.data() : nullptr, k,
         [&](int parity, int slot, int count) {
           gather(parity, slot, count, buffer);
           const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
           if (!touched.empty()) press(touched, slot, buffer);
           solve(slot, count, buffer);
           for (NodeContact& c : touched) c.force = contact_force(c, gather.nodes.u(c.slot)).force;
+          if (sleeps && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
         },
         order);
   }
@@ -210,6 +223,18 @@ struct DescendLayer {
       ux[i] += change.x, uy[i] += change.y, uz[i] += change.z;
     }
   }
+
+  /// Bit patterns of positive numbers are in order, and those of not-a-number come last.
+  bool has_moved(int slot, int count) const {
+    const NodeArrays& n = gather.nodes;
+    std::uint32_t found = 0;
+    for (int s = slot; s < slot + count; s++) {
+      const Real x = n.ux[s] - inertia.bx[s], y = n.uy[s] - inertia.by[s], z = n.uz[s] - inertia.bz[s];
+      const std::uint32_t bits = std::bit_cast<std::uint32_t>(x * x + y * y + z * z) & 0x7fffffffu;
+      found = bits > found ? bits : found;
+    }
+    return found > std::bit_cast<std::uint32_t>(way2);
+  }
 };
 
 struct LayerResidual {
@@ -222,7 +247,15 @@ void sweep_descent(const Exec& exec, const Model& model, State& state, const Inp
                    Order order) {
   const GatherRow gather(model, state);
   const Inertia inertia(model, state, inputs, dt);
-  sweep_slabs(exec, model.lattice.size.z, DescendLayer{gather, inertia, inputs.contacts, order}, order);
+  // Tests and benches sweep outside of steps, where nobody has been woken.
+  const bool sleeps = can_sleep(model) && !state.sleep.awake.empty();
+  const Real way = Real(model.params.solver.sleep * dt);
+  if (sleeps) std::fill(state.sleep.moved.begin(), state.sleep.moved.end(), std::uint8_t(0));
+  sweep_slabs(
+      exec, model.lattice.size.z,
+      DescendLayer{gather, inertia, inputs.contacts, order, state.sleep, sleeps ? way * way : Real(-1)},
+      order);
+  if (sleeps) spread_motion(model, state);
 }
 
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
@@ -236,7 +269,7 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
   parallel_for(exec, layers.size(), [&](std::size_t k) {
     SystemBuffer buffer;
     LayerResidual& layer = layers[k];
-    for_each_piece(model, int(k), [&](int parity, int slot, int count) {
+    for_each_piece(model, nullptr, int(k), [&](int parity, int slot, int count) {
       gather(parity, slot, count, buffer);
       for (const NodeContact& c : contacts_of(inputs.contacts, slot, count)) {
         NodeSystem s = buffer.get(c.slot - slot);

@@ -19,6 +19,9 @@ void visit_fields(S& s, const Visit& visit) {
   visit(Field{"row_cut", "", Axis::kRow, kRecorded}, s.row_cut);
   visit(Field{"skin_cut", "", Axis::kSkinTriangle, kRecorded}, s.skin_cut);
   visit(Field{"cut_edge", "", Axis::kCutEdge, kRecorded}, s.cut_edges);
+  visit(Field{"still", "", Axis::kRow}, s.sleep.still);
+  visit(Field{"awake", "", Axis::kRow}, s.sleep.awake);
+  visit(Field{"moved", "", Axis::kRow}, s.sleep.moved);
 }
 
 /// Columns of a list of cut edges.
@@ -52,6 +55,8 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"corner_begin", ""}, m.skin.corner_begin);
   visit(Field{"corners", ""}, m.skin.corners);
   visit(Field{"row_begin", "", Axis::kRow}, m.skin.row_begin);
+  visit(Field{"lanes_begin", "", Axis::kRow}, m.skin.lanes_begin);
+  visit(Field{"batches", ""}, m.skin.batches);
 }
 
 }  // namespace turgor::lattice

@@ -132,19 +132,30 @@ struct SweepRow {
   }
 };
 
-/// A batch of skin triangles on its way through the projection: one lane each. Unused lanes hold a triangle
-/// that cannot move.
+/// A batch of skin triangles on its way through the projection: one lane each.
 struct SkinLanes {
-  alignas(64) Real x[9][kSkinLanes];  // corner c, axis a: x[3 c + a]
+  alignas(64) Real x[9][kSkinLanes];  // of corner c along axis a, x[3 c + a]: displacement, then shift
   alignas(64) Real w[3][kSkinLanes];
-  alignas(64) Real rest_area[kSkinLanes], stiffness[kSkinLanes];
 
-  void project(Real amplification) {
+  void fetch(const SkinBatch& batch, const NodeArrays& n) {
+    for (int q = 0; q < 3; q++)
+      for (int i = 0; i < kSkinLanes; i++) {
+        const int slot = batch.vertex[q][i];
+        x[3 * q][i] = n.ux[slot], x[3 * q + 1][i] = n.uy[slot], x[3 * q + 2][i] = n.uz[slot];
+        w[q][i] = n.w[slot];
+      }
+  }
+
+  void project(const SkinBatch& batch, Real ratio, Real amplification) {
     TURGOR_LANES
     for (int i = 0; i < kSkinLanes; i++) {
-      const SkinShift shift =
-          project_skin({x[0][i], x[1][i], x[2][i]}, {x[3][i], x[4][i], x[5][i]}, {x[6][i], x[7][i], x[8][i]},
-                       {w[0][i], w[1][i], w[2][i]}, rest_area[i], stiffness[i], amplification);
+      const auto edge = [&](int q) {
+        const auto& rest = batch.edge[q - 1];
+        return Vec3{rest[0][i] + (x[3 * q][i] - x[0][i]), rest[1][i] + (x[3 * q + 1][i] - x[1][i]),
+                    rest[2][i] + (x[3 * q + 2][i] - x[2][i])};
+      };
+      const SkinShift shift = project_skin({0, 0, 0}, edge(1), edge(2), {w[0][i], w[1][i], w[2][i]},
+                                           ratio * batch.area[i], batch.stiffness[i], amplification);
       x[0][i] = shift.a.x, x[1][i] = shift.a.y, x[2][i] = shift.a.z;
       x[3][i] = shift.b.x, x[4][i] = shift.b.y, x[5][i] = shift.b.z;
       x[6][i] = shift.c.x, x[7][i] = shift.c.y, x[8][i] = shift.c.z;
@@ -157,29 +168,21 @@ void project_skin_layer(const Model& model, const State& state, const NodeArrays
   const Real ratio = rest_area_ratio(model.params.skin),
              amplification = Real(model.params.skin.amplification);
   const Skin& skin = model.skin;
-  SkinLanes lanes{};
-  for (int batch = skin.layer_begin[std::size_t(k)]; batch < skin.layer_begin[std::size_t(k) + 1]; batch++) {
-    const int begin = skin.batch_begin[std::size_t(batch)],
-              count = skin.batch_begin[std::size_t(batch) + 1] - begin;
-    const SkinTriangle* triangles = &skin.triangles[std::size_t(begin)];
+  SkinLanes lanes;
+  for (auto b = std::size_t(skin.layer_begin[std::size_t(k)]);
+       b < std::size_t(skin.layer_begin[std::size_t(k) + 1]); b++) {
+    const SkinBatch& batch = skin.batches[b];
+    lanes.fetch(batch, n);
+    lanes.project(batch, ratio, amplification);
+    const int begin = skin.batch_begin[b], count = skin.batch_begin[b + 1] - begin;
     for (int i = 0; i < count; i++) {
-      const SkinTriangle& t = triangles[i];
-      const Vec3 origin = n.u(t.vertex.x), b = t.edge1 + (n.u(t.vertex.y) - origin),
-                 c = t.edge2 + (n.u(t.vertex.z) - origin);
-      lanes.x[0][i] = 0, lanes.x[1][i] = 0, lanes.x[2][i] = 0;
-      lanes.x[3][i] = b.x, lanes.x[4][i] = b.y, lanes.x[5][i] = b.z;
-      lanes.x[6][i] = c.x, lanes.x[7][i] = c.y, lanes.x[8][i] = c.z;
-      for (int q = 0; q < 3; q++) lanes.w[q][i] = n.w[t.vertex[q]];
-      lanes.rest_area[i] = ratio * t.area;
-      lanes.stiffness[i] = state.skin_cut[std::size_t(begin + i)] ? 0 : t.stiffness;
-    }
-    lanes.project(amplification);
-    for (int i = 0; i < count; i++)
+      if (state.skin_cut[std::size_t(begin + i)]) continue;
       for (int q = 0; q < 3; q++) {
-        const int slot = triangles[i].vertex[q];
+        const int slot = batch.vertex[q][i];
         n.ux[slot] += lanes.x[3 * q][i], n.uy[slot] += lanes.x[3 * q + 1][i],
             n.uz[slot] += lanes.x[3 * q + 2][i];
       }
+    }
   }
 }
 

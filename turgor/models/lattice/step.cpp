@@ -6,18 +6,23 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/models/lattice/fields.hpp"
+#include "turgor/models/lattice/sleep.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// The slots of a layer that can move.
-std::span<const Run> runs_of_layer(const Model& model, int k) {
-  const auto begin_of = [&](int j) { return std::size_t(row_slot(model.lattice, j, k) / model.lattice.half); };
-  const Runs& moving = model.moving;
-  return {moving.all.data() + moving.row_begin[begin_of(0)],
-          moving.all.data() + moving.row_begin[begin_of(model.lattice.size.y)]};
+/// Calls body(run) on the slots of a layer that can move and are awake.
+template <class Body>
+void for_each_run(const Model& model, const State& state, int k, const Body& body) {
+  const bool sleeps = can_sleep(model) && !state.sleep.awake.empty();
+  for (int j = 0; j < model.lattice.size.y; j++) {
+    const int row = row_of(model, row_slot(model.lattice, j, k));
+    if (sleeps && !state.sleep.awake[std::size_t(row)]) continue;
+    for (const int half_row : {2 * row, 2 * row + 1})
+      for (const Run run : model.moving.of_half_row(half_row)) body(run);
+  }
 }
 
 struct PredictLayer {
@@ -36,11 +41,11 @@ struct PredictLayer {
         u[s] += w[s] > 0 && !removed[s] ? dt * v[s] + g : 0;
       }
     };
-    for (const Run run : runs_of_layer(model, int(k))) {
+    for_each_run(model, state, int(k), [&](Run run) {
       advance(run, state.u.x.data(), state.u_before.x.data(), state.v.x.data(), dt * dt * gravity.x);
       advance(run, state.u.y.data(), state.u_before.y.data(), state.v.y.data(), dt * dt * gravity.y);
       advance(run, state.u.z.data(), state.u_before.z.data(), state.v.z.data(), dt * dt * gravity.z);
-    }
+    });
   }
 };
 
@@ -79,12 +84,12 @@ struct FinishLayer {
       for (int s = run.begin; s < run.begin + run.count; s++) v[s] = (u[s] - before[s]) * scale;
     };
     std::uint32_t found = 0;
-    for (const Run run : runs_of_layer(model, int(k))) {
+    for_each_run(model, state, int(k), [&](Run run) {
       velocity(run, state.v.x.data(), state.u.x.data(), state.u_before.x.data());
       velocity(run, state.v.y.data(), state.u.y.data(), state.u_before.y.data());
       velocity(run, state.v.z.data(), state.u.z.data(), state.u_before.z.data());
       found = std::max(found, largest_of(run));
-    }
+    });
     std::uint32_t seen = largest.load();
     while (seen < found && !largest.compare_exchange_weak(seen, found)) {
     }
@@ -98,6 +103,7 @@ void go_back(const Model& model, State& state) {
       state.u.set(s, state.u_before[s]);
       state.v.set(s, {});
     }
+  state.sleep.still.clear();  // everybody is awake
 }
 
 void check_contacts(const Model& model, std::span<const NodeContact> contacts) {
@@ -143,6 +149,7 @@ StepReport finish(const Exec& exec, const Model& model, State& state, double dt)
 
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   check_contacts(model, inputs.contacts);
+  if (can_sleep(model)) wake_rows(model, state, inputs);
   predict(exec, model, state, inputs, dt);
   const int sweeps = model.params.solver.sweeps;
   const bool solid = model.params.tissue.law == TissueLaw::kSolid;
@@ -157,6 +164,10 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
     residual = measure_residual(exec, model, state, inputs, dt);
   StepReport report = finish(exec, model, state, dt);
   report.residual = residual;
+  if (can_sleep(model) && report.finite) {
+    count_sleepers(model, state, report);
+    lay_down_rows(exec, model, state);
+  }
   return report;
 }
 
@@ -170,6 +181,7 @@ std::uint64_t state_hash(const Model& model, const State& state) {
       for (int parity = 0; parity < 2; parity++)
         hash = hash_of_fields(state, std::size_t(row_slot(l, j, k) + parity * l.half),
                               std::size_t(half_count(l, parity)), hash);
+  if (can_sleep(model)) hash = hash_values(std::span<const std::uint8_t>(state.sleep.still), hash);
   return hash;
 }
 

@@ -46,6 +46,11 @@ const Quantity<LatticePart> kLattice[] = {
        return l.scene.params.solver.method == lattice::Method::kPbd ? "pbd" : "descent";
      }},
     {"sweeps", kCount, "sweeps", [](const LatticePart& l) -> Json { return l.scene.params.solver.sweeps; }},
+    {"rows_asleep", kNone, "rows asleep (of 1, over the run)",
+     [](const LatticePart& l) -> Json {
+       return l.body.row_steps > 0 ? Json(double(l.body.row_steps_asleep) / double(l.body.row_steps))
+                                   : absent();
+     }},
     {"memory", kBytes, "", [](const LatticePart& l) -> Json { return l.bytes; }, kInReport},
     {"memory_bytes_per_node",
      {"", "bytes/node"},

@@ -253,6 +253,7 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
                                .loads = loads};
   if (world.felt) take_commands(body, *world.felt, input.from, input.to, world.tools);
   const lattice::StepReport done = step_lattice(exec, body, world.tools, inputs, input.from, input.to);
+  body.row_steps += done.rows, body.row_steps_asleep += done.rows_asleep;
   if (world.felt) leave_planes(body, *world.felt);
   report.finite = report.finite && done.finite;
   report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));
