@@ -20,13 +20,35 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Springs and volumes around the nodes of [slot, slot + count). Distances to the neighbours are computed
-/// once and serve both.
+/// Which springs and tetrahedra around sixteen nodes no blade went through: 1 or 0. Numbers of one size, or
+/// loops over them become vectors of four.
+struct Uncut {
+  Real spring[kNeighbourCount][kSpareSlots], tet[24][kSpareSlots];
+};
+void find_uncut(const NodeArrays& n, const Neighbours& around, int slot, bool with_volumes, Uncut& out) {
+  for (int e = 0; e < kNeighbourCount; e++) {
+    const std::uint8_t* cut = n.cut + slot + (e % 2 == 0 ? 0 : around.offset[e]);
+    for (int i = 0; i < kSpareSlots; i++) out.spring[e][i] = cut[i] >> e / 2 & 1 ? 0 : 1;
+  }
+  for (std::size_t t = 0; t < 24 && with_volumes; t++) {
+    int any[kSpareSlots] = {};
+    for (const EdgeAround edge : kTetsAround[t].edge) {
+      const std::uint8_t* cut = n.cut + slot + (edge.lower < 0 ? 0 : around.offset[edge.lower]);
+      for (int i = 0; i < kSpareSlots; i++) any[i] |= cut[i] >> edge.family & 1;
+    }
+    for (int i = 0; i < kSpareSlots; i++) out.tet[t][i] = any[i] ? 0 : 1;
+  }
+}
+
+/// Springs and volumes around the nodes of [slot, slot + kSpareSlots). Distances to the neighbours are
+/// computed once and serve both.
 template <bool kWithCuts, bool kWithVolumes>
 void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_volume, Real volume_scale,
-                     int slot, int count, SystemBuffer& __restrict out) {
+                     int slot, int begin, SystemBuffer& __restrict out) {
+  Uncut uncut;
+  if constexpr (kWithCuts) find_uncut(n, around, slot, kWithVolumes, uncut);
   TURGOR_LANES
-  for (int i = 0; i < count; i++) {
+  for (int i = 0; i < kSpareSlots; i++) {
     const int a = slot + i;
     NodeSystem s;
     Vec3 d[kNeighbourCount];
@@ -37,7 +59,7 @@ void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_vo
       d[e] = around.edge[e] + (n.u(b) - n.u(a));
       root[e] = n.root[b];
       Real k = around.scale[e] * n.root[a] * root[e];
-      if constexpr (kWithCuts) k = n.cut[e % 2 == 0 ? a : b] >> e / 2 & 1 ? 0 : k;
+      if constexpr (kWithCuts) k *= uncut.spring[e][i];
       add_spring(s, d[e], around.rest[e], k);
     }
     if constexpr (kWithVolumes) {
@@ -48,18 +70,13 @@ void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_vo
         Real k = tet_stiffness(root_of(tet.far[0]), root_of(tet.far[1]), root[tet.corner[0]],
                                root[tet.corner[1]], root[tet.corner[2]]);
         k *= volume_scale / rest_volume;
-        if constexpr (kWithCuts) {
-          int cut = 0;
-          for (const EdgeAround edge : tet.edge)
-            cut |= n.cut[edge.lower < 0 ? a : a + around.offset[edge.lower]] >> edge.family & 1;
-          k = cut ? 0 : k;
-        }
+        if constexpr (kWithCuts) k *= uncut.tet[t][i];
         const VolumeGradients g = volume_gradients(d[tet.corner[0]], d[tet.corner[1]], d[tet.corner[2]]);
         const Real sixth = Real(1) / 6;
         add_volume(s, (g.g1 + g.g2 + g.g3) * -sixth, k, dot(d[tet.corner[0]], g.g1) * sixth - rest_volume);
       }
     }
-    out.set(i, s);
+    out.set(begin + i, s);
   }
 }
 
@@ -109,7 +126,8 @@ struct GatherRow {
   void springs(int parity, int slot, int count, SystemBuffer& out) const {
     const auto elements =
         model.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
-    elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot, count, out);
+    for (int begin = 0; begin < count; begin += kSpareSlots)
+      elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot + begin, begin, out);
   }
 
   void operator()(int parity, int slot, int count, SystemBuffer& out) const {
@@ -142,8 +160,10 @@ struct Inertia {
         fall(lattice_gravity(model, inputs) * Real(step * step)),
         dt(Real(step)) {}
 
-  Vec3 operator()(int s) const {
-    const Real moves = ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0);
+  /// 1 where there is a node that can move, or 0.
+  Real moves(int s) const { return ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0); }
+  Vec3 operator()(int s) const { return at(s, moves(s)); }
+  Vec3 at(int s, Real moves) const {
     return {bx[s] + moves * (dt * vx[s] + fall.x), by[s] + moves * (dt * vy[s] + fall.y),
             bz[s] + moves * (dt * vz[s] + fall.z)};
   }
@@ -213,13 +233,23 @@ struct DescendLayer {
   }
 
   void solve(int slot, int count, const SystemBuffer& buffer) const {
+    int begin = 0;
+    for (; begin + 2 * kGroup <= count; begin += 2 * kGroup) solve_lanes<2 * kGroup>(slot, begin, buffer);
+    if (begin < count) solve_lanes<kGroup>(slot, begin, buffer);
+  }
+
+  template <int kWidth>
+  void solve_lanes(int first, int begin, const SystemBuffer& buffer) const {
     const NodeArrays& n = gather.nodes;
+    const int slot = first + begin;
     Real* __restrict ux = n.ux + slot, * __restrict uy = n.uy + slot, * __restrict uz = n.uz + slot;
     const Inertia y = inertia;  // a copy that the stores below cannot reach
+    Real moves[kWidth];
+    for (int i = 0; i < kWidth; i++) moves[i] = y.moves(slot + i);
     TURGOR_LANES
-    for (int i = 0; i < count; i++) {
-      const Vec3 to_inertial = y(slot + i) - Vec3{ux[i], uy[i], uz[i]};
-      const Vec3 change = newton_step(buffer.get(i), to_inertial, y.dt * y.dt * y.w[slot + i]);
+    for (int i = 0; i < kWidth; i++) {
+      const Vec3 to_inertial = y.at(slot + i, moves[i]) - Vec3{ux[i], uy[i], uz[i]};
+      const Vec3 change = newton_step(buffer.get(begin + i), to_inertial, y.dt * y.dt * y.w[slot + i]);
       ux[i] += change.x, uy[i] += change.y, uz[i] += change.z;
     }
   }

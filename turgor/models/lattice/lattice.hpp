@@ -58,7 +58,7 @@ struct SolverParams {
   double damping = 1.2;      // velocities lose exp(-damping·t) [1/s]
   double pbd_stiffness = 1;  // pbd only: scales the density-based stiffness in [0, 1] [1]
   bool pbd_volume = false;   // pbd only: project the tetrahedra's volumes too
-  double sleep = 0;          // descent only: rows near which nothing is faster stand still; 0: none does [m/s]
+  double sleep = 0;  // descent only: rows near which nothing is faster stand still; 0: none does [m/s]
 };
 
 struct Params {
@@ -96,19 +96,19 @@ constexpr int kSkinLanes = 16;
 
 /// pbd: a batch of triangles without a node in common.
 struct SkinBatch {
-  int vertex[3][kSkinLanes];      // slots
-  Real edge[2][3][kSkinLanes];    // SkinTriangle::edge1, edge2 by axis [m]
-  Real area[kSkinLanes];          // [m²]
-  Real stiffness[kSkinLanes];     // in [0, 1]
+  int vertex[3][kSkinLanes];    // slots
+  Real edge[2][3][kSkinLanes];  // SkinTriangle::edge1, edge2 by axis [m]
+  Real area[kSkinLanes];        // [m²]
+  Real stiffness[kSkinLanes];   // in [0, 1]
 };
 
 /// descent: corners of triangles, each seen from its own node.
 struct SkinCorners {
   int triangle[kSkinLanes];
-  int vertex[3][kSkinLanes];                          // slots, the node itself first
-  Real edge[2][3][kSkinLanes];                        // from it to the others, by axis [m]
-  Real along[3][kSkinLanes], across[3][kSkinLanes];   // of SkinTriangle, in the order of `vertex` [1/m]
-  Real area[kSkinLanes];                              // [m²]
+  int vertex[3][kSkinLanes];                         // slots, the node itself first
+  Real edge[2][3][kSkinLanes];                       // from it to the others, by axis [m]
+  Real along[3][kSkinLanes], across[3][kSkinLanes];  // of SkinTriangle, in the order of `vertex` [1/m]
+  Real area[kSkinLanes];                             // [m²]
 };
 
 /// All skin, sorted by cell layer, and within a layer in batches whose triangles share no node. Batch b is
@@ -149,8 +149,8 @@ struct Model {
   Real volume_scale = 0;                          // volume stiffness = scale · mean root² [1]
   aligned_vector<Real> cell_young;  // solid: by slot of a cell's lowest node; 0 = no whole cell [Pa]
   std::vector<Around> around;       // solid: by group of slots, in the CT
-  Runs moving;   // slots of nodes that can move
-  Runs joining;  // pbd: slots of nodes whose edges or tetrahedra hold a node that can move
+  Runs moving;                      // slots of nodes that can move
+  Runs joining;                     // pbd: slots of nodes whose edges or tetrahedra hold a node that can move
   Skin skin;
   int body_nodes = 0, free_nodes = 0;
 };
@@ -205,7 +205,7 @@ struct NodeContact {
 
 struct Inputs {
   Vec3d gravity;                    // patient frame [m/s²]
-  bool measure_residual = false;    // descent only; costs about one sweep
+  bool measure_residual = false;    // descent only; costs about two sweeps
   std::span<const NodeLoad> loads;  // those of one node add up
   std::span<NodeContact> contacts;  // descent only; slots ascend
 };
@@ -213,6 +213,7 @@ struct Inputs {
 /// How far a step is from the minimum of its energy: forces left over at the free nodes [N].
 struct Residual {
   double largest = 0, rms = 0;
+  double before = 0;  // rms before the first sweep: rms/before is what the sweeps of one step leave of it [N]
 };
 
 struct StepReport {

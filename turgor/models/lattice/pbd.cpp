@@ -9,16 +9,26 @@ namespace turgor::lattice {
 
 namespace {
 
-/// One family between two runs of nodes; a and b are the first slots of the runs.
-template <bool kWithCuts>
-void project_edges(const NodeArrays& n, int a, int b, int count, Vec3 edge, Real rest, int family) {
+/// Calls body.template lanes<width>(begin) on [0, count): whole vectors, as compilers make them of loops of
+/// constant length, then half a one, then what is left at the end of a row.
+template <class Body>
+void in_vectors(int count, const Body& body) {
+  int i = 0;
+  for (; i + 16 <= count; i += 16) body.template lanes<16>(i);
+  if (i + kGroup <= count) body.template lanes<kGroup>(i), i += kGroup;
+  for (; i < count; i++) body.template lanes<1>(i);
+}
+
+/// `width` edges of one family between two runs of nodes; a and b are the first slots of the runs.
+template <bool kWithCuts, int kWidth>
+inline void project_edges(const NodeArrays& n, int a, int b, Vec3 edge, Real rest, int family) {
   Real* __restrict ax = n.ux + a, * __restrict ay = n.uy + a, * __restrict az = n.uz + a;
   Real* __restrict bx = n.ux + b, * __restrict by = n.uy + b, * __restrict bz = n.uz + b;
   const Real* __restrict wa = n.w + a, * __restrict wb = n.w + b, * __restrict ra = n.root + a, * __restrict rb = n.root + b;
   const std::uint8_t* __restrict cut = n.cut + a;
   const auto [ex, ey, ez] = edge;
   TURGOR_LANES
-  for (int i = 0; i < count; i++) {
+  for (int i = 0; i < kWidth; i++) {
     const Vec3 d{ex + (bx[i] - ax[i]), ey + (by[i] - ay[i]), ez + (bz[i] - az[i])};
     Real stiffness = ra[i] * rb[i];
     if constexpr (kWithCuts) stiffness = cut[i] >> family & 1 ? 0 : stiffness;
@@ -28,6 +38,20 @@ void project_edges(const NodeArrays& n, int a, int b, int count, Vec3 edge, Real
     bx[i] -= sb * d.x, by[i] -= sb * d.y, bz[i] -= sb * d.z;
   }
 }
+
+template <bool kWithCuts>
+struct EdgeRun {
+  const NodeArrays& n;
+  int a, b;
+  Vec3 edge;
+  Real rest;
+  int family;
+
+  template <int kWidth>
+  void lanes(int i) const {
+    project_edges<kWithCuts, kWidth>(n, a + i, b + i, edge, rest, family);
+  }
+};
 
 /// Four runs of corner nodes, for tetrahedra of one kind whose cells have i of one parity: they share no
 /// node.
@@ -75,8 +99,7 @@ void project_volumes(const NodeArrays& n, const TetRuns& runs, int count, Real r
 
 TetRuns tet_runs(const Lattice& l, int first, int parity, const std::array<Int3, 4>& tet) {
   TetRuns runs{};
-  for (int c = 0; c < 4; c++)
-    runs.slot[c] = first + slot_offset(l, tet[std::size_t(c)], parity);
+  for (int c = 0; c < 4; c++) runs.slot[c] = first + slot_offset(l, tet[std::size_t(c)], parity);
   const auto rest = [&](int c) { return hadamard(l.step, Vec3(tet[std::size_t(c)] - tet[0])); };
   runs.e1 = rest(1), runs.e2 = rest(2), runs.e3 = rest(3);
   int e = 0;
@@ -99,29 +122,32 @@ struct SweepRow {
   /// Calls body(first slot, count) where half a row has something to project. No run goes beyond the row's
   /// last node: the slot behind it may be the first of the other half.
   template <class Body>
-  void for_each_run(int row, int parity, const Body& body) const {
-    const int first = row + parity * model.lattice.half, end = first + half_count(model.lattice, parity);
-    for (const Run run : model.joining.of_half_row(first / model.lattice.half))
-      body(run.begin, std::min(run.count, end - run.begin));
+  void for_each_run(std::span<const Run> runs, int row, int parity, const Body& body) const {
+    const int end = row + parity * model.lattice.half + half_count(model.lattice, parity);
+    for (const Run run : runs) body(run.begin, std::min(run.count, end - run.begin));
   }
 
   template <bool kWithCuts>
   void sweep(int j, int k) const {
     const Lattice& l = model.lattice;
     const int row = row_slot(l, j, k);
+    const std::span<const Run> runs[2] = {model.joining.of_half_row(row / l.half),
+                                          model.joining.of_half_row(row / l.half + 1)};
+    if (runs[0].empty() && runs[1].empty()) return;
     for (int f = 0; f < kFamilyCount; f++) {
       const Int3 offset = kFamilies[std::size_t(f)];
       if (j + offset.y >= l.size.y || k + offset.z >= l.size.z) continue;
+      const Vec3 edge = edges[std::size_t(f)];
+      const Real rest = model.rest_length[std::size_t(f)];
       for (int parity = 0; parity < 2; parity++)
-        for_each_run(row, parity, [&](int a, int count) {
-          project_edges<kWithCuts>(nodes, a, a + slot_offset(l, offset, parity), count,
-                                   edges[std::size_t(f)], model.rest_length[std::size_t(f)], f);
+        for_each_run(runs[parity], row, parity, [&](int a, int count) {
+          in_vectors(count, EdgeRun<kWithCuts>{nodes, a, a + slot_offset(l, offset, parity), edge, rest, f});
         });
     }
     if (model.volume_scale <= 0 || j + 1 >= l.size.y || k + 1 >= l.size.z) return;
     for (const auto& tet : kKuhnTets)
       for (int parity = 0; parity < 2; parity++)
-        for_each_run(row, parity, [&](int first, int count) {
+        for_each_run(runs[parity], row, parity, [&](int first, int count) {
           project_volumes<kWithCuts>(nodes, tet_runs(l, first, parity, tet), count, model.rest_volume);
         });
   }

@@ -162,17 +162,20 @@ void measure_pull(const Exec& exec, const Model& model, Skin& skin) {
   std::vector<Real> still(model.inverse_mass.size(), 0);
   const NodeArrays nodes{still.data(), still.data(), still.data(), nullptr, nullptr, nullptr};
   skin.pull.assign(skin.nodes.size(), {});
-  parallel_for(exec, skin.row_begin.size() - 1, [&](std::size_t row) {
-    const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
-    CornerSystems systems;
-    for (auto at = std::size_t(skin.row_begin[row]); at < std::size_t(skin.row_begin[row + 1]); at++)
-      for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
-        const int lane = (c - first) % kSkinLanes;
-        const int lanes = skin.lanes_begin[row] + (c - first) / kSkinLanes;
-        if (lane == 0) forces.gather(skin.corners[std::size_t(lanes)], nodes, systems);
-        skin.pull[at] += systems.get(lane).f;
-      }
-  }, 64);
+  parallel_for(
+      exec, skin.row_begin.size() - 1,
+      [&](std::size_t row) {
+        const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
+        CornerSystems systems;
+        for (auto at = std::size_t(skin.row_begin[row]); at < std::size_t(skin.row_begin[row + 1]); at++)
+          for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
+            const int lane = (c - first) % kSkinLanes;
+            const int lanes = skin.lanes_begin[row] + (c - first) / kSkinLanes;
+            if (lane == 0) forces.gather(skin.corners[std::size_t(lanes)], nodes, systems);
+            skin.pull[at] += systems.get(lane).f;
+          }
+      },
+      64);
 }
 
 struct Corner {

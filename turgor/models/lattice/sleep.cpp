@@ -10,26 +10,22 @@ bool is_storage_row(const State& state, int row) {
   return row >= 0 && std::size_t(row) < state.sleep.still.size();
 }
 
-void wake_around(const Model& model, State& state, int slot) {
-  for_each_row_beside(model.lattice, row_of(model, slot),
-                      [&](int row) { state.sleep.still[std::size_t(row)] = 0; });
+void wake_around(const Model& model, State& state, int slot, int reach) {
+  for_each_row_beside(model.lattice, row_of(model, slot), reach, [&](int row) {
+    if (is_storage_row(state, row)) state.sleep.still[std::size_t(row)] = 0;
+  });
 }
 
-/// Both ends of every edge that was cut since the last step.
+/// Around the cells that have been cut since the last step.
 void wake_cuts(const Model& model, State& state) {
-  for (std::size_t n = state.sleep.cuts; n < state.cut_edges.size(); n++) {
-    const CutEdge& edge = state.cut_edges[n];
-    const int parity = edge.slot % row_stride(model.lattice) >= model.lattice.half;
-    wake_around(model, state, edge.slot);
-    wake_around(model, state,
-                edge.slot + slot_offset(model.lattice, kFamilies[std::size_t(edge.family)], parity));
-  }
+  for (std::size_t n = state.sleep.cuts; n < state.cut_edges.size(); n++)
+    wake_around(model, state, state.cut_edges[n].slot, 2);
   state.sleep.cuts = state.cut_edges.size();
 }
 
 bool has_moved_near(const Model& model, const State& state, int row) {
   bool any = false;
-  for_each_row_beside(model.lattice, row, [&](int beside) {
+  for_each_row_beside(model.lattice, row, 1, [&](int beside) {
     any |= is_storage_row(state, beside) && state.sleep.moved[std::size_t(beside)];
   });
   return any;
@@ -53,8 +49,8 @@ void wake_rows(const Model& model, State& state, const Inputs& inputs) {
   if (sleep.still.size() != rows || !(sleep.gravity == inputs.gravity)) sleep.still.assign(rows, 0);
   sleep.gravity = inputs.gravity;
   wake_cuts(model, state);
-  for (const NodeLoad& load : inputs.loads) wake_around(model, state, load.slot);
-  for (const NodeContact& contact : inputs.contacts) wake_around(model, state, contact.slot);
+  for (const NodeLoad& load : inputs.loads) wake_around(model, state, load.slot, 1);
+  for (const NodeContact& contact : inputs.contacts) wake_around(model, state, contact.slot, 1);
   sleep.awake.resize(rows), sleep.moved.assign(rows, 0);
   for (std::size_t row = 0; row < rows; row++) sleep.awake[row] = sleep.still[row] < kStillSteps;
 }
@@ -63,7 +59,7 @@ void spread_motion(const Model& model, State& state) {
   Sleep& sleep = state.sleep;
   for (int row = 0; row < int(sleep.moved.size()); row++)
     if (sleep.moved[std::size_t(row)])
-      for_each_row_beside(model.lattice, row, [&](int beside) { sleep.awake[std::size_t(beside)] = 1; });
+      for_each_row_beside(model.lattice, row, 1, [&](int beside) { sleep.awake[std::size_t(beside)] = 1; });
 }
 
 void lay_down_rows(const Exec& exec, const Model& model, State& state) {

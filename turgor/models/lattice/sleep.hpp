@@ -1,5 +1,5 @@
-// Rows that stand still: a row near which nothing has gone faster than Params::solver.sleep for a few steps is
-// not swept until something near it moves, is cut, touched or loaded, or gravity changes. What a row does
+// Rows that stand still: a row near which nothing has gone faster than Params::solver.sleep for a few steps
+// is not swept until something near it moves, is cut, touched or loaded, or gravity changes. What a row does
 // depends on what rows did in sweeps before, never on when a thread came to them. Descent only.
 #pragma once
 
@@ -17,11 +17,11 @@ inline bool can_sleep(const Model& model) {
 /// Rows are counted in the storage's order, its border among them.
 inline int row_of(const Model& model, int slot) { return slot / row_stride(model.lattice); }
 
-/// Calls visit(row) for a row and the eight beside it.
+/// Calls visit(row) for a row and those up to `reach` beside it, of the storage's or not.
 template <class Visit>
-void for_each_row_beside(const Lattice& l, int row, const Visit& visit) {
-  for (int k = -1; k <= 1; k++)
-    for (int j = -1; j <= 1; j++) visit(row + k * (l.size.y + 2) + j);
+void for_each_row_beside(const Lattice& l, int row, int reach, const Visit& visit) {
+  for (int k = -reach; k <= reach; k++)
+    for (int j = -reach; j <= reach; j++) visit(row + k * (l.size.y + 2) + j);
 }
 
 /// Who is awake when a step begins: all but the sleepers, and those near cuts, loads and contacts.

@@ -151,6 +151,9 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   check_contacts(model, inputs.contacts);
   if (can_sleep(model)) wake_rows(model, state, inputs);
   predict(exec, model, state, inputs, dt);
+  const bool measures = inputs.measure_residual && model.params.solver.method == Method::kDescent;
+  Residual residual;
+  const double before = measures ? measure_residual(exec, model, state, inputs, dt).rms : 0;
   const int sweeps = model.params.solver.sweeps;
   const bool solid = model.params.tissue.law == TissueLaw::kSolid;
   for (int sweep = 0; sweep < sweeps; sweep++)
@@ -159,9 +162,8 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
     else
       sweep_descent(exec, model, state, inputs, dt,
                     solid && 2 * sweep >= sweeps ? Order::kBackward : Order::kForward);
-  Residual residual;
-  if (inputs.measure_residual && model.params.solver.method == Method::kDescent)
-    residual = measure_residual(exec, model, state, inputs, dt);
+  if (measures) residual = measure_residual(exec, model, state, inputs, dt);
+  residual.before = before;
   StepReport report = finish(exec, model, state, dt);
   report.residual = residual;
   if (can_sleep(model) && report.finite) {

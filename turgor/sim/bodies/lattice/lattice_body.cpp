@@ -259,6 +259,7 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
   report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));
   report.residual.largest = std::max(report.residual.largest, done.residual.largest);
   report.residual.rms = std::max(report.residual.rms, done.residual.rms);
+  report.residual.before = std::max(report.residual.before, done.residual.before);
 }
 
 std::uint64_t state_hash(const LatticeBody& body, std::uint64_t seed) {

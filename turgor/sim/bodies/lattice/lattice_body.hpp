@@ -31,7 +31,7 @@ struct LatticeBody : TouchedBody {
   std::vector<std::string> notes;  // what was left out while reading
   bool has_gravity = true;
   std::int64_t row_steps = 0, row_steps_asleep = 0;  // rows that could move in all steps so far; that slept
-  ClothLoad cloth;  // by slot, along the patient's axes
+  ClothLoad cloth;                                   // by slot, along the patient's axes
 
   // When tools touch it or cloth lies on it:
   lattice::BodySurface surface;  // with the cuts that it has now
