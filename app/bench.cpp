@@ -36,16 +36,24 @@ ordered_json to_json(const SkinTensionBench& bench) {
                     {"body_from_ct_s", r.body_seconds},
                     {"bytes_per_node", r.bytes_per_node},
                     {"sweep_fraction_of_copy_bandwidth", r.bandwidth_fraction},
+                    {"sweep_fraction_of_arithmetic", r.arithmetic_fraction},
+                    {"descent_sweep_fraction_of_copy_bandwidth", r.descent_bandwidth_fraction},
+                    {"descent_sweep_fraction_of_arithmetic", r.descent_arithmetic_fraction},
                     {"descent_frame_one_thread_ms", r.descent_frame_one},
                     {"descent_frame_ms", r.descent_frame},
                     {"residual_pbd_n", r.residual_pbd},
                     {"residual_descent_n", r.residual_descent},
                     {"resample_half_ms", r.resample_half},
                     {"resample_full_ms", r.resample_full}});
+  ordered_json growth = ordered_json::array();
+  for (const GrowthRow& g : bench.growth)
+    growth.push_back({{"nodes", g.nodes}, {"awake_ms", g.awake_ms}, {"ms", g.ms}, {"rows_asleep", g.asleep}});
   return {
       {"bench", "skin-tension"},
       {"threads", bench.threads},
       {"copy_bandwidth_gb_per_s", bench.copy_bandwidth * 1e-9},
+      {"dense_product_gflops", bench.arithmetic_rate * 1e-9},
+      {"growth", growth},
       {"bar", {{"tets", bench.bar_tets}, {"one_thread_ms", bench.bar_frame_one}, {"ms", bench.bar_frame}}},
       {"data", rows}};
 }
@@ -53,8 +61,8 @@ ordered_json to_json(const SkinTensionBench& bench) {
 void print(const SkinTensionBench& bench) {
   fmt::print(
       "Skin tension, 5 sweeps a frame, medians. Paper: RTX 3090. Here: 1 and {} threads; copying runs at "
-      "{:.1f} GB/s.\n\n",
-      bench.threads, bench.copy_bandwidth * 1e-9);
+      "{:.1f} GB/s, dense products at {:.0f} Gflop/s.\n\n",
+      bench.threads, bench.copy_bandwidth * 1e-9, bench.arithmetic_rate * 1e-9);
   fmt::print("{:<11}{:>13}{:>9} | {:>23} | {:>23} | {:>23}\n", "frame [ms]", "nodes", "skin",
              "paper without -> with", "1 thread", fmt::format("{} threads", bench.threads));
   const auto frames = [](const SkinTensionTimes& t) {
@@ -65,14 +73,20 @@ void print(const SkinTensionBench& bench) {
     fmt::print("{:<11}{:>13}{:>9} | {:>23} | {:>23} | {:>23}\n", r.name,
                fmt::format("{}x{}x{}", r.nodes.x, r.nodes.y, r.nodes.z), r.skin_triangles, frames(r.paper),
                frames(r.one_thread), frames(r.all_threads));
-  fmt::print("\n{:<11}{:>20}{:>20}{:>12}{:>14}{:>10}{:>16}\n", "", "grouping paper[ms]", "grouping here[ms]",
-             "of paper", "CT->body[s]", "B/node", "sweep/copy rate");
+  fmt::print("\n{:<11}{:>20}{:>20}{:>12}{:>14}{:>10}\n", "", "grouping paper[ms]", "grouping here[ms]",
+             "of paper", "CT->body[s]", "B/node");
   for (const SkinTensionRow& r : bench.rows)
-    fmt::print("{:<11}{:>20}{:>20}{:>12}{:>14.2f}{:>10.1f}{:>16.2f}\n", r.name,
+    fmt::print("{:<11}{:>20}{:>20}{:>12}{:>14.2f}{:>10.1f}\n", r.name,
                fmt::format("{:.0f} -> {:.0f}", r.paper.grouping_without, r.paper.grouping_with),
                fmt::format("{:.0f} -> {:.0f}", r.all_threads.grouping_without, r.all_threads.grouping_with),
                fmt::format("{:.1f} %", 100 * r.all_threads.grouping_with / r.paper.grouping_with),
-               r.body_seconds, r.bytes_per_node, r.bandwidth_fraction);
+               r.body_seconds, r.bytes_per_node);
+  fmt::print("\n{:<11}{:>40}{:>40}\n", "a sweep", "paper's: of copying, of arithmetic",
+             "descent: of copying, of arithmetic");
+  for (const SkinTensionRow& r : bench.rows)
+    fmt::print("{:<11}{:>40}{:>40}\n", r.name,
+               fmt::format("{:.2f}, {:.2f}", r.bandwidth_fraction, r.arithmetic_fraction),
+               fmt::format("{:.2f}, {:.2f}", r.descent_bandwidth_fraction, r.descent_arithmetic_fraction));
   fmt::print("\n{:<11}{:>24}{:>26}{:>26}{:>28}\n", "", "descent frame 1T/all[ms]", "residual pbd/descent[N]",
              "resample half/full[ms]", "growth: ns a node, pbd/desc");
   for (const SkinTensionRow& r : bench.rows) {
@@ -87,6 +101,10 @@ void print(const SkinTensionBench& bench) {
   fmt::print(
       "\nA bar of {} tetrahedra, springs and volumes, 5 sweeps: {:.2f} ms on 1 thread, {:.2f} ms on {}.\n",
       bench.bar_tets, bench.bar_frame_one, bench.bar_frame, bench.threads);
+  fmt::print("\nGrowth: a frame in the second after the same cut, descent.\n{:>10}{:>16}{:>16}{:>14}\n",
+             "nodes", "all awake[ms]", "may sleep[ms]", "rows asleep");
+  for (const GrowthRow& g : bench.growth)
+    fmt::print("{:>10}{:>16.2f}{:>16.2f}{:>14.2f}\n", g.nodes, g.awake_ms, g.ms, g.asleep);
 }
 
 void check_file(const std::string& path) {

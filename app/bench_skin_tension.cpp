@@ -18,7 +18,12 @@ using lattice::BodyNodes, lattice::Method, lattice::Model, lattice::Params, latt
 
 constexpr double kDt = 1.0 / 60;
 constexpr int kFrames = 11;
-constexpr double kSweepBytes = 32;  // a slot of the lattice: read u, w, root; write u
+// What a sweep takes a slot of a run, at least: bytes from memory, and operations, a root or a quotient as
+// one.
+constexpr double kPbdBytes = 32;                // read u, w, root; write u
+constexpr double kPbdFlops = 7 * 32;            // edges
+constexpr double kDescentBytes = 56;            // read u, u_before, v, w, root; write u
+constexpr double kDescentFlops = 14 * 47 + 75;  // springs, and the node's own system
 
 struct DataSet {
   const char* name;
@@ -89,7 +94,20 @@ double residual_after_frame(const Exec& exec, const Model& solver, const Model& 
   return lattice::measure_residual(exec, judge, state, inputs, kDt).rms;
 }
 
-SkinTensionRow measure(const Exec& exec, double bandwidth, const DataSet& data, int shrink,
+double slots_in(const lattice::Runs& runs) {
+  double slots = 0;
+  for (const lattice::Run run : runs.all) slots += run.count;
+  return slots;
+}
+
+/// Parts of the machine's two limits that a sweep over so many slots reaches.
+void set_fractions(const SkinTensionBench& limits, double slots, double ms, double bytes, double flops,
+                   double& of_bandwidth, double& of_arithmetic) {
+  of_bandwidth = slots * bytes / (ms * 1e-3) / limits.copy_bandwidth;
+  of_arithmetic = slots * flops / (ms * 1e-3) / limits.arithmetic_rate;
+}
+
+SkinTensionRow measure(const Exec& exec, const SkinTensionBench& limits, const DataSet& data, int shrink,
                        const Progress& progress) {
   SkinTensionRow row{.name = data.name, .paper = data.paper};
   const Exec one(1);
@@ -110,12 +128,22 @@ SkinTensionRow measure(const Exec& exec, double bandwidth, const DataSet& data, 
     row.all_threads = measure_pbd(exec, nodes, without, with);
     State state = make_state(without);
     const double sweep_ms = median_ms(kFrames, [&] { lattice::sweep_pbd(exec, without, state); });
-    row.bandwidth_fraction = kSweepBytes * slot_count(without.lattice) / (sweep_ms * 1e-3) / bandwidth;
+    set_fractions(limits, slots_in(without.joining), sweep_ms, kPbdBytes, kPbdFlops, row.bandwidth_fraction,
+                  row.arithmetic_fraction);
   }
   progress(0.7);
   const Model model = lattice::assemble(exec, nodes, nullptr, descent).value();
   row.descent_frame_one = frame_ms(one, model);
   row.descent_frame = frame_ms(exec, model);
+  {
+    const Model without =
+        lattice::assemble(exec, nodes, nullptr, solver_params(Method::kDescent, false)).value();
+    State state = make_state(without);
+    const double sweep_ms =
+        median_ms(kFrames, [&] { lattice::sweep_descent(exec, without, state, {}, kDt); });
+    set_fractions(limits, slots_in(without.moving), sweep_ms, kDescentBytes, kDescentFlops,
+                  row.descent_bandwidth_fraction, row.descent_arithmetic_fraction);
+  }
   Params area = pbd;
   area.solver.method = Method::kDescent;  // the paper's constraints, with stiffness in physical units
   const Model judge = lattice::assemble(exec, nodes, nullptr, area).value();
@@ -151,7 +179,9 @@ double bar_ms(const Exec& exec, int& tets) {
 
 SkinTensionBench bench_skin_tension(const Exec& exec, int shrink, const std::optional<std::string>& only,
                                     const Progress& progress) {
-  SkinTensionBench bench{.threads = exec.threads(), .copy_bandwidth = copy_bandwidth(exec)};
+  SkinTensionBench bench{.threads = exec.threads(),
+                         .copy_bandwidth = copy_bandwidth(exec),
+                         .arithmetic_rate = arithmetic_rate(exec)};
   bench.bar_frame_one = bar_ms(Exec(1), bench.bar_tets);
   bench.bar_frame = bar_ms(exec, bench.bar_tets);
   double done = 0, all = 0;
@@ -161,9 +191,10 @@ SkinTensionBench bench_skin_tension(const Exec& exec, int shrink, const std::opt
   for (const DataSet& data : kDataSets) {
     if (!wanted(data)) continue;
     const auto part = [&](double fraction) { progress((done + fraction * data.slices) / all); };
-    bench.rows.push_back(measure(exec, bench.copy_bandwidth, data, shrink, part));
+    bench.rows.push_back(measure(exec, bench, data, shrink, part));
     done += data.slices;
   }
+  bench.growth = bench_growth(exec);
   return bench;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/bench_growth.hpp"
 #include "turgor/core/exec.hpp"
 #include "turgor/core/progress.hpp"
 #include "turgor/core/vec.hpp"
@@ -24,7 +25,9 @@ struct SkinTensionRow {
   SkinTensionTimes paper, one_thread, all_threads;
   double body_seconds = 0;  // from the CT in memory
   double bytes_per_node = 0;
-  double bandwidth_fraction = 0;                    // of a sweep without skin, on all threads
+  // Of a sweep without skin, on all threads: of what copying and dense products reach.
+  double bandwidth_fraction = 0, arithmetic_fraction = 0;
+  double descent_bandwidth_fraction = 0, descent_arithmetic_fraction = 0;
   double descent_frame_one = 0, descent_frame = 0;  // 5 sweeps with skin [ms]
   double residual_pbd = 0, residual_descent = 0;    // rms after a frame [N]
   double resample_half = 0, resample_full = 0;      // to half and to full size [ms]
@@ -33,8 +36,10 @@ struct SkinTensionRow {
 struct SkinTensionBench {
   int threads = 0;
   double copy_bandwidth = 0;                // all threads [B/s]
+  double arithmetic_rate = 0;               // all threads, single precision [1/s]
   double bar_frame_one = 0, bar_frame = 0;  // 51 000 tetrahedra, springs and volumes, 5 sweeps [ms]
   int bar_tets = 0;
+  std::vector<GrowthRow> growth;
   std::vector<SkinTensionRow> rows;
 };
 

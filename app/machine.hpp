@@ -22,5 +22,7 @@ double median_ms(int runs, const Work& work) {
 
 /// Bytes read and written a second by copying 256 MiB.
 double copy_bandwidth(const Exec& exec);
+/// Floating-point operations a second, single precision, of dense products, one a thread.
+double arithmetic_rate(const Exec& exec);
 
 }  // namespace turgor

@@ -2,6 +2,7 @@
 // opening of a slit in an elastic plane.
 #include <cmath>
 
+#include "app/validate_wound.hpp"
 #include "app/validation.hpp"
 #include "turgor/models/lattice/block_body.hpp"
 #include "turgor/models/lattice/incision.hpp"
@@ -179,6 +180,8 @@ std::vector<Figure> validate_lattice(const Exec& exec, bool quick) {
     figures.push_back(
         near_figure("a slit of 12 mm gapes, step " + std::to_string(1e3 * step).substr(0, 3) + " mm",
                     "a crack in an elastic plane", gape(exec, step, 0.006), 1, 0.12));
+  add_layers(exec, quick, figures);
+  add_wounds(exec, quick, figures);
   return figures;
 }
 

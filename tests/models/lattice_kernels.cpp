@@ -110,9 +110,11 @@ TEST(lattice_kernels, fibre_skin_force_is_minus_the_gradient_and_corners_sum_to_
     Vec3d x[3] = {random.point(), random.point(), random.point()};
     Vec3d sum;
     for (int c = 0; c < 3; c++) {
-      const Vec3 places[3] = {Vec3(x[0]), Vec3(x[1]), Vec3(x[2])};
+      const int next = (c + 1) % 3, last = (c + 2) % 3;
       NodeSystem s;
-      add_skin_fibre(s, places, c, t, law);
+      add_skin_fibre(s, Vec3(x[next] - x[c]), Vec3(x[last] - x[c]),
+                     {t.along[c], t.along[next], t.along[last]},
+                     {t.across[c], t.across[next], t.across[last]}, t.area, law);
       const Energy energy = [&](Vec3d p) {
         Vec3d q[3] = {x[0], x[1], x[2]}, along, across;
         q[c] = p;

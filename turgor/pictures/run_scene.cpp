@@ -6,6 +6,7 @@
 #include "turgor/pictures/outputs.hpp"
 #include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/report/doubts.hpp"
+#include "turgor/sim/report/lattice_warnings.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/run.hpp"
@@ -123,6 +124,7 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   append(facts.warnings, overstretched(run.stretch));
   append(facts.warnings, touch_warnings(run.world));
   append(facts.warnings, overpressed(run.world, done.measures.pressed));
+  append(facts.warnings, lattice_warnings(run.exec, run.world));
   if (run.live) append(facts.warnings, haptics_warnings(*run.live));
   Json report = simulation_report(run.exec, run.scene, run.world, done.measures, facts);
   if (run.live) report["haptics"] = haptics_report(*run.live);

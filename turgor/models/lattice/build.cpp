@@ -44,6 +44,18 @@ struct PlaceLayer {
   }
 };
 
+/// Is the slot's node body, and does it share a cell, whose lowest node it is, with a node that can move?
+bool joins_what_moves(const Model& model, int slot) {
+  if (!is_body(model.tissue[std::size_t(slot)])) return false;
+  const int parity = slot % row_stride(model.lattice) >= model.lattice.half;
+  for (int x = 0; x < 2; x++)
+    for (int y = 0; y < 2; y++)
+      for (int z = 0; z < 2; z++)
+        if (model.inverse_mass[std::size_t(slot + slot_offset(model.lattice, {x, y, z}, parity))] > 0)
+          return true;
+  return false;
+}
+
 }  // namespace
 
 Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVolume* lines,
@@ -57,6 +69,11 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
   model.tissue.assign(slots, Tissue::kOutside);
   model.hu.assign(slots, kAirHu);
   parallel_for(exec, std::size_t(nodes.grid.size.z), PlaceLayer{nodes, params, model});
+
+  model.moving =
+      find_runs(model.lattice, [&](int slot) { return model.inverse_mass[std::size_t(slot)] > 0; });
+  if (params.solver.method == Method::kPbd)
+    model.joining = find_runs(model.lattice, [&](int slot) { return joins_what_moves(model, slot); });
 
   const Vec3 h = model.lattice.step;
   const bool pbd = params.solver.method == Method::kPbd;

@@ -10,9 +10,6 @@
 
 namespace turgor::lattice {
 
-/// Nodes are looked at eight at a time.
-constexpr int kGroup = 8;
-
 /// Young's modulus of the cells, and what is around each group of slots.
 void build_cells(const Exec& exec, Model& model);
 

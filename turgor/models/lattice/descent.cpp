@@ -3,6 +3,7 @@
 // half row have no edge in common, so a half row is done at once: forces and stiffnesses into a buffer as
 // SIMD, skin node by node, one Newton step as SIMD.
 #include <algorithm>
+#include <bit>
 #include <vector>
 
 #include "turgor/core/assert.hpp"
@@ -12,19 +13,42 @@
 #include "turgor/models/lattice/node_contact.hpp"
 #include "turgor/models/lattice/rows.hpp"
 #include "turgor/models/lattice/skin_forces.hpp"
+#include "turgor/models/lattice/sleep.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// Springs and volumes around the nodes of [slot, slot + count). Distances to the neighbours are computed
-/// once and serve both.
+/// Which springs and tetrahedra around sixteen nodes no blade went through: 1 or 0. Numbers of one size, or
+/// loops over them become vectors of four.
+struct Uncut {
+  Real spring[kNeighbourCount][kSpareSlots], tet[24][kSpareSlots];
+};
+void find_uncut(const NodeArrays& n, const Neighbours& around, int slot, bool with_volumes, Uncut& out) {
+  for (int e = 0; e < kNeighbourCount; e++) {
+    const std::uint8_t* cut = n.cut + slot + (e % 2 == 0 ? 0 : around.offset[e]);
+    for (int i = 0; i < kSpareSlots; i++) out.spring[e][i] = cut[i] >> e / 2 & 1 ? 0 : 1;
+  }
+  for (std::size_t t = 0; t < 24 && with_volumes; t++) {
+    int any[kSpareSlots] = {};
+    for (const EdgeAround edge : kTetsAround[t].edge) {
+      const std::uint8_t* cut = n.cut + slot + (edge.lower < 0 ? 0 : around.offset[edge.lower]);
+      for (int i = 0; i < kSpareSlots; i++) any[i] |= cut[i] >> edge.family & 1;
+    }
+    for (int i = 0; i < kSpareSlots; i++) out.tet[t][i] = any[i] ? 0 : 1;
+  }
+}
+
+/// Springs and volumes around the nodes of [slot, slot + kSpareSlots). Distances to the neighbours are
+/// computed once and serve both.
 template <bool kWithCuts, bool kWithVolumes>
 void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_volume, Real volume_scale,
-                     int slot, int count, SystemBuffer& __restrict out) {
+                     int slot, int begin, SystemBuffer& __restrict out) {
+  Uncut uncut;
+  if constexpr (kWithCuts) find_uncut(n, around, slot, kWithVolumes, uncut);
   TURGOR_LANES
-  for (int i = 0; i < count; i++) {
+  for (int i = 0; i < kSpareSlots; i++) {
     const int a = slot + i;
     NodeSystem s;
     Vec3 d[kNeighbourCount];
@@ -35,7 +59,7 @@ void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_vo
       d[e] = around.edge[e] + (n.u(b) - n.u(a));
       root[e] = n.root[b];
       Real k = around.scale[e] * n.root[a] * root[e];
-      if constexpr (kWithCuts) k = n.cut[e % 2 == 0 ? a : b] >> e / 2 & 1 ? 0 : k;
+      if constexpr (kWithCuts) k *= uncut.spring[e][i];
       add_spring(s, d[e], around.rest[e], k);
     }
     if constexpr (kWithVolumes) {
@@ -46,40 +70,38 @@ void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_vo
         Real k = tet_stiffness(root_of(tet.far[0]), root_of(tet.far[1]), root[tet.corner[0]],
                                root[tet.corner[1]], root[tet.corner[2]]);
         k *= volume_scale / rest_volume;
-        if constexpr (kWithCuts) {
-          int cut = 0;
-          for (const EdgeAround edge : tet.edge)
-            cut |= n.cut[edge.lower < 0 ? a : a + around.offset[edge.lower]] >> edge.family & 1;
-          k = cut ? 0 : k;
-        }
+        if constexpr (kWithCuts) k *= uncut.tet[t][i];
         const VolumeGradients g = volume_gradients(d[tet.corner[0]], d[tet.corner[1]], d[tet.corner[2]]);
         const Real sixth = Real(1) / 6;
         add_volume(s, (g.g1 + g.g2 + g.g3) * -sixth, k, dot(d[tet.corner[0]], g.g1) * sixth - rest_volume);
       }
     }
-    out.set(i, s);
+    out.set(begin + i, s);
   }
 }
 
 /// Adds what the skin around the nodes of [slot, slot + count) asks of them.
-void gather_skin(const Model& model, const State& state, const NodeArrays& n, int slot, int count,
-                 SystemBuffer& out) {
+void gather_skin(const Model& model, const State& state, const NodeArrays& n, const SkinForces& forces,
+                 int slot, int count, SystemBuffer& out) {
   const Skin& skin = model.skin;
-  const SkinForces forces(model);
   const auto row = std::size_t(slot / model.lattice.half);
-  for (auto at = std::size_t(skin.row_begin[row]); at < std::size_t(skin.row_begin[row + 1]); at++) {
-    const int a = skin.nodes[at];
-    if (a < slot || a >= slot + count || n.w[a] == 0) continue;
-    NodeSystem s = out.get(a - slot);
+  const int *nodes = skin.nodes.data(), *end = nodes + skin.row_begin[row + 1];
+  const int* node = std::lower_bound(nodes + skin.row_begin[row], end, slot);
+  if (node == end || *node >= slot + count) return;
+  const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
+  CornerSystems systems;
+  int gathered = -1;  // which lanes
+  for (; node != end && *node < slot + count; node++) {
+    const auto at = std::size_t(node - nodes);
+    NodeSystem s = out.get(*node - slot);
     s.f -= skin.pull[at];
     for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
-      const Skin::Corner corner = skin.corners[std::size_t(c)];
-      if (state.skin_cut[std::size_t(corner.triangle)]) continue;
-      const SkinTriangle& t = skin.triangles[std::size_t(corner.triangle)];
-      const Vec3 origin = n.u(t.vertex.x);
-      forces.add(s, t, corner.corner, n.u(t.vertex.y) - origin, n.u(t.vertex.z) - origin);
+      const int lanes = skin.lanes_begin[row] + (c - first) / kSkinLanes, lane = (c - first) % kSkinLanes;
+      const SkinCorners& corners = skin.corners[std::size_t(lanes)];
+      if (lanes != gathered) forces.gather(corners, n, systems), gathered = lanes;
+      if (!state.skin_cut[std::size_t(corners.triangle[lane])]) add(s, systems.get(lane));
     }
-    out.set(a - slot, s);
+    out.set(*node - slot, s);
   }
 }
 
@@ -90,21 +112,22 @@ struct GatherRow {
   NodeArrays nodes;
   Neighbours neighbours[2];
   SolidRow solid;
+  SkinForces skin;
 
   GatherRow(const Model& m, State& s)
       : model(m),
         state(s),
         nodes(node_arrays(m, s)),
         neighbours{neighbours_of(m, 0), neighbours_of(m, 1)},
-        solid(m, s) {}
+        solid(m, s),
+        skin(m) {}
 
   template <bool kWithCuts>
   void springs(int parity, int slot, int count, SystemBuffer& out) const {
     const auto elements =
         model.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
-    const int whole_vectors =
-        (count + kSpareSlots - 1) / kSpareSlots * kSpareSlots;  // of which the last lanes are not used
-    elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot, whole_vectors, out);
+    for (int begin = 0; begin < count; begin += kSpareSlots)
+      elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot + begin, begin, out);
   }
 
   void operator()(int parity, int slot, int count, SystemBuffer& out) const {
@@ -114,7 +137,7 @@ struct GatherRow {
       springs<true>(parity, slot, count, out);
     else
       springs<false>(parity, slot, count, out);
-    if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, slot, count, out);
+    if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, skin, slot, count, out);
   }
 };
 
@@ -137,23 +160,29 @@ struct Inertia {
         fall(lattice_gravity(model, inputs) * Real(step * step)),
         dt(Real(step)) {}
 
-  Vec3 operator()(int s) const {
-    const Real moves = ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0);
+  /// 1 where there is a node that can move, or 0.
+  Real moves(int s) const { return ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0); }
+  Vec3 operator()(int s) const { return at(s, moves(s)); }
+  Vec3 at(int s, Real moves) const {
     return {bx[s] + moves * (dt * vx[s] + fall.x), by[s] + moves * (dt * vy[s] + fall.y),
             bz[s] + moves * (dt * vz[s] + fall.z)};
   }
 };
 
-/// Calls body(parity, slot, count) on pieces of all half rows of a layer, in order or against it.
+/// Calls body(parity, slot, count) on pieces of all half rows of a layer that can move and are awake, in
+/// order or against it.
 template <class Body>
-void for_each_piece(const Lattice& l, int k, const Body& body, Order order = Order::kForward) {
+void for_each_piece(const Model& model, const std::uint8_t* awake, int k, const Body& body,
+                    Order order = Order::kForward) {
+  const Lattice& l = model.lattice;
   const bool backward = order == Order::kBackward;
   for (int row = 0; row < l.size.y; row++)
     for (int turn = 0; turn < 2; turn++) {
       const int j = backward ? l.size.y - 1 - row : row, parity = backward ? 1 - turn : turn;
-      const int slot = row_slot(l, j, k) + parity * l.half, count = half_count(l, parity);
-      for (int begin = 0; begin < count; begin += kLanes)
-        body(parity, slot + begin, std::min(kLanes, count - begin));
+      if (awake != nullptr && !awake[row_of(model, row_slot(l, j, k))]) continue;
+      for (const Run run : model.moving.of_half_row(row_slot(l, j, k) / l.half + parity))
+        for (int begin = 0; begin < run.count; begin += kLanes)
+          body(parity, run.begin + begin, std::min(kLanes, run.count - begin));
     }
 }
 
@@ -162,17 +191,21 @@ struct DescendLayer {
   const Inertia& inertia;
   std::span<NodeContact> contacts;
   Order order;
+  Sleep& sleep;
+  Real way2;  // square of how far a node goes in a step without waking others [m²]; negative: none sleeps
 
   void operator()(int k) const {
     SystemBuffer buffer;
+    const bool sleeps = way2 >= 0;
     for_each_piece(
-        gather.model.lattice, k,
+        gather.model, sleeps ? sleep.awake.data() : nullptr, k,
         [&](int parity, int slot, int count) {
           gather(parity, slot, count, buffer);
           const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
           if (!touched.empty()) press(touched, slot, buffer);
           solve(slot, count, buffer);
           for (NodeContact& c : touched) c.force = contact_force(c, gather.nodes.u(c.slot)).force;
+          if (sleeps && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
         },
         order);
   }
@@ -200,15 +233,37 @@ struct DescendLayer {
   }
 
   void solve(int slot, int count, const SystemBuffer& buffer) const {
+    int begin = 0;
+    for (; begin + 2 * kGroup <= count; begin += 2 * kGroup) solve_lanes<2 * kGroup>(slot, begin, buffer);
+    if (begin < count) solve_lanes<kGroup>(slot, begin, buffer);
+  }
+
+  template <int kWidth>
+  void solve_lanes(int first, int begin, const SystemBuffer& buffer) const {
     const NodeArrays& n = gather.nodes;
+    const int slot = first + begin;
     Real* __restrict ux = n.ux + slot, * __restrict uy = n.uy + slot, * __restrict uz = n.uz + slot;
     const Inertia y = inertia;  // a copy that the stores below cannot reach
+    Real moves[kWidth];
+    for (int i = 0; i < kWidth; i++) moves[i] = y.moves(slot + i);
     TURGOR_LANES
-    for (int i = 0; i < count; i++) {
-      const Vec3 to_inertial = y(slot + i) - Vec3{ux[i], uy[i], uz[i]};
-      const Vec3 change = newton_step(buffer.get(i), to_inertial, y.dt * y.dt * y.w[slot + i]);
+    for (int i = 0; i < kWidth; i++) {
+      const Vec3 to_inertial = y.at(slot + i, moves[i]) - Vec3{ux[i], uy[i], uz[i]};
+      const Vec3 change = newton_step(buffer.get(begin + i), to_inertial, y.dt * y.dt * y.w[slot + i]);
       ux[i] += change.x, uy[i] += change.y, uz[i] += change.z;
     }
+  }
+
+  /// Bit patterns of positive numbers are in order, and those of not-a-number come last.
+  bool has_moved(int slot, int count) const {
+    const NodeArrays& n = gather.nodes;
+    std::uint32_t found = 0;
+    for (int s = slot; s < slot + count; s++) {
+      const Real x = n.ux[s] - inertia.bx[s], y = n.uy[s] - inertia.by[s], z = n.uz[s] - inertia.bz[s];
+      const std::uint32_t bits = std::bit_cast<std::uint32_t>(x * x + y * y + z * z) & 0x7fffffffu;
+      found = bits > found ? bits : found;
+    }
+    return found > std::bit_cast<std::uint32_t>(way2);
   }
 };
 
@@ -222,7 +277,15 @@ void sweep_descent(const Exec& exec, const Model& model, State& state, const Inp
                    Order order) {
   const GatherRow gather(model, state);
   const Inertia inertia(model, state, inputs, dt);
-  sweep_slabs(exec, model.lattice.size.z, DescendLayer{gather, inertia, inputs.contacts, order}, order);
+  // Tests and benches sweep outside of steps, where nobody has been woken.
+  const bool sleeps = can_sleep(model) && !state.sleep.awake.empty();
+  const Real way = Real(model.params.solver.sleep * dt);
+  if (sleeps) std::fill(state.sleep.moved.begin(), state.sleep.moved.end(), std::uint8_t(0));
+  sweep_slabs(
+      exec, model.lattice.size.z,
+      DescendLayer{gather, inertia, inputs.contacts, order, state.sleep, sleeps ? way * way : Real(-1)},
+      order);
+  if (sleeps) spread_motion(model, state);
 }
 
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
@@ -236,7 +299,7 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
   parallel_for(exec, layers.size(), [&](std::size_t k) {
     SystemBuffer buffer;
     LayerResidual& layer = layers[k];
-    for_each_piece(model.lattice, int(k), [&](int parity, int slot, int count) {
+    for_each_piece(model, nullptr, int(k), [&](int parity, int slot, int count) {
       gather(parity, slot, count, buffer);
       for (const NodeContact& c : contacts_of(inputs.contacts, slot, count)) {
         NodeSystem s = buffer.get(c.slot - slot);

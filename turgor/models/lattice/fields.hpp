@@ -19,6 +19,9 @@ void visit_fields(S& s, const Visit& visit) {
   visit(Field{"row_cut", "", Axis::kRow, kRecorded}, s.row_cut);
   visit(Field{"skin_cut", "", Axis::kSkinTriangle, kRecorded}, s.skin_cut);
   visit(Field{"cut_edge", "", Axis::kCutEdge, kRecorded}, s.cut_edges);
+  visit(Field{"still", "", Axis::kRow}, s.sleep.still);
+  visit(Field{"awake", "", Axis::kRow}, s.sleep.awake);
+  visit(Field{"moved", "", Axis::kRow}, s.sleep.moved);
 }
 
 /// Columns of a list of cut edges.
@@ -39,6 +42,10 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"hu", "HU", Axis::kSlot}, m.hu);
   visit(Field{"cell_young", "Pa", Axis::kSlot}, m.cell_young);
   visit(Field{"around", "", Axis::kSlot}, m.around);
+  visit(Field{"moving", ""}, m.moving.all);
+  visit(Field{"moving_begin", "", Axis::kRow}, m.moving.row_begin);
+  visit(Field{"joining", ""}, m.joining.all);
+  visit(Field{"joining_begin", "", Axis::kRow}, m.joining.row_begin);
   visit(Field{"skin_triangles", "", Axis::kSkinTriangle}, m.skin.triangles);
   visit(Field{"lines", "", Axis::kSkinTriangle}, m.skin.lines);
   visit(Field{"batch_begin", ""}, m.skin.batch_begin);
@@ -48,6 +55,8 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"corner_begin", ""}, m.skin.corner_begin);
   visit(Field{"corners", ""}, m.skin.corners);
   visit(Field{"row_begin", "", Axis::kRow}, m.skin.row_begin);
+  visit(Field{"lanes_begin", "", Axis::kRow}, m.skin.lanes_begin);
+  visit(Field{"batches", ""}, m.skin.batches);
 }
 
 }  // namespace turgor::lattice

@@ -81,6 +81,10 @@ struct NodeSystem {
   Real xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
 };
 
+TURGOR_HD inline void add(NodeSystem& s, const NodeSystem& more) {
+  s.f += more.f;
+  s.xx += more.xx, s.yy += more.yy, s.zz += more.zz, s.xy += more.xy, s.xz += more.xz, s.yz += more.yz;
+}
 TURGOR_HD inline void add_outer(NodeSystem& s, Vec3 g, Real k) {
   const Vec3 kg = g * k;
   s.xx += kg.x * g.x, s.yy += kg.y * g.y, s.zz += kg.z * g.z;
@@ -109,13 +113,14 @@ TURGOR_HD inline void add_skin_area(NodeSystem& s, Vec3 a, Vec3 b, Vec3 c, Real 
                                     Real amplification) {
   const Vec3 n = cross(b - a, c - a);
   const Real twice_area = square_root(dot(n, n)), change = Real(0.5) * twice_area - rest_area;
-  if (!(twice_area > Real(1e-6) * rest_area)) return;
-  const Vec3 u = n * (1 / twice_area), opposite = b - c, g = cross(opposite, u) * Real(0.5);
-  const Real k = stiffness * (1 + amplification * positive(change / rest_area));
+  const bool degenerate = !(twice_area > Real(1e-6) * rest_area);
+  const Real inverse = 1 / nonzero(twice_area), growth = positive(change / nonzero(rest_area));
+  const Vec3 u = n * inverse, opposite = b - c, g = cross(opposite, u) * Real(0.5);
+  const Real k = degenerate ? 0 : stiffness * (1 + amplification * growth);
   s.f -= g * (k * change);
   add_outer(s, g, k);
   // A taut membrane resists sideways: without this term the sweeps diverge.
-  add_outer(s, u, k * positive(change) * dot(opposite, opposite) / (2 * twice_area));
+  add_outer(s, u, k * positive(change) * dot(opposite, opposite) * (Real(0.5) * inverse));
 }
 
 /// What the fibre law needs besides the triangle; `rest` is the stretch at which the skin would rest.
@@ -126,26 +131,25 @@ struct FibreLaw {
 /// ½ K A₀ (|g| − rest)² with g = F d, seen from a corner whose coefficient in g is c.
 TURGOR_HD inline void add_fibre(NodeSystem& s, Vec3 g, Real c, Real rest, Real stiffness,
                                 Real amplification) {
-  const Real length = square_root(dot(g, g)), strain = length - rest;
-  if (!(length > 0)) return;
-  const Real k = stiffness * c * c * (1 + amplification * positive(strain / rest)),
-             inverse_length = 1 / length;
+  const Real length = square_root(dot(g, g)), strain = length - rest, steeper = amplification / rest;
+  const Real inverse_length = length > 0 ? 1 / nonzero(length) : 0;
+  const Real kc = stiffness * c * (1 + steeper * positive(strain)), k = kc * c;
   const Real lateral = k * positive(strain) * inverse_length;
-  s.f -= g * (c != 0 ? k / c * strain * inverse_length : 0);
+  s.f -= g * (kc * strain * inverse_length);
   add_outer(s, g, (k - lateral) * inverse_length * inverse_length);
   add_isotropic(s, lateral);
 }
 
-/// Skin with fibres along Langer's lines, seen from corner `at`. [theory: docs/models/lattice.md, fibre law]
-TURGOR_HD inline void add_skin_fibre(NodeSystem& s, const Vec3 (&x)[3], int at, const SkinTriangle& t,
-                                     const FibreLaw& law) {
-  const Vec3 along = x[0] * t.along[0] + x[1] * t.along[1] + x[2] * t.along[2];
-  const Vec3 across = x[0] * t.across[0] + x[1] * t.across[1] + x[2] * t.across[2];
-  add_fibre(s, along, t.along[at], law.rest_along, law.stiffness * t.area, law.amplification);
-  add_fibre(s, across, t.across[at], law.rest_across, law.stiffness * t.area, law.amplification);
-  const Vec3 g = along * t.across[at] + across * t.along[at];
-  s.f -= g * (law.shear * t.area * dot(along, across));
-  add_outer(s, g, law.shear * t.area);
+/// Skin with fibres along Langer's lines, seen from its first corner; `edge1` and `edge2` lead from there to
+/// the others, `along` and `across` are coefficients in that order. [docs/models/lattice.md, fibre law]
+TURGOR_HD inline void add_skin_fibre(NodeSystem& s, Vec3 edge1, Vec3 edge2, Vec3 along, Vec3 across,
+                                     Real area, const FibreLaw& law) {
+  const Vec3 f = edge1 * along.y + edge2 * along.z, g = edge1 * across.y + edge2 * across.z;
+  add_fibre(s, f, along.x, law.rest_along, law.stiffness * area, law.amplification);
+  add_fibre(s, g, across.x, law.rest_across, law.stiffness * area, law.amplification);
+  const Vec3 sheared = f * across.x + g * along.x;
+  s.f -= sheared * (law.shear * area * dot(f, g));
+  add_outer(s, sheared, law.shear * area);
 }
 
 /// Newton's step of one node: (1 + c H) x = y-part + c f with c = h²·w, so that a fixed node (c = 0) stays.

@@ -19,6 +19,7 @@
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/lattice.hpp"
 #include "turgor/geometry/volume.hpp"
+#include "turgor/models/lattice/runs.hpp"
 
 namespace turgor::lattice {
 
@@ -57,6 +58,7 @@ struct SolverParams {
   double damping = 1.2;      // velocities lose exp(-damping·t) [1/s]
   double pbd_stiffness = 1;  // pbd only: scales the density-based stiffness in [0, 1] [1]
   bool pbd_volume = false;   // pbd only: project the tetrahedra's volumes too
+  double sleep = 0;  // descent only: rows near which nothing is faster stand still; 0: none does [m/s]
 };
 
 struct Params {
@@ -88,7 +90,26 @@ struct SkinTriangle {
   Real stiffness;     // pbd only, from the nodes' density, in [0, 1]
 };
 
+/// Triangles are worked on so many at a time, each number of them side by side. Lanes behind the last
+/// triangle repeat the first.
 constexpr int kSkinLanes = 16;
+
+/// pbd: a batch of triangles without a node in common.
+struct SkinBatch {
+  int vertex[3][kSkinLanes];    // slots
+  Real edge[2][3][kSkinLanes];  // SkinTriangle::edge1, edge2 by axis [m]
+  Real area[kSkinLanes];        // [m²]
+  Real stiffness[kSkinLanes];   // in [0, 1]
+};
+
+/// descent: corners of triangles, each seen from its own node.
+struct SkinCorners {
+  int triangle[kSkinLanes];
+  int vertex[3][kSkinLanes];                         // slots, the node itself first
+  Real edge[2][3][kSkinLanes];                       // from it to the others, by axis [m]
+  Real along[3][kSkinLanes], across[3][kSkinLanes];  // of SkinTriangle, in the order of `vertex` [1/m]
+  Real area[kSkinLanes];                             // [m²]
+};
 
 /// All skin, sorted by cell layer, and within a layer in batches whose triangles share no node. Batch b is
 /// triangles [batch_begin[b], batch_begin[b + 1]); the batches of layer k are [layer_begin[k], layer_begin[k
@@ -97,17 +118,17 @@ struct Skin {
   std::vector<SkinTriangle> triangles;
   std::vector<Vec3> lines;  // at each triangle, lattice frame; empty: SkinParams::direction everywhere
   std::vector<int> batch_begin, layer_begin;  // empty without skin
-  // Which triangles meet at which node: nodes in slot order; row_begin has one entry per half row of the
-  // storage.
-  struct Corner {
-    int triangle, corner;
-  };
+  std::vector<SkinBatch> batches;             // pbd
+  // The corners of triangles by node: nodes in slot order; row_begin and lanes_begin have one entry per half
+  // row of the storage. Corner c of a half row that begins with corner b is lane (c − b) % kSkinLanes of
+  // corners[lanes_begin + (c − b) / kSkinLanes].
   std::vector<int> nodes;  // slots
   std::vector<Vec3>
       pull;  // descent: of the skin at each node in the CT; the tissue's own prestress answers it [N]
-  std::vector<int> corner_begin;  // nodes.size() + 1
-  std::vector<Corner> corners;
-  std::vector<int> row_begin;  // 2 · rows + 1, indices into nodes
+  std::vector<int> corner_begin;     // nodes.size() + 1
+  std::vector<int> row_begin;        // 2 · rows + 1, indices into nodes
+  std::vector<SkinCorners> corners;  // descent
+  std::vector<int> lanes_begin;      // descent: 2 · rows + 1
 };
 
 /// What a group of slots has around it: nothing that moves, whole cells alone, or springs as well.
@@ -128,6 +149,8 @@ struct Model {
   Real volume_scale = 0;                          // volume stiffness = scale · mean root² [1]
   aligned_vector<Real> cell_young;  // solid: by slot of a cell's lowest node; 0 = no whole cell [Pa]
   std::vector<Around> around;       // solid: by group of slots, in the CT
+  Runs moving;                      // slots of nodes that can move
+  Runs joining;                     // pbd: slots of nodes whose edges or tetrahedra hold a node that can move
   Skin skin;
   int body_nodes = 0, free_nodes = 0;
 };
@@ -140,6 +163,16 @@ struct CutEdge {
   Real fraction = 0;          // where, from the lower end, in [0, 1]
 };
 
+/// Which rows stand still (sleep.hpp). By row of the storage; empty until the first step of a body that can
+/// sleep.
+struct Sleep {
+  std::vector<std::uint8_t> still;  // steps in which nothing near it moved, up to kStillSteps: then it sleeps
+  std::vector<std::uint8_t> awake;  // 1 = is swept in this step
+  std::vector<std::uint8_t> moved;  // 1 = a node of it has moved in this step
+  std::size_t cuts = 0;             // edges that were cut when it was looked at
+  Vec3d gravity;                    // that it has come to rest under [m/s²]
+};
+
 /// What changes.
 struct State {
   double time = 0;                       // [s]
@@ -149,6 +182,7 @@ struct State {
   std::vector<std::uint8_t> row_cut;     // by row: is an edge cut that touches this row or one beside it?
   std::vector<std::uint8_t> skin_cut;    // by skin triangle: 1 = holds no tension
   std::vector<CutEdge> cut_edges;
+  Sleep sleep;
 };
 
 /// A force from outside on one node, for the length of a step. Fixed and removed nodes do not feel it.
@@ -171,7 +205,7 @@ struct NodeContact {
 
 struct Inputs {
   Vec3d gravity;                    // patient frame [m/s²]
-  bool measure_residual = false;    // descent only; costs about one sweep
+  bool measure_residual = false;    // descent only; costs about two sweeps
   std::span<const NodeLoad> loads;  // those of one node add up
   std::span<NodeContact> contacts;  // descent only; slots ascend
 };
@@ -179,12 +213,15 @@ struct Inputs {
 /// How far a step is from the minimum of its energy: forces left over at the free nodes [N].
 struct Residual {
   double largest = 0, rms = 0;
+  double before = 0;  // rms before the first sweep: rms/before is what the sweeps of one step leave of it [N]
 };
 
 struct StepReport {
   bool finite = true;      // false: the step was undone
   Real largest_speed = 0;  // [m/s]
   Residual residual;       // when asked for; pbd minimises nothing and has none
+  int rows = 0;            // of the lattice, with something that can move; 0 when none may sleep
+  int rows_asleep = 0;     // of these
 };
 
 /// What may come beside a CT, on the same patient; null = absent.

@@ -7,9 +7,10 @@ namespace turgor::lattice {
 
 constexpr int kLanes = 256;  // nodes done at once; longer half rows are done in pieces
 
-struct SystemBuffer {
-  alignas(64) Real fx[kLanes], fy[kLanes], fz[kLanes];
-  alignas(64) Real xx[kLanes], yy[kLanes], zz[kLanes], xy[kLanes], xz[kLanes], yz[kLanes];
+template <int kCount>
+struct Systems {
+  alignas(64) Real fx[kCount], fy[kCount], fz[kCount];
+  alignas(64) Real xx[kCount], yy[kCount], zz[kCount], xy[kCount], xz[kCount], yz[kCount];
 
   NodeSystem get(int i) const { return {{fx[i], fy[i], fz[i]}, xx[i], yy[i], zz[i], xy[i], xz[i], yz[i]}; }
   void set(int i, const NodeSystem& s) {
@@ -17,5 +18,6 @@ struct SystemBuffer {
     xx[i] = s.xx, yy[i] = s.yy, zz[i] = s.zz, xy[i] = s.xy, xz[i] = s.xz, yz[i] = s.yz;
   }
 };
+using SystemBuffer = Systems<kLanes>;
 
 }  // namespace turgor::lattice

@@ -9,16 +9,26 @@ namespace turgor::lattice {
 
 namespace {
 
-/// One family between two runs of nodes; a and b are the first slots of the runs.
-template <bool kWithCuts>
-void project_edges(const NodeArrays& n, int a, int b, int count, Vec3 edge, Real rest, int family) {
+/// Calls body.template lanes<width>(begin) on [0, count): whole vectors, as compilers make them of loops of
+/// constant length, then half a one, then what is left at the end of a row.
+template <class Body>
+void in_vectors(int count, const Body& body) {
+  int i = 0;
+  for (; i + 16 <= count; i += 16) body.template lanes<16>(i);
+  if (i + kGroup <= count) body.template lanes<kGroup>(i), i += kGroup;
+  for (; i < count; i++) body.template lanes<1>(i);
+}
+
+/// `width` edges of one family between two runs of nodes; a and b are the first slots of the runs.
+template <bool kWithCuts, int kWidth>
+inline void project_edges(const NodeArrays& n, int a, int b, Vec3 edge, Real rest, int family) {
   Real* __restrict ax = n.ux + a, * __restrict ay = n.uy + a, * __restrict az = n.uz + a;
   Real* __restrict bx = n.ux + b, * __restrict by = n.uy + b, * __restrict bz = n.uz + b;
   const Real* __restrict wa = n.w + a, * __restrict wb = n.w + b, * __restrict ra = n.root + a, * __restrict rb = n.root + b;
   const std::uint8_t* __restrict cut = n.cut + a;
   const auto [ex, ey, ez] = edge;
   TURGOR_LANES
-  for (int i = 0; i < count; i++) {
+  for (int i = 0; i < kWidth; i++) {
     const Vec3 d{ex + (bx[i] - ax[i]), ey + (by[i] - ay[i]), ez + (bz[i] - az[i])};
     Real stiffness = ra[i] * rb[i];
     if constexpr (kWithCuts) stiffness = cut[i] >> family & 1 ? 0 : stiffness;
@@ -28,6 +38,20 @@ void project_edges(const NodeArrays& n, int a, int b, int count, Vec3 edge, Real
     bx[i] -= sb * d.x, by[i] -= sb * d.y, bz[i] -= sb * d.z;
   }
 }
+
+template <bool kWithCuts>
+struct EdgeRun {
+  const NodeArrays& n;
+  int a, b;
+  Vec3 edge;
+  Real rest;
+  int family;
+
+  template <int kWidth>
+  void lanes(int i) const {
+    project_edges<kWithCuts, kWidth>(n, a + i, b + i, edge, rest, family);
+  }
+};
 
 /// Four runs of corner nodes, for tetrahedra of one kind whose cells have i of one parity: they share no
 /// node.
@@ -73,10 +97,9 @@ void project_volumes(const NodeArrays& n, const TetRuns& runs, int count, Real r
   }
 }
 
-TetRuns tet_runs(const Lattice& l, int row, int parity, const std::array<Int3, 4>& tet) {
+TetRuns tet_runs(const Lattice& l, int first, int parity, const std::array<Int3, 4>& tet) {
   TetRuns runs{};
-  for (int c = 0; c < 4; c++)
-    runs.slot[c] = row + parity * l.half + slot_offset(l, tet[std::size_t(c)], parity);
+  for (int c = 0; c < 4; c++) runs.slot[c] = first + slot_offset(l, tet[std::size_t(c)], parity);
   const auto rest = [&](int c) { return hadamard(l.step, Vec3(tet[std::size_t(c)] - tet[0])); };
   runs.e1 = rest(1), runs.e2 = rest(2), runs.e3 = rest(3);
   int e = 0;
@@ -96,24 +119,37 @@ struct SweepRow {
   const std::uint8_t* row_cut;
   std::array<Vec3, kFamilyCount> edges;
 
+  /// Calls body(first slot, count) where half a row has something to project. No run goes beyond the row's
+  /// last node: the slot behind it may be the first of the other half.
+  template <class Body>
+  void for_each_run(std::span<const Run> runs, int row, int parity, const Body& body) const {
+    const int end = row + parity * model.lattice.half + half_count(model.lattice, parity);
+    for (const Run run : runs) body(run.begin, std::min(run.count, end - run.begin));
+  }
+
   template <bool kWithCuts>
   void sweep(int j, int k) const {
     const Lattice& l = model.lattice;
     const int row = row_slot(l, j, k);
+    const std::span<const Run> runs[2] = {model.joining.of_half_row(row / l.half),
+                                          model.joining.of_half_row(row / l.half + 1)};
+    if (runs[0].empty() && runs[1].empty()) return;
     for (int f = 0; f < kFamilyCount; f++) {
       const Int3 offset = kFamilies[std::size_t(f)];
       if (j + offset.y >= l.size.y || k + offset.z >= l.size.z) continue;
-      for (int parity = 0; parity < 2; parity++) {
-        const int a = row + parity * l.half;
-        project_edges<kWithCuts>(nodes, a, a + slot_offset(l, offset, parity), half_count(l, parity),
-                                 edges[std::size_t(f)], model.rest_length[std::size_t(f)], f);
-      }
+      const Vec3 edge = edges[std::size_t(f)];
+      const Real rest = model.rest_length[std::size_t(f)];
+      for (int parity = 0; parity < 2; parity++)
+        for_each_run(runs[parity], row, parity, [&](int a, int count) {
+          in_vectors(count, EdgeRun<kWithCuts>{nodes, a, a + slot_offset(l, offset, parity), edge, rest, f});
+        });
     }
     if (model.volume_scale <= 0 || j + 1 >= l.size.y || k + 1 >= l.size.z) return;
     for (const auto& tet : kKuhnTets)
       for (int parity = 0; parity < 2; parity++)
-        project_volumes<kWithCuts>(nodes, tet_runs(l, row, parity, tet), half_count(l, parity),
-                                   model.rest_volume);
+        for_each_run(runs[parity], row, parity, [&](int first, int count) {
+          project_volumes<kWithCuts>(nodes, tet_runs(l, first, parity, tet), count, model.rest_volume);
+        });
   }
 
   void operator()(int j, int k) const {
@@ -122,19 +158,30 @@ struct SweepRow {
   }
 };
 
-/// A batch of skin triangles on its way through the projection: one lane each. Unused lanes hold a triangle
-/// that cannot move.
+/// A batch of skin triangles on its way through the projection: one lane each.
 struct SkinLanes {
-  alignas(64) Real x[9][kSkinLanes];  // corner c, axis a: x[3 c + a]
+  alignas(64) Real x[9][kSkinLanes];  // of corner c along axis a, x[3 c + a]: displacement, then shift
   alignas(64) Real w[3][kSkinLanes];
-  alignas(64) Real rest_area[kSkinLanes], stiffness[kSkinLanes];
 
-  void project(Real amplification) {
+  void fetch(const SkinBatch& batch, const NodeArrays& n) {
+    for (int q = 0; q < 3; q++)
+      for (int i = 0; i < kSkinLanes; i++) {
+        const int slot = batch.vertex[q][i];
+        x[3 * q][i] = n.ux[slot], x[3 * q + 1][i] = n.uy[slot], x[3 * q + 2][i] = n.uz[slot];
+        w[q][i] = n.w[slot];
+      }
+  }
+
+  void project(const SkinBatch& batch, Real ratio, Real amplification) {
     TURGOR_LANES
     for (int i = 0; i < kSkinLanes; i++) {
-      const SkinShift shift =
-          project_skin({x[0][i], x[1][i], x[2][i]}, {x[3][i], x[4][i], x[5][i]}, {x[6][i], x[7][i], x[8][i]},
-                       {w[0][i], w[1][i], w[2][i]}, rest_area[i], stiffness[i], amplification);
+      const auto edge = [&](int q) {
+        const auto& rest = batch.edge[q - 1];
+        return Vec3{rest[0][i] + (x[3 * q][i] - x[0][i]), rest[1][i] + (x[3 * q + 1][i] - x[1][i]),
+                    rest[2][i] + (x[3 * q + 2][i] - x[2][i])};
+      };
+      const SkinShift shift = project_skin({0, 0, 0}, edge(1), edge(2), {w[0][i], w[1][i], w[2][i]},
+                                           ratio * batch.area[i], batch.stiffness[i], amplification);
       x[0][i] = shift.a.x, x[1][i] = shift.a.y, x[2][i] = shift.a.z;
       x[3][i] = shift.b.x, x[4][i] = shift.b.y, x[5][i] = shift.b.z;
       x[6][i] = shift.c.x, x[7][i] = shift.c.y, x[8][i] = shift.c.z;
@@ -147,29 +194,21 @@ void project_skin_layer(const Model& model, const State& state, const NodeArrays
   const Real ratio = rest_area_ratio(model.params.skin),
              amplification = Real(model.params.skin.amplification);
   const Skin& skin = model.skin;
-  SkinLanes lanes{};
-  for (int batch = skin.layer_begin[std::size_t(k)]; batch < skin.layer_begin[std::size_t(k) + 1]; batch++) {
-    const int begin = skin.batch_begin[std::size_t(batch)],
-              count = skin.batch_begin[std::size_t(batch) + 1] - begin;
-    const SkinTriangle* triangles = &skin.triangles[std::size_t(begin)];
+  SkinLanes lanes;
+  for (auto b = std::size_t(skin.layer_begin[std::size_t(k)]);
+       b < std::size_t(skin.layer_begin[std::size_t(k) + 1]); b++) {
+    const SkinBatch& batch = skin.batches[b];
+    lanes.fetch(batch, n);
+    lanes.project(batch, ratio, amplification);
+    const int begin = skin.batch_begin[b], count = skin.batch_begin[b + 1] - begin;
     for (int i = 0; i < count; i++) {
-      const SkinTriangle& t = triangles[i];
-      const Vec3 origin = n.u(t.vertex.x), b = t.edge1 + (n.u(t.vertex.y) - origin),
-                 c = t.edge2 + (n.u(t.vertex.z) - origin);
-      lanes.x[0][i] = 0, lanes.x[1][i] = 0, lanes.x[2][i] = 0;
-      lanes.x[3][i] = b.x, lanes.x[4][i] = b.y, lanes.x[5][i] = b.z;
-      lanes.x[6][i] = c.x, lanes.x[7][i] = c.y, lanes.x[8][i] = c.z;
-      for (int q = 0; q < 3; q++) lanes.w[q][i] = n.w[t.vertex[q]];
-      lanes.rest_area[i] = ratio * t.area;
-      lanes.stiffness[i] = state.skin_cut[std::size_t(begin + i)] ? 0 : t.stiffness;
-    }
-    lanes.project(amplification);
-    for (int i = 0; i < count; i++)
+      if (state.skin_cut[std::size_t(begin + i)]) continue;
       for (int q = 0; q < 3; q++) {
-        const int slot = triangles[i].vertex[q];
+        const int slot = batch.vertex[q][i];
         n.ux[slot] += lanes.x[3 * q][i], n.uy[slot] += lanes.x[3 * q + 1][i],
             n.uz[slot] += lanes.x[3 * q + 2][i];
       }
+    }
   }
 }
 

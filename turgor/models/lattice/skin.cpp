@@ -154,27 +154,74 @@ struct MeasureTriangle {
   }
 };
 
-void collect_corners(const Lattice& lattice, Skin& skin) {
-  struct Entry {
-    int slot, triangle, corner;
-  };
-  std::vector<Entry> entries;
+struct Corner {
+  int slot, triangle, corner;
+};
+
+/// Lane `i` of these is that corner.
+void set_lane(const Skin& skin, const Corner& corner, int i, SkinCorners& lanes) {
+  const SkinTriangle& t = skin.triangles[std::size_t(corner.triangle)];
+  const Vec3 places[3] = {{}, t.edge1, t.edge2};
+  lanes.triangle[i] = corner.triangle, lanes.area[i] = t.area;
+  for (int q = 0; q < 3; q++) {
+    const int vertex = (corner.corner + q) % 3;
+    lanes.vertex[q][i] = t.vertex[vertex];
+    lanes.along[q][i] = t.along[vertex], lanes.across[q][i] = t.across[vertex];
+    const Vec3 edge = places[vertex] - places[corner.corner];
+    for (int axis = 0; axis < 3 && q > 0; axis++) lanes.edge[q - 1][axis][i] = edge[axis];
+  }
+}
+
+/// The corners of each half row side by side.
+void lay_out_corners(const std::vector<Corner>& corners, Skin& skin) {
+  skin.lanes_begin = {0};
+  for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++) {
+    const auto begin = std::size_t(skin.corner_begin[std::size_t(skin.row_begin[row])]),
+               end = std::size_t(skin.corner_begin[std::size_t(skin.row_begin[row + 1])]);
+    for (std::size_t first = begin; first < end; first += kSkinLanes) {
+      SkinCorners& lanes = skin.corners.emplace_back();
+      for (int i = 0; i < kSkinLanes; i++)
+        set_lane(skin, corners[first + std::size_t(i) < end ? first + std::size_t(i) : first], i, lanes);
+    }
+    skin.lanes_begin.push_back(int(skin.corners.size()));
+  }
+}
+
+/// The triangles of each batch side by side.
+void lay_out_batches(Skin& skin) {
+  for (std::size_t b = 0; b + 1 < skin.batch_begin.size(); b++) {
+    SkinBatch& batch = skin.batches.emplace_back();
+    const int begin = skin.batch_begin[b], end = skin.batch_begin[b + 1];
+    for (int i = 0; i < kSkinLanes; i++) {
+      const SkinTriangle& t = skin.triangles[std::size_t(begin + i < end ? begin + i : begin)];
+      batch.area[i] = t.area, batch.stiffness[i] = t.stiffness;
+      for (int axis = 0; axis < 3; axis++) {
+        batch.vertex[axis][i] = t.vertex[axis];
+        batch.edge[0][axis][i] = t.edge1[axis], batch.edge[1][axis][i] = t.edge2[axis];
+      }
+    }
+  }
+}
+
+std::vector<Corner> collect_corners(const Lattice& lattice, Skin& skin) {
+  std::vector<Corner> entries;
   for (int t = 0; t < int(skin.triangles.size()); t++)
     for (int c = 0; c < 3; c++) entries.push_back({skin.triangles[std::size_t(t)].vertex[c], t, c});
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+  std::sort(entries.begin(), entries.end(), [](const Corner& a, const Corner& b) {
     return std::tie(a.slot, a.triangle) < std::tie(b.slot, b.triangle);
   });
   skin.row_begin.assign(std::size_t(slot_count(lattice) / lattice.half + 1), 0);
-  for (const Entry& e : entries) {
+  for (std::size_t c = 0; c < entries.size(); c++) {
+    const Corner& e = entries[c];
     if (skin.nodes.empty() || skin.nodes.back() != e.slot) {
       skin.nodes.push_back(e.slot);
-      skin.corner_begin.push_back(int(skin.corners.size()));
+      skin.corner_begin.push_back(int(c));
       skin.row_begin[std::size_t(e.slot / lattice.half + 1)]++;
     }
-    skin.corners.push_back({e.triangle, e.corner});
   }
-  skin.corner_begin.push_back(int(skin.corners.size()));
+  skin.corner_begin.push_back(int(entries.size()));
   for (std::size_t r = 1; r < skin.row_begin.size(); r++) skin.row_begin[r] += skin.row_begin[r - 1];
+  return entries;
 }
 
 }  // namespace
@@ -198,8 +245,10 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
   parallel_for(exec, skin.triangles.size(),
                MeasureTriangle{model, lines, skin.triangles.data(), lines ? skin.lines.data() : nullptr},
                1024);
-  collect_corners(model.lattice, skin);
-  if (model.params.solver.method == Method::kDescent) measure_pull(model, skin);
+  const std::vector<Corner> corners = collect_corners(model.lattice, skin);
+  if (model.params.solver.method == Method::kPbd) return lay_out_batches(skin);
+  lay_out_corners(corners, skin);
+  measure_pull(exec, model, skin);
 }
 
 Edge edge_between(const Lattice& lattice, int a, int b) {
@@ -211,17 +260,25 @@ Edge edge_between(const Lattice& lattice, int a, int b) {
 /// The CT shows a body at rest under its skin's tension. So whatever the skin pulls at a node there, curved
 /// skin inward and the steps of the lattice every way, is answered by the tissue's own prestress, and stays
 /// answered when the skin is cut.
-void measure_pull(const Model& model, Skin& skin) {
+void measure_pull(const Exec& exec, const Model& model, Skin& skin) {
   const SkinForces forces(model);
-  skin.pull.resize(skin.nodes.size());
-  for (std::size_t at = 0; at < skin.nodes.size(); at++) {
-    NodeSystem s;
-    for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
-      const Skin::Corner corner = skin.corners[std::size_t(c)];
-      forces.add(s, skin.triangles[std::size_t(corner.triangle)], corner.corner, {}, {});
-    }
-    skin.pull[at] = s.f;
-  }
+  std::vector<Real> still(model.inverse_mass.size(), 0);
+  const NodeArrays nodes{still.data(), still.data(), still.data(), nullptr, nullptr, nullptr};
+  skin.pull.assign(skin.nodes.size(), {});
+  parallel_for(
+      exec, skin.row_begin.size() - 1,
+      [&](std::size_t row) {
+        const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
+        CornerSystems systems;
+        for (auto at = std::size_t(skin.row_begin[row]); at < std::size_t(skin.row_begin[row + 1]); at++)
+          for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
+            const int lane = (c - first) % kSkinLanes;
+            const int lanes = skin.lanes_begin[row] + (c - first) / kSkinLanes;
+            if (lane == 0) forces.gather(skin.corners[std::size_t(lanes)], nodes, systems);
+            skin.pull[at] += systems.get(lane).f;
+          }
+      },
+      64);
 }
 
 void cut_skin(const Model& model, State& state) {

@@ -11,7 +11,7 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model);
 
 /// Descent: fills `skin.pull` for the tension that the model's parameters ask for, so that the body lies in
 /// the CT as before.
-void measure_pull(const Model& model, Skin& skin);
+void measure_pull(const Exec& exec, const Model& model, Skin& skin);
 
 /// Family and lower end of the edge between two slots that are neighbours.
 struct Edge {

@@ -1,9 +1,12 @@
-// What one triangle of skin asks of one of its corners, by the law of the model.
+// What skin asks of the nodes of a row, by the law of the model: many corners of triangles at once.
 #pragma once
 
-#include "turgor/models/lattice/kernels.hpp"
+#include "turgor/models/lattice/node_systems.hpp"
+#include "turgor/models/lattice/rows.hpp"
 
 namespace turgor::lattice {
+
+using CornerSystems = Systems<kSkinLanes>;
 
 struct SkinForces {
   SkinLaw law;
@@ -17,15 +20,8 @@ struct SkinForces {
         stiffness(Real(model.params.skin.stiffness)),
         amplification(Real(model.params.skin.amplification)) {}
 
-  /// `shift1`, `shift2`: displacements of the triangle's second and third corner beyond that of the first
-  /// [m].
-  void add(NodeSystem& s, const SkinTriangle& t, int corner, Vec3 shift1, Vec3 shift2) const {
-    const Vec3 x[3] = {{0, 0, 0}, t.edge1 + shift1, t.edge2 + shift2};
-    if (law == SkinLaw::kFibre) return add_skin_fibre(s, x, corner, t, fibre);
-    const Real rest = rest_ratio * t.area;
-    add_skin_area(s, x[corner], x[(corner + 1) % 3], x[(corner + 2) % 3], rest, stiffness / rest,
-                  amplification);
-  }
+  /// What each of these corners asks of its own node.
+  void gather(const SkinCorners& corners, const NodeArrays& nodes, CornerSystems& out) const;
 };
 
 }  // namespace turgor::lattice

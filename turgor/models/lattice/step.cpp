@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -5,11 +6,24 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/models/lattice/fields.hpp"
+#include "turgor/models/lattice/sleep.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
 namespace turgor::lattice {
 
 namespace {
+
+/// Calls body(run) on the slots of a layer that can move and are awake.
+template <class Body>
+void for_each_run(const Model& model, const State& state, int k, const Body& body) {
+  const bool sleeps = can_sleep(model) && !state.sleep.awake.empty();
+  for (int j = 0; j < model.lattice.size.y; j++) {
+    const int row = row_of(model, row_slot(model.lattice, j, k));
+    if (sleeps && !state.sleep.awake[std::size_t(row)]) continue;
+    for (const int half_row : {2 * row, 2 * row + 1})
+      for (const Run run : model.moving.of_half_row(half_row)) body(run);
+  }
+}
 
 struct PredictLayer {
   const Model& model;
@@ -17,19 +31,21 @@ struct PredictLayer {
   Vec3 gravity;
   Real dt;
 
-  void operator()(std::size_t layer) const {
-    const auto stride = std::size_t(layer_stride(model.lattice)), begin = layer * stride;
-    const auto advance = [&](Real* __restrict u, Real* __restrict before, const Real* __restrict v, Real g) {
+  void operator()(std::size_t k) const {
+    const auto advance = [&](Run run, Real* __restrict u, Real* __restrict before, const Real* __restrict v,
+                             Real g) {
       const Real* w = model.inverse_mass.data();
       const std::uint8_t* removed = state.removed.data();
-      for (std::size_t s = begin; s < begin + stride; s++) {
+      for (int s = run.begin; s < run.begin + run.count; s++) {
         before[s] = u[s];
         u[s] += w[s] > 0 && !removed[s] ? dt * v[s] + g : 0;
       }
     };
-    advance(state.u.x.data(), state.u_before.x.data(), state.v.x.data(), dt * dt * gravity.x);
-    advance(state.u.y.data(), state.u_before.y.data(), state.v.y.data(), dt * dt * gravity.y);
-    advance(state.u.z.data(), state.u_before.z.data(), state.v.z.data(), dt * dt * gravity.z);
+    for_each_run(model, state, int(k), [&](Run run) {
+      advance(run, state.u.x.data(), state.u_before.x.data(), state.v.x.data(), dt * dt * gravity.x);
+      advance(run, state.u.y.data(), state.u_before.y.data(), state.v.y.data(), dt * dt * gravity.y);
+      advance(run, state.u.z.data(), state.u_before.z.data(), state.v.z.data(), dt * dt * gravity.z);
+    });
   }
 };
 
@@ -51,26 +67,44 @@ struct FinishLayer {
   Real scale;
   std::atomic<std::uint32_t>& largest;
 
-  void operator()(std::size_t layer) const {
-    const auto stride = std::size_t(layer_stride(model.lattice)), begin = layer * stride;
-    const auto velocity = [&](Real* __restrict v, const Real* __restrict u, const Real* __restrict before) {
-      for (std::size_t s = begin; s < begin + stride; s++) v[s] = (u[s] - before[s]) * scale;
-    };
-    velocity(state.v.x.data(), state.u.x.data(), state.u_before.x.data());
-    velocity(state.v.y.data(), state.u.y.data(), state.u_before.y.data());
-    velocity(state.v.z.data(), state.u.z.data(), state.u_before.z.data());
+  std::uint32_t largest_of(Run run) const {
     std::uint32_t found = 0;
     const Real *vx = state.v.x.data(), *vy = state.v.y.data(), *vz = state.v.z.data();
-    for (std::size_t s = begin; s < begin + stride; s++) {
+    for (int s = run.begin; s < run.begin + run.count; s++) {
       const Real speed2 = vx[s] * vx[s] + vy[s] * vy[s] + vz[s] * vz[s];
       const std::uint32_t bits = std::bit_cast<std::uint32_t>(speed2) & 0x7fffffffu;
       found = bits > found ? bits : found;
     }
+    return found;
+  }
+
+  void operator()(std::size_t k) const {
+    const auto velocity = [&](Run run, Real* __restrict v, const Real* __restrict u,
+                              const Real* __restrict before) {
+      for (int s = run.begin; s < run.begin + run.count; s++) v[s] = (u[s] - before[s]) * scale;
+    };
+    std::uint32_t found = 0;
+    for_each_run(model, state, int(k), [&](Run run) {
+      velocity(run, state.v.x.data(), state.u.x.data(), state.u_before.x.data());
+      velocity(run, state.v.y.data(), state.u.y.data(), state.u_before.y.data());
+      velocity(run, state.v.z.data(), state.u.z.data(), state.u_before.z.data());
+      found = std::max(found, largest_of(run));
+    });
     std::uint32_t seen = largest.load();
     while (seen < found && !largest.compare_exchange_weak(seen, found)) {
     }
   }
 };
+
+/// To the last good state, at rest; in place, so that nobody's view of u moves.
+void go_back(const Model& model, State& state) {
+  for (const Run run : model.moving.all)
+    for (auto s = std::size_t(run.begin); s < std::size_t(run.begin + run.count); s++) {
+      state.u.set(s, state.u_before[s]);
+      state.v.set(s, {});
+    }
+  state.sleep.still.clear();  // everybody is awake
+}
 
 void check_contacts(const Model& model, std::span<const NodeContact> contacts) {
   TURGOR_ASSERT(contacts.empty() || model.params.solver.method == Method::kDescent,
@@ -96,27 +130,30 @@ void predict(const Exec& exec, const Model& model, State& state, const Inputs& i
   const bool pbd = model.params.solver.method == Method::kPbd, held = model.free_nodes < model.body_nodes;
   if (pbd) add_loads(model, state, inputs.loads, Real(dt));
   const Vec3 fall = pbd || !held ? lattice_gravity(model, inputs) : Vec3{};
-  parallel_for(exec, std::size_t(model.lattice.size.z + 2), PredictLayer{model, state, fall, Real(dt)});
+  parallel_for(exec, std::size_t(model.lattice.size.z), PredictLayer{model, state, fall, Real(dt)});
   if (!pbd) add_loads(model, state, inputs.loads, Real(dt));
 }
 
 StepReport finish(const Exec& exec, const Model& model, State& state, double dt) {
   std::atomic<std::uint32_t> largest{0};
   const Real scale = Real(std::exp(-model.params.solver.damping * dt) / dt);
-  parallel_for(exec, std::size_t(model.lattice.size.z + 2), FinishLayer{model, state, scale, largest});
+  parallel_for(exec, std::size_t(model.lattice.size.z), FinishLayer{model, state, scale, largest});
   const Real speed2 = std::bit_cast<Real>(largest.load());
   if (std::isfinite(speed2)) {
     state.time += dt;
     return {.finite = true, .largest_speed = std::sqrt(speed2)};
   }
-  state.u = state.u_before;  // the last good state, at rest; copied, so that nobody's view of u moves
-  for (auto* v : {&state.v.x, &state.v.y, &state.v.z}) std::fill(v->begin(), v->end(), Real(0));
+  go_back(model, state);
   return {.finite = false};
 }
 
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   check_contacts(model, inputs.contacts);
+  if (can_sleep(model)) wake_rows(model, state, inputs);
   predict(exec, model, state, inputs, dt);
+  const bool measures = inputs.measure_residual && model.params.solver.method == Method::kDescent;
+  Residual residual;
+  const double before = measures ? measure_residual(exec, model, state, inputs, dt).rms : 0;
   const int sweeps = model.params.solver.sweeps;
   const bool solid = model.params.tissue.law == TissueLaw::kSolid;
   for (int sweep = 0; sweep < sweeps; sweep++)
@@ -125,11 +162,14 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
     else
       sweep_descent(exec, model, state, inputs, dt,
                     solid && 2 * sweep >= sweeps ? Order::kBackward : Order::kForward);
-  Residual residual;
-  if (inputs.measure_residual && model.params.solver.method == Method::kDescent)
-    residual = measure_residual(exec, model, state, inputs, dt);
+  if (measures) residual = measure_residual(exec, model, state, inputs, dt);
+  residual.before = before;
   StepReport report = finish(exec, model, state, dt);
   report.residual = residual;
+  if (can_sleep(model) && report.finite) {
+    count_sleepers(model, state, report);
+    lay_down_rows(exec, model, state);
+  }
   return report;
 }
 
@@ -143,6 +183,7 @@ std::uint64_t state_hash(const Model& model, const State& state) {
       for (int parity = 0; parity < 2; parity++)
         hash = hash_of_fields(state, std::size_t(row_slot(l, j, k) + parity * l.half),
                               std::size_t(half_count(l, parity)), hash);
+  if (can_sleep(model)) hash = hash_values(std::span<const std::uint8_t>(state.sleep.still), hash);
   return hash;
 }
 

@@ -32,7 +32,7 @@ constexpr std::string_view kLive[][2] = {
     {"cloth", "collision.friction"},
 };
 
-void change_body(const LatticeScene& scene, LatticeBody& body) {
+void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body) {
   body.has_gravity = scene.has_gravity;
   lattice::Params& params = body.model.params;
   params.solver.sweeps = scene.params.solver.sweeps;
@@ -43,10 +43,11 @@ void change_body(const LatticeScene& scene, LatticeBody& body) {
   params.skin.shear = scene.params.skin.shear;
   params.skin.amplification = scene.params.skin.amplification;
   const bool has_pull = !body.model.skin.pull.empty();
-  if (has_pull) lattice::measure_pull(body.model, body.model.skin);
+  if (has_pull) lattice::measure_pull(exec, body.model, body.model.skin);
+  body.state.sleep = {};  // all rows feel it
 }
 
-void change_body(const ClothScene& scene, ClothBody& body) {
+void change_body(const Exec&, const ClothScene& scene, ClothBody& body) {
   body.air = scene.air, body.turns = scene.turns;
   cloth::Params& params = body.model.params;
   params.damping = scene.params.damping;
@@ -56,8 +57,8 @@ void change_body(const ClothScene& scene, ClothBody& body) {
 }
 
 /// What haptic threads tick stays as it was made.
-void change_body(const SfemScene&, SfemBody&) {}
-void change_body(const RhombusScene&, RhombusBody&) {}
+void change_body(const Exec&, const SfemScene&, SfemBody&) {}
+void change_body(const Exec&, const RhombusScene&, RhombusBody&) {}
 
 }  // namespace
 
@@ -66,10 +67,10 @@ bool changes_live(const SceneKey& key) {
                      [&key](const auto& live) { return key.group == live[0] && key.key == live[1]; });
 }
 
-void change_world(const Scene& scene, World& world) {
+void change_world(const Exec& exec, const Scene& scene, World& world) {
   world.gravity = scene.gravity;
-  for_each_kind(scene, world, [](BodyKind, const auto& scenes, auto& bodies) {
-    for (std::size_t b = 0; b < bodies.size(); b++) change_body(scenes[b], bodies[b]);
+  for_each_kind(scene, world, [&exec](BodyKind, const auto& scenes, auto& bodies) {
+    for (std::size_t b = 0; b < bodies.size(); b++) change_body(exec, scenes[b], bodies[b]);
   });
 }
 

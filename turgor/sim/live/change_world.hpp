@@ -10,6 +10,6 @@ namespace turgor {
 bool changes_live(const SceneKey& key);
 
 /// Takes from a scene, of which the world was made, what changes_live names. Nothing else of it moves.
-void change_world(const Scene& scene, World& world);
+void change_world(const Exec& exec, const Scene& scene, World& world);
 
 }  // namespace turgor

@@ -263,7 +263,7 @@ void Session::Thread::answer(const AskChange& ask) {
   if (!changed) return;
   scene = std::make_shared<const Scene>(std::move(*changed));
   next.scene = scene;
-  if (world) change_world(*scene, *world);
+  if (world) change_world(exec, *scene, *world);
 }
 
 Session::Session(const std::filesystem::path& file, std::vector<std::string> overrides,

@@ -192,6 +192,10 @@ void read_solver(SceneTable& body, lattice::SolverParams& solver) {
       "`\"descent\"`, or `\"pbd\"` (position-based dynamics as in the paper; area law only)");
   table.read("sweeps", solver.sweeps, within(1, 1000), "a frame");
   table.read("damping", solver.damping, not_negative("1/s"), "velocities lose exp(−damping · t)");
+  table.read(
+      "sleep", solver.sleep, not_negative("m/s"),
+      "descent only: rows of the lattice near which nothing is faster for eight frames stand still until "
+      "something near them moves, is cut, touched or loaded; 0: none does");
   table.read("pbd_stiffness", solver.pbd_stiffness, within(0, 1),
              "pbd only: scales the density-based stiffness");
   table.read("pbd_volume", solver.pbd_volume, "pbd only: keep the volumes of tetrahedra");

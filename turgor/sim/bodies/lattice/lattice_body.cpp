@@ -253,11 +253,13 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
                                .loads = loads};
   if (world.felt) take_commands(body, *world.felt, input.from, input.to, world.tools);
   const lattice::StepReport done = step_lattice(exec, body, world.tools, inputs, input.from, input.to);
+  body.row_steps += done.rows, body.row_steps_asleep += done.rows_asleep;
   if (world.felt) leave_planes(body, *world.felt);
   report.finite = report.finite && done.finite;
   report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));
   report.residual.largest = std::max(report.residual.largest, done.residual.largest);
   report.residual.rms = std::max(report.residual.rms, done.residual.rms);
+  report.residual.before = std::max(report.residual.before, done.residual.before);
 }
 
 std::uint64_t state_hash(const LatticeBody& body, std::uint64_t seed) {

@@ -30,7 +30,8 @@ struct LatticeBody : TouchedBody {
   double read_seconds = 0, build_seconds = 0;
   std::vector<std::string> notes;  // what was left out while reading
   bool has_gravity = true;
-  ClothLoad cloth;  // by slot, along the patient's axes
+  std::int64_t row_steps = 0, row_steps_asleep = 0;  // rows that could move in all steps so far; that slept
+  ClothLoad cloth;                                   // by slot, along the patient's axes
 
   // When tools touch it or cloth lies on it:
   lattice::BodySurface surface;  // with the cuts that it has now

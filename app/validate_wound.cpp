@@ -1,0 +1,222 @@
+// A wound in a block of tense skin on tissue, by the lattice's step, the frame rate and the sweeps; and a
+// ball on a layer of solid tissue, against the integral equation of such a layer.
+#include "app/validate_wound.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "turgor/contact/lattice_touch.hpp"
+#include "turgor/models/lattice/block_body.hpp"
+#include "turgor/models/lattice/incision.hpp"
+
+namespace turgor {
+
+namespace {
+
+using lattice::Block;
+using lattice::Model;
+using lattice::Params;
+using lattice::State;
+using lattice::TissueLaw;
+
+constexpr double kYoung = 5e3;
+const char* name_of(TissueLaw law) { return law == TissueLaw::kSolid ? "solid" : "springs"; }
+
+// ---------------------------------------------------------------- wounds
+
+/// 96 × 96 × 24 mm, held at its sides and below, a cut of 36 mm in the middle of its skin, 10 mm deep.
+struct Wounded {
+  static constexpr double kSide = 0.096, kHeight = 0.024, kLength = 0.036, kDepth = 0.01;
+  Model model;
+  State state;
+  lattice::BladePath path;
+
+  Wounded(TissueLaw law, double step, int sweeps, double damping) {
+    const int n = int(std::lround(kSide / step)) + 1, layers = int(std::lround(kHeight / step)) + 1;
+    Block block{.size = {n, n, layers}, .step = step, .young = kYoung};
+    block.is_fixed = [n](Int3 p) { return p.x == 0 || p.y == 0 || p.z == 0 || p.x == n - 1 || p.y == n - 1; };
+    Params params;
+    params.tissue.law = law;
+    params.solver = {.sweeps = sweeps, .damping = damping};
+    model = lattice::block_model(block, params);
+    state = lattice::make_state(model);
+    const double x = 0.5 * (kSide - kLength + step), y = 0.5 * (kSide + step);  // between nodes
+    path =
+        lay_blade(model, state, {.from = {x, y, kHeight}, .to = {x + kLength, y, kHeight}, .depth = kDepth})
+            .value();
+    cut_edges(model, state, path, 0, 1, 0);
+  }
+
+  double gape() const { return measure_wound(model, state, path, 0).gape_max; }
+  void run(const Exec& exec, double seconds, double dt) {
+    for (int n = 0; n < std::lround(seconds / dt); n++) lattice::step(exec, model, state, {}, dt);
+  }
+};
+
+double settled_gape(const Exec& exec, TissueLaw law, double step, double rate, int sweeps) {
+  Wounded wounded(law, step, sweeps, 4);
+  wounded.run(exec, 4, 1 / rate);
+  return wounded.gape();
+}
+
+/// Gapes on finer and finer lattices, of what a line through the two finest says of a step of nothing.
+void add_steps(const Exec& exec, TissueLaw law, double bound, bool quick, std::vector<Figure>& figures) {
+  std::vector<double> steps = {0.006, 0.004, 0.003}, gapes;
+  if (!quick) steps.insert(steps.end(), {0.002, 0.0015});
+  for (const double step : steps) gapes.push_back(settled_gape(exec, law, step, 30, 20));
+  const std::size_t last = steps.size() - 1;
+  const double limit =
+      gapes[last] + steps[last] * (gapes[last] - gapes[last - 1]) / (steps[last - 1] - steps[last]);
+  for (std::size_t s = 0; s < steps.size(); s++)
+    figures.push_back(near_figure(fmt::format("a wound in {}, step {:.1f} mm", name_of(law), 1e3 * steps[s]),
+                                  fmt::format("the limit of its gape, {:.2f} mm", 1e3 * limit), gapes[s],
+                                  limit, bound * std::max(1.0, steps[s] / 0.004)));
+}
+
+void add_rates(const Exec& exec, TissueLaw law, bool quick, std::vector<Figure>& figures) {
+  const double reference = settled_gape(exec, law, 0.004, 60, 20);
+  std::vector<std::pair<double, int>> cases = {{30, 3}, {120, 5}};
+  if (!quick) cases.insert(cases.end(), {{30, 20}, {60, 3}, {60, 5}, {120, 3}, {120, 20}});
+  for (const auto& [rate, sweeps] : cases)
+    figures.push_back(
+        near_figure(fmt::format("a wound in {}, {:.0f} Hz, {} sweeps", name_of(law), rate, sweeps),
+                    "60 Hz, 20 sweeps", settled_gape(exec, law, 0.004, rate, sweeps), reference, 0.01));
+}
+
+/// On its way, not at rest: the farthest that the gape is from a converged way, of the gape at rest.
+void add_motion(const Exec& exec, std::vector<Figure>& figures) {
+  constexpr double kFrame = 1.0 / 60;
+  constexpr int kConverged = 200;
+  for (const int sweeps : {5, 50}) {
+    Wounded few(TissueLaw::kSprings, 0.004, sweeps, 1.2), many(TissueLaw::kSprings, 0.004, kConverged, 1.2);
+    double farthest = 0;
+    for (int n = 0; n < 60; n++) {
+      few.run(exec, kFrame, kFrame), many.run(exec, kFrame, kFrame);
+      farthest = std::max(farthest, std::abs(few.gape() - many.gape()));
+    }
+    Figure figure = most_figure(fmt::format("a wound on its way, 60 Hz, {} sweeps", sweeps),
+                                fmt::format("its way with {} sweeps", kConverged), "of the gape at rest",
+                                farthest / many.gape(), sweeps == 5 ? 0.1 : 0.15);
+    figure.known_limit = sweeps == 5;
+    figures.push_back(figure);
+  }
+}
+
+// ---------------------------------------------------------------- a ball on a layer
+
+/// A frictionless ball on an elastic layer that is bonded to something rigid, by the integral equation of
+/// Lebedev and Ufliand (1958) that Hayes et al. (1972) tabulate: lengths in layer thicknesses.
+class Layer {
+ public:
+  Layer(double poisson, double radius) : radius_(radius) {
+    const double k = 3 - 4 * poisson;
+    for (int n = 0; n < kWaves; n++) {
+      const double e = (n + 0.5) * kWave;
+      const double fade = std::exp(-2 * e);  // cosh 2e = (1 + fade²)/(2 fade)
+      rest_[n] = 1 - (k * (1 - fade * fade) - 4 * e * fade) /
+                         (k * (1 + fade * fade) + (4 * e * e + 1 + k * k) * fade);
+    }
+  }
+
+  struct Press {
+    double depth, force;  // force over 4 G/(1 − ν)
+  };
+  /// That touches a circle of radius a.
+  Press touch(double a) const {
+    // φ = depth · one − parabola, and both solve the same equation; where the ball lifts off, φ is zero.
+    const auto one = solve(a, [](double) { return 1.0; });
+    const auto parabola = solve(a, [&](double t) { return a * a * t * t / radius_; });
+    const double depth = parabola.back() / one.back();
+    double force = 0;
+    for (int n = 0; n < kPoints; n++)
+      force += a / kPoints * (depth * one[std::size_t(n)] - parabola[std::size_t(n)]);
+    return {depth, force};
+  }
+
+ private:
+  static constexpr int kPoints = 60, kWaves = 400;
+  static constexpr double kWave = 0.05;
+  double radius_;
+  double rest_[kWaves];
+
+  /// φ(t) − 2a/π ∫₀¹ φ(s) ∫₀^∞ (1 − G(e)) cos(a e t) cos(a e s) de ds = f(t), at the middles of kPoints
+  /// intervals and at t = 1, by repeating.
+  template <class F>
+  std::vector<double> solve(double a, const F& f) const {
+    std::vector<double> phi(kPoints + 1, 0), t(kPoints + 1, 1);
+    for (int n = 0; n < kPoints; n++) t[std::size_t(n)] = (n + 0.5) / kPoints;
+    for (int turn = 0; turn < 200; turn++) {
+      std::vector<double> next(t.size());
+      for (std::size_t n = 0; n < t.size(); n++) next[n] = f(t[n]);
+      for (int w = 0; w < kWaves; w++) {
+        const double e = (w + 0.5) * kWave;
+        double along = 0;
+        for (int n = 0; n < kPoints; n++)
+          along += phi[std::size_t(n)] * std::cos(a * e * t[std::size_t(n)]) / kPoints;
+        for (std::size_t n = 0; n < t.size(); n++)
+          next[n] += 2 * a / std::numbers::pi * kWave * rest_[w] * along * std::cos(a * e * t[n]);
+      }
+      phi = std::move(next);
+    }
+    return phi;
+  }
+};
+
+/// Force of a ball on a layer of `layers` cells, of the formula's.
+double press_layer(const Exec& exec, double poisson, int layers, double step, double circle) {
+  constexpr double kRadius = 0.04;
+  const double thickness = layers * step;
+  const Layer layer(poisson, kRadius / thickness);
+  const Layer::Press expected = layer.touch(circle / thickness);
+  const double shear = kYoung / (2 * (1 + poisson));
+  const double depth = expected.depth * thickness,
+               wanted = 4 * shear / (1 - poisson) * expected.force * thickness * thickness;
+
+  const int side = 2 * (int(std::lround(circle / step)) + 3 * layers) + 1;
+  Params params;
+  params.tissue = {.law = TissueLaw::kSolid, .poisson = poisson};
+  params.skin.enabled = false;
+  params.solver = {.sweeps = 20, .damping = 8};
+  const Model model = lattice::block_model({.size = {side, side, layers + 1},
+                                            .step = step,
+                                            .young = kYoung,
+                                            .is_fixed = [](Int3 p) { return p.z == 0; }},
+                                           params);
+  State state = lattice::make_state(model);
+  const lattice::BodySurface surface = lattice::build_surface(model, state);
+  double top = 0;
+  for (const Vec3 x : surface.rest) top = std::max(top, double(x.z));
+  const double middle = 0.5 * (side - 1) * step;
+  const std::vector<contact::Tool> tools = {{contact::Sphere{kRadius}, 0}};
+  std::vector<contact::ToolPose> at = {{{{middle, middle, top + kRadius}, {}}, false}};
+  std::vector<contact::ToolForce> forces(1);
+  contact::LatticeTouch touch = contact::make_lattice_touch(model, surface, at);
+  for (int n = 1; n <= 60; n++) {
+    at[0].pose.position.z = top + kRadius - depth * std::min(1.0, n / 15.0);
+    contact::step(exec, model, state, touch, tools, at, {}, 1.0 / 60, forces);
+  }
+  return forces[0].force.z / wanted;
+}
+
+}  // namespace
+
+void add_wounds(const Exec& exec, bool quick, std::vector<Figure>& figures) {
+  add_steps(exec, TissueLaw::kSolid, 0.05, quick, figures);
+  add_steps(exec, TissueLaw::kSprings, 0.08, quick, figures);
+  for (const TissueLaw law : {TissueLaw::kSolid, TissueLaw::kSprings}) add_rates(exec, law, quick, figures);
+  add_motion(exec, figures);
+}
+
+void add_layers(const Exec& exec, bool quick, std::vector<Figure>& figures) {
+  for (const double poisson : {0.3, 0.45})
+    for (const auto& [layers, circle] : quick ? std::vector{std::pair{6, 0.008}}
+                                              : std::vector{std::pair{6, 0.008}, {10, 0.008}, {10, 0.012}})
+      figures.push_back(
+          near_figure(fmt::format("a ball on a layer of {} cells of solid, v {}, circle {:.0f} mm", layers,
+                                  poisson, 1e3 * circle),
+                      "Hayes et al.", press_layer(exec, poisson, layers, 0.002, circle), 1, 0.08));
+}
+
+}  // namespace turgor

@@ -1,0 +1,152 @@
+// Rows that stand still are not swept, and nothing that is measured tells.
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "block_body.hpp"
+#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/sleep.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+constexpr double kDt = 1.0 / 60, kStep = 0.004, kSleep = 1e-5;
+
+bool is_side(Int3 p, Int3 size) {
+  return p.x == 0 || p.y == 0 || p.z == 0 || p.x == size.x - 1 || p.y == size.y - 1;
+}
+
+Model tense_block(Int3 size, double sleep, TissueLaw law = TissueLaw::kSprings) {
+  Block block{.size = size, .step = kStep};
+  block.is_fixed = [size](Int3 p) { return is_side(p, size); };
+  Params params;
+  params.tissue.law = law;
+  params.solver.sleep = sleep;
+  params.solver.sweeps = 6;
+  return block_model(block, params);
+}
+
+struct Cut {
+  State state;
+  BladePath path;
+};
+/// A cut of six steps along x in the middle of a block, as wide as `size.y` is, from `from` on.
+Cut cut_block(const Model& model, int from) {
+  const Int3 size = model.lattice.size;
+  Cut cut{make_state(model), {}};
+  const double y = (size.y / 2 - 0.5) * kStep, x = (from - 0.5) * kStep, z = (size.z - 2) * kStep;
+  cut.path =
+      lay_blade(model, cut.state, {.from = {x, y, z}, .to = {x + 6 * kStep, y, z}, .depth = 0.01}).value();
+  EXPECT_GT(cut_edges(model, cut.state, cut.path, 0, 1, 0), 10);
+  return cut;
+}
+
+/// Rows awake after a time [s].
+int awake_after(const Model& model, State& state, double seconds, const Inputs& inputs = {}) {
+  StepReport report;
+  for (double t = 0; t < seconds; t += kDt) report = step(Exec(2), model, state, inputs, kDt);
+  return report.rows - report.rows_asleep;
+}
+
+TEST(lattice_sleep, the_settled_wound_is_that_of_a_body_that_never_sleeps) {
+  for (const TissueLaw law : {TissueLaw::kSprings, TissueLaw::kSolid}) {
+    double gape[2];
+    for (const bool sleeps : {false, true}) {
+      const Model model = tense_block({21, 21, 8}, sleeps ? kSleep : 0, law);
+      auto [state, path] = cut_block(model, 7);
+      const int awake = awake_after(model, state, 5);
+      EXPECT_EQ(awake, 0) << "sleeps " << sleeps << ", law " << int(law);
+      gape[sleeps] = measure_wound(model, state, path, 0).gape_max;
+    }
+    EXPECT_GT(gape[0], 0.5e-3);
+    EXPECT_NEAR(gape[1], gape[0], 1e-3 * gape[0]) << "law " << int(law);
+  }
+}
+
+TEST(lattice_sleep, a_cut_in_a_body_of_twice_the_nodes_wakes_as_many_rows) {
+  int awake[2];
+  for (const int times : {1, 2}) {
+    const Model model = tense_block({25, 100 * times, 9}, 1e-3);
+    State state = make_state(model);
+    EXPECT_EQ(awake_after(model, state, 1), 0) << "at rest as the CT shows it";
+    Cut cut = cut_block(model, 9);
+    state.cut = cut.state.cut, state.cut_edges = cut.state.cut_edges, state.row_cut = cut.state.row_cut;
+    state.skin_cut = cut.state.skin_cut;
+    int most = 0;
+    for (int n = 0; n < 60; n++) most = std::max(most, awake_after(model, state, kDt));
+    EXPECT_GT(measure_wound(model, state, cut.path, 0).gape_max, 0.5e-3);
+    awake[times > 1] = most;
+  }
+  EXPECT_EQ(awake[1], awake[0]) << "rows awake at most";
+}
+
+TEST(lattice_sleep, a_load_or_a_contact_on_a_sleeping_body_moves_it_as_one_that_is_awake) {
+  for (const bool pressed : {false, true}) {
+    Vec3 moved[2];
+    for (const bool sleeps : {false, true}) {
+      const Model model = tense_block({13, 13, 9}, sleeps ? kSleep : 0);
+      State state = make_state(model);
+      awake_after(model, state, 1);
+      const int slot = node_slot(model.lattice, 6, 6, 8);
+      const NodeLoad loads[] = {{slot, {0.02f, 0, -0.05f}}};
+      NodeContact contacts[] = {{.slot = slot, .normal = {0, 0, -1}, .target = {0, 0, -1e-3f}}};
+      Inputs inputs;
+      if (pressed)
+        inputs.contacts = contacts;
+      else
+        inputs.loads = loads;
+      awake_after(model, state, 6, inputs);
+      moved[sleeps] = state.u[std::size_t(slot)];
+    }
+    EXPECT_GT(norm(moved[0]), 0.2e-3);
+    EXPECT_LT(norm(moved[1] - moved[0]), 1e-3 * norm(moved[0])) << "pressed " << pressed;
+  }
+}
+
+TEST(lattice_sleep, new_gravity_wakes_all) {
+  const Model model = tense_block({9, 9, 9}, kSleep);
+  State state = make_state(model);
+  EXPECT_EQ(awake_after(model, state, 1), 0);
+  EXPECT_EQ(awake_after(model, state, kDt, {.gravity = {0, 0, -9.81}}), 7 * 8);
+  EXPECT_GT(awake_after(model, state, 0.2, {.gravity = {0, 0, -9.81}}), 0);
+}
+
+TEST(lattice_sleep, what_swings_does_not_fall_asleep_where_it_turns) {
+  Block block{.size = {5, 5, 25}, .step = kStep, .young = 2e4, .skin_on_top = false};
+  block.is_fixed = [](Int3 p) { return p.z == 0; };
+  Params params;
+  params.solver = {.sweeps = 20, .damping = 0, .sleep = kSleep};
+  const Model model = block_model(block, params);
+  State state = make_state(model);
+  for (int n = 0; n < 120; n++) {
+    const StepReport report = step(Exec(1), model, state, {.gravity = {1, 0, 0}}, kDt);
+    ASSERT_EQ(report.rows_asleep, 0) << "frame " << n;
+  }
+}
+
+TEST(lattice_sleep, equal_bits_on_1_2_and_8_threads_and_again) {
+  std::set<std::uint64_t> hashes;
+  int asleep = 0;
+  for (const int threads : {1, 2, 8, 8}) {
+    const Model model = tense_block({25, 33, 13}, 1e-3);
+    auto [state, path] = cut_block(model, 9);
+    for (int n = 0; n < 40; n++) asleep = step(Exec(threads), model, state, {}, kDt).rows_asleep;
+    EXPECT_GT(asleep, 0);
+    hashes.insert(state_hash(model, state));
+  }
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST(lattice_sleep, who_sleeps_is_part_of_the_state) {
+  const Model model = tense_block({9, 9, 9}, kSleep);
+  State a = make_state(model);
+  awake_after(model, a, 0.05);
+  State b = a;
+  EXPECT_EQ(state_hash(model, a), state_hash(model, b));
+  b.sleep.still[b.sleep.still.size() / 2]++;
+  EXPECT_NE(state_hash(model, a), state_hash(model, b));
+}
+
+}  // namespace
+}  // namespace turgor::lattice

@@ -1,0 +1,59 @@
+#include "turgor/sim/report/lattice_warnings.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sim/block_scene.hpp"
+
+namespace turgor {
+namespace {
+
+const Exec kExec(2);
+
+std::vector<std::string> warnings_with(const std::vector<std::string>& overrides) {
+  const Scene scene = test::block_scene(test::fresh_folder(), overrides);
+  World world = test::block_world(kExec, scene);
+  for (int n = 0; n < 6; n++) EXPECT_TRUE(step(kExec, world));
+  return lattice_warnings(kExec, world);
+}
+
+TEST(LatticeWarnings, a_cut_on_the_skin_into_thick_tissue_is_nothing_to_warn_of) {
+  const std::vector<std::string> warnings = warnings_with({});
+  EXPECT_TRUE(warnings.empty()) << warnings[0];
+}
+
+TEST(LatticeWarnings, a_blade_in_the_air_says_how_far_and_where_it_was_set_down) {
+  const std::vector<std::string> warnings =
+      warnings_with({"incision.cut.from=[0.002, -0.05, -0.03]", "incision.cut.to=[0.002, -0.05, 0.03]"});
+  ASSERT_EQ(warnings.size(), 2u) << "both ends";
+  EXPECT_TRUE(warnings[0].starts_with("incision 'cut': `from`, (0.002, -0.05, -0.03) m, is 2"))
+      << warnings[0];
+  EXPECT_TRUE(warnings[1].starts_with("incision 'cut': `to`, (0.002, -0.05, 0.03) m, is 2")) << warnings[1];
+  for (const std::string& warning : warnings)
+    EXPECT_NE(warning.find("off the skin: the blade was set on the skin between ("), std::string::npos)
+        << warning;
+}
+
+TEST(LatticeWarnings, a_cut_nearly_through_the_body_says_what_is_left_below) {
+  const std::vector<std::string> warnings = warnings_with({"incision.cut.depth=0.055"});
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("cells of body below the cut, expected at least 3 cells"), std::string::npos)
+      << warnings[0];
+}
+
+TEST(LatticeWarnings, cells_that_are_inside_out_are_counted) {
+  const Scene scene = test::block_scene(test::fresh_folder());
+  World world = test::block_world(kExec, scene);
+  LatticeBody& body = world.lattice_bodies[0];
+  const Lattice& l = body.model.lattice;
+  for (int k = 0; k < l.size.z; k++)
+    for (int j = 0; j < l.size.y; j++)
+      for (int i = 0; i < l.size.x; i++)
+        body.state.u.set(std::size_t(node_slot(l, i, j, k)), {-2 * rest_position(l, {i, j, k}).x, 0, 0});
+  const std::vector<std::string> warnings = lattice_warnings(kExec, world);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(warnings[0].starts_with("block: ")) << warnings[0];
+  EXPECT_NE(warnings[0].find("cells are turned inside out"), std::string::npos) << warnings[0];
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,63 @@
+// Where in a lattice there is something to do: most of a CT is air, and bone does not move. Loops go over
+// runs of slots in whole groups, so that what they do is SIMD.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "turgor/geometry/lattice.hpp"
+
+namespace turgor::lattice {
+
+/// Slots are looked at eight at a time: half rows are whole numbers of such groups.
+constexpr int kGroup = 8;
+
+/// Slots [begin, begin + count) of one half row; whole groups, counted from where the half row begins.
+struct Run {
+  int begin = 0, count = 0;
+};
+
+struct Runs {
+  std::vector<Run> all;        // in the order of slots
+  std::vector<int> row_begin;  // by half row of the storage, and the end: indices into `all`
+
+  std::span<const Run> of_half_row(int half_row) const {
+    const auto at = std::size_t(half_row);
+    return {all.data() + row_begin[at], all.data() + row_begin[at + 1]};
+  }
+};
+
+/// The groups with a slot for which `wanted` holds, joined to runs. `wanted` sees the slots of nodes alone.
+template <class Wanted>
+Runs find_runs(const Lattice& l, const Wanted& wanted) {
+  Runs runs;
+  const auto add_group = [&](int begin, bool joins) {
+    if (joins)
+      runs.all.back().count += kGroup;
+    else
+      runs.all.push_back({begin, kGroup});
+  };
+  const auto add_half_row = [&](int first, int nodes) {
+    bool joins = false;
+    for (int begin = 0; begin < nodes; begin += kGroup) {
+      bool any = false;
+      for (int i = begin; i < std::min(begin + kGroup, nodes); i++) any |= wanted(first + i);
+      if (any) add_group(first + begin, joins);
+      joins = any;
+    }
+  };
+  runs.row_begin.assign(std::size_t(slot_count(l) / l.half + 1), 0);
+  for (int k = 0; k < l.size.z; k++)
+    for (int j = 0; j < l.size.y; j++)
+      for (int parity = 0; parity < 2; parity++) {
+        const int first = row_slot(l, j, k) + parity * l.half;
+        add_half_row(first, half_count(l, parity));
+        runs.row_begin[std::size_t(first / l.half + 1)] = int(runs.all.size());
+      }
+  for (std::size_t r = 1; r < runs.row_begin.size(); r++)
+    runs.row_begin[r] = std::max(runs.row_begin[r], runs.row_begin[r - 1]);
+  return runs;
+}
+
+}  // namespace turgor::lattice

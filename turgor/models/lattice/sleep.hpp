@@ -1,0 +1,36 @@
+// Rows that stand still: a row near which nothing has gone faster than Params::solver.sleep for a few steps
+// is not swept until something near it moves, is cut, touched or loaded, or gravity changes. What a row does
+// depends on what rows did in sweeps before, never on when a thread came to them. Descent only.
+#pragma once
+
+#include "turgor/models/lattice/rows.hpp"
+
+namespace turgor::lattice {
+
+/// So many steps in a row of nothing near that moves, and a row sleeps: at the turning point of a swing all
+/// stands still, but not for long.
+constexpr int kStillSteps = 8;
+
+inline bool can_sleep(const Model& model) {
+  return model.params.solver.sleep > 0 && model.params.solver.method == Method::kDescent;
+}
+/// Rows are counted in the storage's order, its border among them.
+inline int row_of(const Model& model, int slot) { return slot / row_stride(model.lattice); }
+
+/// Calls visit(row) for a row and those up to `reach` beside it, of the storage's or not.
+template <class Visit>
+void for_each_row_beside(const Lattice& l, int row, int reach, const Visit& visit) {
+  for (int k = -reach; k <= reach; k++)
+    for (int j = -reach; j <= reach; j++) visit(row + k * (l.size.y + 2) + j);
+}
+
+/// Who is awake when a step begins: all but the sleepers, and those near cuts, loads and contacts.
+void wake_rows(const Model& model, State& state, const Inputs& inputs);
+/// After a sweep: wakes those beside what has moved in it, for the next.
+void spread_motion(const Model& model, State& state);
+/// At the end of a step: lays down rows near which nothing has moved for long enough.
+void lay_down_rows(const Exec& exec, const Model& model, State& state);
+/// Notes in the report how many rows can move, and how many of these were not swept at the step's end.
+void count_sleepers(const Model& model, const State& state, StepReport& report);
+
+}  // namespace turgor::lattice

@@ -1,0 +1,72 @@
+#include "turgor/sim/report/lattice_warnings.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "turgor/geometry/where_is.hpp"
+#include "turgor/models/lattice/folded.hpp"
+
+namespace turgor {
+
+namespace {
+
+using lattice::Model;
+
+constexpr double kOffSkin = 0.005;  // a blade given so far from the skin is one that somebody misplaced [m]
+constexpr double kCellsBelow = 3;   // that a cut needs below it
+
+Vec3d in_patient(const Model& model, Vec3d x) { return model.grid.origin + model.grid.axes * x; }
+
+/// How far a point of the scene lies from where the blade was set on the skin, beyond a lattice step.
+double off_skin(const Model& model, const lattice::BladePath& path, Vec3d point) {
+  double nearest = std::numeric_limits<double>::max();
+  for (const Vec3d x : path.skin) nearest = std::min(nearest, norm(in_patient(model, x) - point));
+  const Vec3 step = model.lattice.step;
+  return nearest - double(std::max({step.x, step.y, step.z}));
+}
+
+void warn_of_blade(const Cut& cut, const Model& model, std::vector<std::string>& warnings) {
+  const lattice::BladePath& path = *cut.path;
+  for (const auto& [name, point] : {std::pair{"from", cut.blade.from}, {"to", cut.blade.to}})
+    if (const double off = off_skin(model, path, point); off > kOffSkin)
+      warnings.push_back(fmt::format(
+          "incision '{}': `{}`, {}, is {:.0f} mm off the skin: the blade was set on the skin between {} and "
+          "{}",
+          cut.blade.name, name, place_text(point), 1e3 * off,
+          place_text(in_patient(model, path.skin.front())), place_text(in_patient(model, path.skin.back()))));
+  const Vec3d down = path.into * path.depth;
+  const double below =
+      lattice::cells_below(model, path.skin.front() + down, path.skin.back() + down, path.into, kCellsBelow);
+  if (below < kCellsBelow)
+    warnings.push_back(fmt::format(
+        "incision '{}': {} of body below the cut, expected at least {:.0f} cells: what holds its bottom is "
+        "the lattice's as much as the tissue's; take a smaller step or a shallower cut",
+        cut.blade.name, below > 0 ? fmt::format("less than {:.2g} cells", below + 0.25) : "nothing",
+        kCellsBelow));
+}
+
+void warn_of_folds(const Exec& exec, const LatticeBody& body, std::vector<std::string>& warnings) {
+  const lattice::FoldedCells folded = lattice::find_folded_cells(exec, body.model, body.state);
+  if (folded.count == 0) return;
+  const Vec3d place(position(body.model, body.state, folded.first));
+  warnings.push_back(fmt::format(
+      "{}: {} {} at the end, one at {}: what is measured there means nothing; more sweeps, tissue.volume or "
+      "tissue.law = \"solid\" keep cells from folding",
+      body.name, folded.count,
+      folded.count == 1 ? "cell is turned inside out" : "cells are turned inside out",
+      place_text(in_patient(body.model, place))));
+}
+
+}  // namespace
+
+std::vector<std::string> lattice_warnings(const Exec& exec, const World& world) {
+  std::vector<std::string> warnings;
+  for (const Cut& cut : world.cuts)
+    if (cut.path) warn_of_blade(cut, world.lattice_bodies[std::size_t(cut.body)].model, warnings);
+  for (const LatticeBody& body : world.lattice_bodies) warn_of_folds(exec, body, warnings);
+  return warnings;
+}
+
+}  // namespace turgor
