@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "turgor/models/lattice/body_nodes.hpp"
+#include "turgor/models/lattice/fine_lattice.hpp"
 
 namespace turgor::lattice {
 
@@ -51,25 +52,42 @@ inline void move(const Model& model, State& state, const std::function<Vec3d(Vec
 }
 
 /// Cuts the edges that cross the plane y = `at` where `reaches(crossing)`; places in the lattice frame [m].
+/// Returns how many edges of the lattice.
 inline int cut_across_y(const Model& model, State& state, double at,
                         const std::function<bool(Vec3d)>& reaches) {
   const Lattice& l = model.lattice;
+  const FineLattice fine = fine_lattice(model);
+  const auto crossing = [&](Vec3d x, Vec3d y) {  // or NaN
+    const double fraction = (at - x.y) / (y.y - x.y);
+    return (x.y >= at) != (y.y >= at) && reaches(x + (y - x) * fraction) ? fraction : std::nan("");
+  };
+  const auto solid = [&](Int3 p) { return contains(l, p) && is_solid(model, state, node_slot(l, p)); };
   int count = 0;
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
       for (int i = 0; i < l.size.x; i++)
         for (std::size_t f = 0; f < kFamilyCount; f++) {
           const Int3 a{i, j, k}, b = a + kFamilies[f];
-          const int slot = node_slot(l, a);
-          if (!contains(l, b) || !is_body(model.tissue[std::size_t(slot)])) continue;
-          if (!is_body(model.tissue[std::size_t(node_slot(l, b))])) continue;
-          const Vec3d x = hadamard(Vec3d(a), model.grid.spacing), y = hadamard(Vec3d(b), model.grid.spacing);
-          if ((x.y >= at) == (y.y >= at)) continue;
-          const double fraction = (at - x.y) / (y.y - x.y);
-          if (!reaches(x + (y - x) * fraction)) continue;
-          state.cut[std::size_t(slot)] |= std::uint8_t(1u << f);
-          state.cut_edges.push_back({slot, std::uint8_t(f), 0, Real(fraction)});
+          if (!solid(a) || !solid(b)) continue;
+          if (std::isnan(
+                  crossing(hadamard(Vec3d(a), model.grid.spacing), hadamard(Vec3d(b), model.grid.spacing))))
+            continue;
+          state.cut[std::size_t(node_slot(l, a))] |= std::uint8_t(1u << f);
           count++;
+        }
+  for (int k = 0; k < fine.size.z; k++)
+    for (int j = 0; j < fine.size.y; j++)
+      for (int i = 0; i < fine.size.x; i++)
+        for (int f = 0; f < kFamilyCount; f++) {
+          const Int3 a{i, j, k}, b = a + kFamilies[std::size_t(f)];
+          if (!contains(fine, b)) continue;
+          const Vec3d x = hadamard(lattice_index(fine, a), model.grid.spacing);
+          const double fraction = crossing(x, hadamard(lattice_index(fine, b), model.grid.spacing));
+          if (std::isnan(fraction)) continue;
+          CutEdge edge = cut_edge_at(fine, a, f);
+          edge.fraction = Real(fraction), edge.rightward = true;
+          edge.along = Real(x.x);
+          state.cut_edges.push_back(edge);
         }
   return count;
 }

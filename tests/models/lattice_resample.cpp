@@ -115,24 +115,31 @@ struct Placed {
     for (int k = 0; k < size.z; k++)
       for (int j = 0; j < size.y; j++)
         for (int i = 0; i < size.x; i++) {
-          Vec3d sum;
-          int count = 0;
-          const auto add = [&](Int3 p) {
-            const auto slot = std::size_t(node_slot(m.lattice, p));
-            if (contains(m.lattice, p) && is_body(m.tissue[slot])) sum += Vec3d(state.u[slot]), count++;
-          };
+          Vec3d sum, beside_sum;
+          int count = 0, beside_count = 0;
           const Int3 p{i, j, k};
-          add(p);
-          if (count == 0)
-            for (const Int3 f : kFamilies)
-              for (const Int3 way : {f, -f}) {
-                const int before = count;
-                add(p + way);
-                if (count == before) continue;
-                const auto beside = std::size_t(node_slot(m.lattice, p + way)),
-                           behind = std::size_t(node_slot(m.lattice, p + way + way));
-                if (is_body(m.tissue[behind])) sum += Vec3d(state.u[beside]) - Vec3d(state.u[behind]);
-              }
+          const auto is_tissue = [&](Int3 q) {
+            return contains(m.lattice, q) && is_body(m.tissue[std::size_t(node_slot(m.lattice, q))]);
+          };
+          const auto u = [&](Int3 q) { return Vec3d(state.u[std::size_t(node_slot(m.lattice, q))]); };
+          if (is_tissue(p)) {
+            sum = u(p), count = 1;
+          } else {
+            Vec3d across_sum;
+            int across_count = 0;
+            for (int n = 0; n < 27; n++) {
+              const Int3 way{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+              if (!is_tissue(p + way)) continue;
+              const bool is_edge = family_of(way) >= 0 || family_of(-way) >= 0,
+                         goes_on = is_tissue(p + way + way);
+              if (is_edge) beside_sum += u(p + way), beside_count++;
+              if (!goes_on) continue;
+              (is_edge ? sum : across_sum) += u(p + way) * 2.0 - u(p + way + way);
+              (is_edge ? count : across_count)++;
+            }
+            if (count == 0 && beside_count > 0) sum = across_sum, count = across_count;
+            if (count == 0) sum = beside_sum, count = beside_count;
+          }
           if (count > 0)
             voxel[std::size_t(node_slot(m.lattice, p))] =
                 (hadamard(Vec3d(p), m.grid.spacing) + sum / double(count)) / kVoxel - Vec3d{0.5, 0.5, 0.5};
@@ -340,7 +347,7 @@ TEST(lattice_resample, removed_nodes_become_air) {
     for (int j = 4; j < 7; j++)
       for (int i = 4; i < 7; i++) {
         const auto slot = std::size_t(node_slot(model.lattice, i, j, k));
-        if (is_body(model.tissue[slot])) state.removed[slot] = 1;
+        if (is_body(model.tissue[slot])) state.removed[slot] = 1, state.removed_nodes++;
       }
   const ResampledCt result = resample_ct(kExec, model, state, ct, ct.grid);
   EXPECT_EQ(result.ct.at(20, 20, 22), kAirHu);

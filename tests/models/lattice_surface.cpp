@@ -218,7 +218,7 @@ TEST(lattice_surface, nothing_is_carried_by_air_or_by_what_was_removed) {
   for (int k = 4; k < model.lattice.size.z; k++)
     for (int i = 5; i < 12; i++) {
       const auto slot = std::size_t(node_slot(model.lattice, i, 8, k));
-      if (is_body(model.tissue[slot])) state.removed[slot] = 1;
+      if (is_body(model.tissue[slot])) state.removed[slot] = 1, state.removed_nodes++;
     }
   const BodySurface surface = build_surface(model, state);
   EXPECT_EQ(open_edges(surface, carried_place(surface)), 0);
@@ -230,23 +230,22 @@ TEST(lattice_surface, nothing_is_carried_by_air_or_by_what_was_removed) {
 }
 
 TEST(lattice_surface, any_pattern_of_cuts_leaves_the_surface_closed) {
-  const Model model = body_of(soft_ball(32, 11), {4, 4, 4});
-  const Lattice& l = model.lattice;
+  const Model model = body_of(soft_ball(20, 6.5), {4, 4, 4});
+  const FineLattice fine = fine_lattice(model);
   std::uint32_t random = 12345;
   for (int trial = 0; trial < 20; trial++) {
     State state = make_state(model);
-    for (std::size_t s = 0; s < model.tissue.size(); s++) {
-      if (!is_body(model.tissue[s])) continue;
-      for (std::size_t f = 0; f < kFamilyCount; f++) {
-        random = random * 1664525 + 1013904223;
-        const Int3 b = slot_node(l, int(s)) + kFamilies[f];
-        if (int(random >> 24) > 20 + 10 * trial || !is_body(model.tissue[std::size_t(node_slot(l, b))]))
-          continue;
-        state.cut[s] |= std::uint8_t(1u << f);
-        state.cut_edges.push_back(
-            {int(s), std::uint8_t(f), 0, Real(0.1 + 0.8 * double(random >> 8 & 255) / 255)});
-      }
-    }
+    for (int k = 0; k < fine.size.z; k++)
+      for (int j = 0; j < fine.size.y; j++)
+        for (int i = 0; i < fine.size.x; i++)
+          for (int f = 0; f < kFamilyCount; f++) {
+            random = random * 1664525 + 1013904223;
+            if (int(random >> 24) > 20 + 10 * trial) continue;
+            if (!contains(fine, Int3{i, j, k} + kFamilies[std::size_t(f)])) continue;
+            CutEdge edge = cut_edge_at(fine, {i, j, k}, f);
+            edge.fraction = Real(0.1 + 0.8 * double(random >> 8 & 255) / 255);
+            state.cut_edges.push_back(edge);
+          }
     const BodySurface surface = build_surface(model, state);
     // Where three cuts meet in one face, both neighbours leave its middle out; everything else is matched.
     ASSERT_EQ(open_edges(surface, carried_place(surface)), 0) << "trial " << trial;

@@ -39,6 +39,11 @@ Model reference_model(SkinLaw law, double along, double across, int sweeps) {
   // everywhere.
   for (std::size_t f = 0; f < kFamilyCount; f++)
     model.spring_scale[f] = Real(0.4 * kStep * kStep / double(model.rest_length[f]));
+  // Its skin lies in its outermost nodes; so shall the drawn one, where lips are measured.
+  for (int j = 0; j < kN; j++)
+    for (int i = 0; i < kN; i++)
+      model.hu[std::size_t(node_slot(model.lattice, i, j, kDepthNodes - 1))] =
+          std::int16_t(params.tissue.air_max);
   return model;
 }
 

@@ -19,9 +19,9 @@ struct CutPlace {
 };
 CutPlace place_of(const Grid& grid, const lattice::BladePath& path) {
   const Vec3d middle = path.skin[path.skin.size() / 2];
-  const Vec3d along = path.skin.back() - path.skin.front();
-  return {grid.origin + grid.axes * middle, grid.axes * normalized(along), grid.axes * path.into, norm(along),
-          path.depth};
+  const std::size_t n = path.skin.size() / 2;
+  return {grid.origin + grid.axes * middle, grid.axes * line_at(path, n), grid.axes * path.into[n],
+          path_length(path), path.depth};
 }
 
 /// The plane that a cut crosses most squarely.

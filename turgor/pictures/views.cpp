@@ -23,8 +23,8 @@ SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::Blade
   Box box{to_patient(grid, path.skin.front()), to_patient(grid, path.skin.front())};
   for (const Vec3d p : path.skin)
     box = {min(box.low, to_patient(grid, p)), max(box.high, to_patient(grid, p))};
-  const double length = norm(path.skin.back() - path.skin.front());
-  const Vec3d outward = -(grid.axes * path.into);
+  const double length = norm(box.high - box.low);
+  const Vec3d outward = -(grid.axes * mean_into(path));
   const Vec3d direction = outward + Vec3d{0.15, 0, -0.35};
   return {cut.blade.name,
           cut.blade.name + " from near",
@@ -113,7 +113,7 @@ Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& wor
     const auto body = std::size_t(cut.body);
     const auto path = lattice::lay_blade(world.lattice_bodies[body].model, at_rest[body], cut.blade);
     if (!path) return path.error();
-    if (cuts.empty()) outward = -(world.lattice_bodies[body].model.grid.axes * path->into);
+    if (cuts.empty()) outward = -(world.lattice_bodies[body].model.grid.axes * mean_into(*path));
     cuts.push_back(view_of_cut(world, cut, *path, aspect));
   }
   std::vector<SurfaceView> views{view_of_bodies(world, shown, outward, aspect)};

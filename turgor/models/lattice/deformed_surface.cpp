@@ -1,118 +1,35 @@
-// Where the drawn surface is now. A vertex follows its node and the gradient of the displacement around it,
-// taken over uncut edges alone: smooth where tissue stretches, and blind to what is across a cut.
-#include <Eigen/Dense>
+// Where the drawn surface is now: every vertex goes with its piece.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <optional>
 
-#include "turgor/models/lattice/cut_tet.hpp"
 #include "turgor/models/lattice/surface.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// A node and its weight in a fit.
-struct Sample {
-  Vec3 rest, displacement;  // [m]
-  Real weight;
-};
-using Samples = std::array<Sample, 125>;
-
-/// A linear fit to displacements: mean + gradient · (x − centre).
-struct LocalFit {
-  Vec3 centre, mean, gradient[3];
-
-  Vec3 at(Vec3 x) const {
-    const Vec3 d = x - centre;
-    return mean + gradient[0] * d.x + gradient[1] * d.y + gradient[2] * d.z;
-  }
-};
-
-/// Weighted least squares. A direction in which there are no nodes has no gradient.
-LocalFit fit_samples(const Samples& samples, std::size_t count) {
-  LocalFit fit;
-  Real total = 0;
-  for (std::size_t n = 0; n < count; n++) {
-    total += samples[n].weight;
-    fit.centre += samples[n].rest * samples[n].weight;
-    fit.mean += samples[n].displacement * samples[n].weight;
-  }
-  fit.centre = fit.centre / total, fit.mean = fit.mean / total;
-  Eigen::Matrix3f normal = Eigen::Matrix3f::Zero(), right = Eigen::Matrix3f::Zero();
-  for (std::size_t n = 0; n < count; n++) {
-    const Vec3 d = samples[n].rest - fit.centre, du = samples[n].displacement - fit.mean;
-    const Eigen::Vector3f distance(d.x, d.y, d.z);
-    normal += samples[n].weight * distance * distance.transpose();
-    right += samples[n].weight * distance * Eigen::Vector3f(du.x, du.y, du.z).transpose();
-  }
-  if (!(normal.trace() > 0)) return fit;
-  normal.diagonal().array() += 1e-4f * normal.trace();
-  const Eigen::Matrix3f g = normal.inverse() * right;  // row a = ∂u/∂x_a
-  for (int axis = 0; axis < 3; axis++) fit.gradient[axis] = {g(axis, 0), g(axis, 1), g(axis, 2)};
-  return fit;
-}
-
-Sample sample_at(const CutBody& body, Int3 node, Real weight) {
-  const Lattice& l = body.model.lattice;
-  return {rest_position(l, node), body.state.u[std::size_t(node_slot(l, node))], weight};
-}
-
-/// Over a node and the neighbours that it holds together with.
-LocalFit fit_around(const CutBody& body, Int3 node) {
-  Samples samples;
-  std::size_t count = 0;
-  samples[count++] = sample_at(body, node, 1);
-  for (const Int3 offset : kFamilies)
-    for (const Int3 way : {offset, -offset})
-      if (is_solid(body, node + way) && !is_cut(body, node, node + way))
-        samples[count++] = sample_at(body, node + way, 1);
-  return fit_samples(samples, count);
-}
-
-/// Beside a cut, points that nearly coincide hang on different nodes. A fit to all nodes near the point on
-/// its side of the blade gives them the same displacement. [moving least squares, Lancaster and Salkauskas
-/// 1981]
-Vec3 displacement_beside_cut(const CutBody& body, const CutLevel& level, Int3 node, Vec3 x) {
-  const Lattice& l = body.model.lattice;
-  const Vec3 at{x.x / l.step.x, x.y / l.step.y, x.z / l.step.z};
-  const Int3 middle{int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z))};
-  Samples samples;
-  std::size_t count = 0;
-  for (int k = -2; k <= 2; k++)
-    for (int j = -2; j <= 2; j++)
-      for (int i = -2; i <= 2; i++) {
-        const Int3 other = middle + Int3{i, j, k};
-        const Vec3 apart = Vec3(other) - at;
-        const Real fade = 1 - dot(apart, apart) / 4;  // two steps
-        if (fade <= 0 || !contains(l, other) || !is_solid(body, other) || level.at(Vec3d(other)) >= 0)
-          continue;
-        samples[count++] = sample_at(body, other, fade * fade);
-      }
-  return count > 0 ? fit_samples(samples, count).at(x) : body.state.u[std::size_t(node_slot(l, node))];
-}
-
-/// Displacement of every vertex, lattice frame [m].
+/// Displacement of every vertex, lattice frame [m]. Corners are asked for once each.
 std::vector<Vec3> displacements(const Model& model, const State& state, const BodySurface& surface) {
-  struct Carrier {
-    LocalFit fit;
-    std::optional<CutLevel> level;
-  };
-  const CutBody body = make_cut_body(model, state);
-  std::vector<int> known(model.tissue.size(), -1);  // by slot: index into carriers
-  std::vector<Carrier> carriers;
+  const Pieces& pieces = surface.pieces;
+  std::vector<int> known(std::size_t(slot_count(model.lattice)) + pieces.copies.size(), -1);
+  std::vector<Vec3> corner_u;
   std::vector<Vec3> result(surface.rest.size());
+  const Vec3 h = model.lattice.step;
   for (std::size_t v = 0; v < result.size(); v++) {
-    const Int3 node = slot_node(model.lattice, surface.slot[v]);
-    int& index = known[std::size_t(surface.slot[v])];
-    if (index < 0) {
-      index = int(carriers.size());
-      carriers.push_back({fit_around(body, node), level_beside(body, node)});
+    const Carrier& carrier = surface.carrier[v];
+    const auto corners = corners_of(model, pieces, carrier.cell, carrier.piece);
+    const Vec3 at = surface.rest[v];
+    const auto weight =
+        trilinear(Vec3{at.x / h.x, at.y / h.y, at.z / h.z} - Vec3(slot_node(model.lattice, carrier.cell)));
+    for (std::size_t c = 0; c < 8; c++) {
+      if (weight[c] == 0) continue;
+      int& index = known[std::size_t(corners[c])];
+      if (index < 0) {
+        index = int(corner_u.size());
+        corner_u.push_back(corner_displacement(model, state, pieces, corners[c]));
+      }
+      result[v] += corner_u[std::size_t(index)] * weight[c];
     }
-    const Carrier& carrier = carriers[std::size_t(index)];
-    result[v] = carrier.level ? displacement_beside_cut(body, *carrier.level, node, surface.rest[v])
-                              : carrier.fit.at(surface.rest[v]);
   }
   return result;
 }

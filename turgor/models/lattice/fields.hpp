@@ -6,8 +6,8 @@
 
 namespace turgor::lattice {
 
-/// What `cut` says decides skin_cut and row_cut; the cut edges' places on their edges decide how a wound is
-/// drawn, and nothing of how the body goes on.
+/// What `cut` says decides skin_cut and row_cut; the cut edges of the fine lattice decide what cells fall
+/// apart into and how a wound is drawn.
 template <class S, class Visit>
 requires std::is_same_v<std::remove_const_t<S>, State>
 void visit_fields(S& s, const Visit& visit) {
@@ -28,9 +28,12 @@ void visit_fields(S& s, const Visit& visit) {
 template <class Visit>
 void visit_columns(const CutEdge*, const Visit& visit) {
   visit(Field{"slot", "", Axis::kCutEdge, kRecorded}, &CutEdge::slot);
+  visit(Field{"part", "", Axis::kCutEdge, kRecorded}, &CutEdge::part);
   visit(Field{"family", "", Axis::kCutEdge, kRecorded}, &CutEdge::family);
   visit(Field{"incision", "", Axis::kCutEdge, kRecorded}, &CutEdge::incision);
+  visit(Field{"rightward", "", Axis::kCutEdge, kRecorded}, &CutEdge::rightward);
   visit(Field{"fraction", "", Axis::kCutEdge, kRecorded}, &CutEdge::fraction);
+  visit(Field{"along", "m", Axis::kCutEdge, kRecorded}, &CutEdge::along);
 }
 
 template <class M, class Visit>

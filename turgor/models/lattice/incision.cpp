@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 
 #include "turgor/geometry/where_is.hpp"
+#include "turgor/models/lattice/blade_sheet.hpp"
+#include "turgor/models/lattice/fine_lattice.hpp"
+#include "turgor/models/lattice/key_index.hpp"
 #include "turgor/models/lattice/skin.hpp"
 
 namespace turgor::lattice {
@@ -65,30 +70,105 @@ std::string off_skin(const Model& model, const State& state, const std::string& 
          ": expected a line on the skin; " + where_is(skin_points(model, state), patient);
 }
 
-struct Place {
-  double along, under;  // from the start of the cut, below the skin [m]
-};
-
-/// Where a point of the blade's plane is, as the blade sees it.
-Place place_on(const BladePath& path, Vec3d point) {
-  const Vec3d line = cross(path.into, path.across);
-  const double along = dot(point - path.skin.front(), line);
-  const double last = double(path.skin.size() - 1),
-               spacing = dot(path.skin.back() - path.skin.front(), line) / last;
-  const double at = std::clamp(along / spacing, 0.0, last);
-  const auto n = std::min(std::size_t(at), path.skin.size() - 2);
-  const Vec3d skin = path.skin[n] + (path.skin[n + 1] - path.skin[n]) * (at - double(n));
-  return {along, dot(point - skin, path.into)};
+/// A smooth curve through some points, as points about `step` apart; two make a straight line. The same first
+/// and last point close it. [centripetal: Catmull and Rom 1974; Yuksel, Schaefer and Keyser 2011]
+std::vector<Vec3d> curve_through(const std::vector<Vec3d>& points, double step) {
+  const auto count = points.size();
+  const bool closed = count > 3 && norm(points.front() - points.back()) < 1e-9;
+  const auto at = [&](std::ptrdiff_t n) {
+    const auto last = std::ptrdiff_t(count) - 1;
+    if (n < 0) return closed ? points[std::size_t(last + n)] : points[0] * 2.0 - points[1];
+    if (n > last) return closed ? points[std::size_t(n - last)] : points[count - 1] * 2.0 - points[count - 2];
+    return points[std::size_t(n)];
+  };
+  std::vector<Vec3d> curve{points[0]};
+  for (std::size_t n = 0; n + 1 < count; n++) {
+    const auto m = std::ptrdiff_t(n);
+    const Vec3d p0 = at(m - 1), p1 = at(m), p2 = at(m + 1), p3 = at(m + 2);
+    const double t1 = std::sqrt(norm(p1 - p0)), t2 = t1 + std::sqrt(norm(p2 - p1)),
+                 t3 = t2 + std::sqrt(norm(p3 - p2));
+    const auto between = [](Vec3d a, Vec3d b, double ta, double tb, double t) {
+      return tb > ta ? a * ((tb - t) / (tb - ta)) + b * ((t - ta) / (tb - ta)) : b;
+    };
+    const int parts = std::max(1, int(std::ceil(norm(p2 - p1) / step)));
+    for (int part = 1; part <= parts; part++) {
+      const double t = t1 + (t2 - t1) * part / parts;
+      const Vec3d a = between(p0, p1, 0, t1, t), b = between(p1, p2, t1, t2, t),
+                  c = between(p2, p3, t2, t3, t);
+      curve.push_back(between(between(a, b, 0, t2, t), between(b, c, t1, t3, t), t1, t2, t));
+    }
+  }
+  return curve;
 }
 
-/// A node as it lay when the blade was set on the skin. What the wound does to the tissue ahead of the blade
-/// does not bend the cut: else it would leave bridges and islands.
-Vec3d place_when_laid(const Model& model, const BladePath& path, Int3 node) {
-  return Vec3d(rest_position(model.lattice, node) + path.u[std::size_t(node_slot(model.lattice, node))]);
+Vec3d tangent(const std::vector<Vec3d>& points, std::size_t n) {
+  return normalized(points[std::min(n + 1, points.size() - 1)] - points[n > 0 ? n - 1 : 0]);
 }
 
-double path_length(const BladePath& path) {
-  return dot(path.skin.back() - path.skin.front(), cross(path.into, path.across));
+/// Into the body at every point of a curve: found every centimetre, blended between; one for a straight line.
+std::vector<Vec3d> directions_into(const Model& model, const State& state, const std::vector<Vec3d>& curve,
+                                   bool straight) {
+  constexpr double kApart = 0.01;
+  const double around = std::max(0.01, 3 * largest_step(model.lattice));
+  std::vector<Vec3d> into(curve.size());
+  if (straight) {
+    const Vec3d line = normalized(curve.back() - curve.front()),
+                middle = (curve.front() + curve.back()) * 0.5;
+    std::fill(into.begin(), into.end(), direction_into(model, state, middle, line, around));
+    return into;
+  }
+  const double spacing = norm(curve[1] - curve[0]);
+  const auto stride = std::size_t(std::max(1.0, kApart / std::max(spacing, 1e-6)));
+  for (std::size_t n = 0; n < curve.size(); n += stride) {
+    const std::size_t next = std::min(n + stride, curve.size() - 1);
+    const Vec3d a = n > 0 ? into[n] : direction_into(model, state, curve[n], tangent(curve, n), around);
+    const Vec3d b = direction_into(model, state, curve[next], tangent(curve, next), around);
+    for (std::size_t m = n; m <= next; m++)
+      into[m] = normalized(a + (b - a) * (next > n ? double(m - n) / double(next - n) : 0));
+  }
+  for (std::size_t n = 0; n < curve.size(); n++) {
+    const Vec3d line = tangent(curve, n);
+    into[n] = normalized(into[n] - line * dot(into[n], line));
+  }
+  return into;
+}
+
+/// The stairs of the lattice's skin are none of the blade's: mean over a step and a half to both sides.
+std::vector<double> without_stairs(const std::vector<double>& offset) {
+  constexpr std::size_t kReachPoints = 3;
+  std::vector<double> smooth(offset.size());
+  for (std::size_t n = 0; n < offset.size(); n++) {
+    const std::size_t reach = std::min({kReachPoints, n, offset.size() - 1 - n});
+    for (std::size_t m = n - reach; m <= n + reach; m++) smooth[n] += offset[m] / double(2 * reach + 1);
+  }
+  return smooth;
+}
+
+/// The skin that the blade may meet on its way along the curve.
+std::vector<std::array<Vec3d, 3>> skin_near(const Model& model, const State& state,
+                                            const std::vector<Vec3d>& curve) {
+  Box box = box_around(curve);
+  const double reach = kReach + 3 * largest_step(model.lattice);
+  box.low -= Vec3d{reach, reach, reach}, box.high += Vec3d{reach, reach, reach};
+  std::vector<std::array<Vec3d, 3>> near;
+  for (const SkinTriangle& t : model.skin.triangles)
+    if (const Vec3d a = skin_corner(model, state, t, 0); squared_distance(box, a) == 0)
+      near.push_back({a, skin_corner(model, state, t, 1), skin_corner(model, state, t, 2)});
+  return near;
+}
+
+/// How far along `into` the skin nearest to a point is. A hair's breadth beside it, so that no line runs
+/// through the corners of a regular lattice: on the other side where the body ends.
+std::optional<double> way_to_skin(const std::vector<std::array<Vec3d, 3>>& skin, Vec3d point, Vec3d into,
+                                  Vec3d hair) {
+  for (const Vec3d origin : {point - hair, point + hair}) {
+    std::optional<double> best;
+    for (const auto& [a, b, c] : skin)
+      if (const double t = meet(origin, into, a, b, c); std::abs(t) < std::abs(best.value_or(kReach)))
+        best = t;
+    if (best) return best;
+  }
+  return {};
 }
 
 void mark_rows(const Model& model, State& state, int slot) {
@@ -98,91 +178,128 @@ void mark_rows(const Model& model, State& state, int slot) {
       state.row_cut[std::size_t((slot + dk * layer + dj * stride) / stride)] = 1;
 }
 
-void cut_edge(const Model& model, State& state, const CutEdge& edge) {
-  state.cut[std::size_t(edge.slot)] |= std::uint8_t(1u << edge.family);
-  state.cut_edges.push_back(edge);
-  mark_rows(model, state, edge.slot);
+void cut_edge(const Model& model, State& state, int slot, int family) {
+  state.cut[std::size_t(slot)] |= std::uint8_t(1u << family);
+  mark_rows(model, state, slot);
+}
+
+/// The fine edges that the blade comes by, unless another blade was there before.
+void cut_fine_edges(const Model& model, State& state, const BladePath& path, double begin, double end,
+                    int incision) {
+  const FineLattice f = fine_lattice(model);
+  KeyIndex known;
+  const auto key = [&](const CutEdge& e) { return fine_edge_key(f, fine_node(f, e), e.family); };
+  for (const CutEdge& edge : state.cut_edges) known.find_or_add(key(edge));
+  for (CutEdge edge : path.fine_edges) {
+    if (double(edge.along) < begin || double(edge.along) >= end || known.find(key(edge)) >= 0) continue;
+    edge.incision = std::uint8_t(incision);
+    state.cut_edges.push_back(edge);
+  }
+}
+
+/// Skin on a path of one region's width.
+struct Place {
+  double along, aside, under;  // from the start of the cut, from its line, below the skin [m]
+};
+Place place_on(const BladePath& path, Vec3d point) {
+  std::size_t nearest = 0;
+  for (std::size_t n = 0; n < path.skin.size(); n++)
+    if (norm(cross(point - path.skin[n], path.into[n])) <
+        norm(cross(point - path.skin[nearest], path.into[nearest])))
+      nearest = n;
+  const Vec3d away = point - path.skin[nearest];
+  double along = dot(away, line_at(path, nearest));
+  for (std::size_t n = 0; n < nearest; n++) along += norm(path.skin[n + 1] - path.skin[n]);
+  return {along, dot(away, across_at(path, nearest)), dot(away, path.into[nearest])};
 }
 
 }  // namespace
 
+double path_length(const BladePath& path) {
+  double length = 0;
+  for (std::size_t n = 1; n < path.skin.size(); n++) length += norm(path.skin[n] - path.skin[n - 1]);
+  return length;
+}
+
+PathPlace place_along(const BladePath& path, double along) {
+  for (std::size_t n = 0; n + 1 < path.skin.size(); n++) {
+    const double length = norm(path.skin[n + 1] - path.skin[n]);
+    if (along <= length || n + 2 == path.skin.size())
+      return {n, length > 0 ? std::clamp(along / length, 0.0, 1.0) : 0};
+    along -= length;
+  }
+  return {};
+}
+
+Vec3d across_at(const BladePath& path, std::size_t n) {
+  return normalized(cross(path.into[n], tangent(path.skin, n)));
+}
+Vec3d line_at(const BladePath& path, std::size_t n) { return cross(across_at(path, n), path.into[n]); }
+
+Vec3d mean_into(const BladePath& path) {
+  Vec3d sum;
+  for (const Vec3d d : path.into) sum += d;
+  return normalized(sum);
+}
+
 Result<BladePath> lay_blade(const Model& model, const State& state, const Incision& incision) {
   const auto local = [&](Vec3d p) { return inverse(model.grid.axes) * (p - model.grid.origin); };
-  const Vec3d from = local(incision.from), to = local(incision.to);
-  const double length = norm(to - from);
+  std::vector<Vec3d> points;
+  for (const Vec3d p : incision.path) points.push_back(local(p));
+  const bool straight = points.size() < 2;
+  if (straight) points = {local(incision.from), local(incision.to)};
   const std::string place = "incision '" + incision.name + "': ";
-  if (!(length > 0)) return Error{place + "from and to are the same point: expected a line on the skin"};
+  for (std::size_t n = 1; n < points.size(); n++)
+    if (!(norm(points[n] - points[n - 1]) > 0))
+      return Error{place +
+                   (straight ? "from and to are the same point" : "two points of its path are the same") +
+                   ": expected a line on the skin"};
   if (model.skin.triangles.empty())
     return Error{place + "the body has no skin to cut: expected skin to be on"};
 
-  BladePath path;
-  path.depth = incision.depth;
-  path.u = state.u;
-  const Vec3d line = (to - from) / length;
   const double step = smallest_step(model.lattice);
-  path.into =
-      direction_into(model, state, (from + to) * 0.5, line, std::max(0.01, 3 * largest_step(model.lattice)));
-  if (norm(path.into) == 0)
-    return Error{place + "the skin there has no direction: expected it to face out of the body"};
-  path.across = cross(line, path.into);
-
-  std::vector<std::array<Vec3d, 3>> near;  // skin that the blade's plane may meet
-  for (const SkinTriangle& t : model.skin.triangles) {
-    const Vec3d a = skin_corner(model, state, t, 0);
-    if (std::abs(dot(a - from, path.across)) > 3 * largest_step(model.lattice)) continue;
-    near.push_back({a, skin_corner(model, state, t, 1), skin_corner(model, state, t, 2)});
+  const std::vector<Vec3d> curve = curve_through(points, 0.5 * step);
+  BladePath path{.skin = curve,
+                 .into = directions_into(model, state, curve, straight),
+                 .depth = incision.depth,
+                 .width = incision.width,
+                 .edges = {},
+                 .fine_edges = {}};
+  const std::vector<std::array<Vec3d, 3>> near = skin_near(model, state, curve);
+  std::vector<double> offset;
+  for (std::size_t n = 0; n < curve.size(); n++) {
+    if (norm(path.into[n]) == 0)
+      return Error{place + "the skin there has no direction: expected it to face out of the body"};
+    const std::optional<double> found =
+        way_to_skin(near, curve[n], path.into[n], across_at(path, n) * (1e-4 * step));
+    if (!found) return Error{off_skin(model, state, place, curve[n])};
+    offset.push_back(*found);
   }
-  const int pieces = std::max(1, int(std::ceil(length / (0.5 * step))));
-  for (int n = 0; n <= pieces; n++) {
-    // A hair's breadth beside the plane, so that no line runs through the corners of a regular lattice.
-    const Vec3d point = from + line * (length * n / pieces) + path.across * (1e-4 * step);
-    double best = kReach;
-    bool found = false;
-    for (const auto& [a, b, c] : near)
-      if (const double t = meet(point, path.into, a, b, c); std::abs(t) < std::abs(best))
-        best = t, found = true;
-    if (!found) return Error{off_skin(model, state, place, point)};
-    path.skin.push_back(point + path.into * best);
-  }
+  offset = without_stairs(offset);
+  for (std::size_t n = 0; n < curve.size(); n++) path.skin[n] += path.into[n] * offset[n];
+  const double margin = 2 * largest_step(model.lattice), tilt = incision.tilt * std::numbers::pi / 180;
+  if (incision.width == 0) find_edges(model, state, sweep_blade(path, tilt, margin, 1e-4 * step), path);
   return path;
 }
 
 int cut_edges(const Model& model, State& state, const BladePath& path, double begin, double end,
               int incision) {
-  const Lattice& l = model.lattice;
-  const Vec3d origin = path.skin.front();
-  const double length = path_length(path), margin = 2 * largest_step(l);
-  const double reach = 1.8 * largest_step(l) + path.depth;
+  constexpr double kFar = std::numeric_limits<double>::max();
+  const double length = path_length(path);
+  begin = begin > 0 ? begin * length : -kFar, end = end < 1 ? end * length : kFar;
   int count = 0;
-  for (int k = 0; k < l.size.z; k++)
-    for (int j = 0; j < l.size.y; j++)
-      for (int i = 0; i < l.size.x; i++) {
-        const Int3 node{i, j, k};
-        const int slot = node_slot(l, node);
-        if (!is_body(model.tissue[std::size_t(slot)])) continue;
-        const Vec3d a = place_when_laid(model, path, node);
-        const double side_a = dot(a - origin, path.across);
-        if (std::abs(side_a) > reach) continue;
-        for (int f = 0; f < kFamilyCount; f++) {
-          const Int3 other = node + kFamilies[std::size_t(f)];
-          if (!contains(l, other) || state.cut[std::size_t(slot)] >> f & 1) continue;
-          if (!is_body(model.tissue[std::size_t(node_slot(l, other))])) continue;
-          const Vec3d b = place_when_laid(model, path, other);
-          const double side_b = dot(b - origin, path.across);
-          if ((side_a >= 0) == (side_b >= 0)) continue;
-          const double fraction = side_a / (side_a - side_b);
-          const Place hit = place_on(path, a + (b - a) * fraction);
-          if (hit.along < begin * length || hit.along > end * length) continue;
-          if (hit.under < -margin || hit.under > path.depth) continue;
-          cut_edge(model, state, {slot, std::uint8_t(f), std::uint8_t(incision), Real(fraction)});
-          count++;
-        }
-      }
+  for (const EdgeAhead& edge : path.edges) {
+    if (double(edge.along) < begin || double(edge.along) >= end) continue;
+    if (state.cut[std::size_t(edge.slot)] >> edge.family & 1) continue;
+    cut_edge(model, state, edge.slot, edge.family);
+    count++;
+  }
+  cut_fine_edges(model, state, path, begin, end, incision);
   if (count > 0) cut_skin(model, state);
   return count;
 }
 
-int cut_region(const Model& model, State& state, const BladePath& path, double width, int incision) {
+int cut_region(const Model& model, State& state, const BladePath& path) {
   const Lattice& l = model.lattice;
   const double length = path_length(path), margin = 2 * largest_step(l);
   int count = 0;
@@ -192,22 +309,19 @@ int cut_region(const Model& model, State& state, const BladePath& path, double w
         const Int3 node{i, j, k};
         const auto slot = std::size_t(node_slot(l, node));
         if (!is_body(model.tissue[slot]) || state.removed[slot]) continue;
-        const Vec3d x = place_when_laid(model, path, node);
-        const Place place = place_on(path, x);
-        if (std::abs(dot(x - path.skin.front(), path.across)) > 0.5 * width) continue;
+        const Place place = place_on(path, Vec3d(position(model, state, node)));
+        if (std::abs(place.aside) > 0.5 * path.width) continue;
         if (place.along < 0 || place.along > length || place.under < -margin || place.under > path.depth)
           continue;
         state.removed[slot] = 1;
         count++;
-        for (std::size_t f = 0; f < kFamilyCount; f++)
-          for (const bool forward : {true, false}) {
-            const Int3 other = forward ? node + kFamilies[f] : node - kFamilies[f];
-            if (!contains(l, other)) continue;
-            const int lower = node_slot(l, forward ? node : other);
-            if (state.cut[std::size_t(lower)] >> f & 1) continue;
-            cut_edge(model, state, {lower, std::uint8_t(f), std::uint8_t(incision), Real(0.5)});
-          }
+        for (int f = 0; f < kFamilyCount; f++)
+          for (const Int3 lower : {node, node - kFamilies[std::size_t(f)]})
+            if (contains(l, lower) && contains(l, lower + kFamilies[std::size_t(f)]) &&
+                is_body(model.tissue[std::size_t(node_slot(l, lower))]))
+              cut_edge(model, state, node_slot(l, lower), f);
       }
+  state.removed_nodes += count;
   if (count > 0) cut_skin(model, state);
   return count;
 }

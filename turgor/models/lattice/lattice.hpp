@@ -155,12 +155,15 @@ struct Model {
   int body_nodes = 0, free_nodes = 0;
 };
 
-/// An edge that a blade went through.
+/// An edge of the fine lattice (fine_lattice.hpp) that a blade went through.
 struct CutEdge {
-  int slot = 0;  // lower end
+  int slot = 0;  // of the cell's lowest node
+  int part = 0;  // the edge's lower end in that cell: x + 8 y + 64 z, in parts of it
   std::uint8_t family = 0;
-  std::uint8_t incision = 0;  // which incision of the scene
-  Real fraction = 0;          // where, from the lower end, in [0, 1]
+  std::uint8_t incision = 0;   // which incision of the scene
+  std::uint8_t rightward = 0;  // 1 = leads from the blade's left side to its right one
+  Real fraction = 0;           // where, from the lower end, in [0, 1]
+  Real along = 0;              // where on the blade's path [m]
 };
 
 /// Which rows stand still (sleep.hpp). By row of the storage; empty until the first step of a body that can
@@ -181,7 +184,8 @@ struct State {
   aligned_vector<std::uint8_t> removed;  // by slot: 1 = left the body (the paper's static incision)
   std::vector<std::uint8_t> row_cut;     // by row: is an edge cut that touches this row or one beside it?
   std::vector<std::uint8_t> skin_cut;    // by skin triangle: 1 = holds no tension
-  std::vector<CutEdge> cut_edges;
+  std::vector<CutEdge> cut_edges;        // in the order they were cut
+  int removed_nodes = 0;                 // how many left the body
   Sleep sleep;
 };
 
@@ -245,6 +249,14 @@ std::uint64_t state_hash(const Model& model, const State& state);
 /// Place of a node now, along the lattice axes from its first node [m].
 inline Vec3 position(const Model& model, const State& state, Int3 node) {
   return rest_position(model.lattice, node) + state.u[std::size_t(node_slot(model.lattice, node))];
+}
+/// Is a node tissue now, neither outside nor removed?
+inline bool is_solid(const Model& model, const State& state, int slot) {
+  return model.tissue[std::size_t(slot)] != Tissue::kOutside && state.removed[std::size_t(slot)] == 0;
+}
+/// Grows with every cut: what was made of the cuts is to be made anew when it has changed.
+inline std::size_t cut_version(const State& state) {
+  return state.cut_edges.size() + std::size_t(state.removed_nodes);
 }
 inline bool is_body(Tissue t) { return t != Tissue::kOutside; }
 

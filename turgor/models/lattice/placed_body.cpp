@@ -8,7 +8,7 @@ namespace {
 
 Int3 to_units(const PlacedBody& body, Int3 node, Vec3 displacement) {
   constexpr double kFarthest = 30000;  // beyond any grid [voxels]
-  const Vec3d x = hadamard(Vec3d(node), body.cut.model.grid.spacing) + Vec3d(displacement);
+  const Vec3d x = hadamard(Vec3d(node), body.model.grid.spacing) + Vec3d(displacement);
   const Vec3d at = min(max(body.out_origin + body.to_out * x, Vec3d{-kFarthest, -kFarthest, -kFarthest}),
                        Vec3d{kFarthest, kFarthest, kFarthest}) *
                    double(1 << body.window.bits);
@@ -18,11 +18,11 @@ Int3 to_units(const PlacedBody& body, Int3 node, Vec3 displacement) {
 /// The finest fixed point in which no tetrahedron is too large for exact arithmetic: no two nodes of a cell
 /// move apart by more than the range of all displacements.
 int finest_bits(const PlacedBody& body) {
-  const VecField& u = body.cut.state.u;
+  const VecField& u = body.state.u;
   Vec3 low, high;
-  for (std::size_t s = 0; s < body.cut.solid.size(); s++)
-    if (body.cut.solid[s]) low = min(low, u[s]), high = max(high, u[s]);
-  const Vec3d reach = body.cut.model.grid.spacing + Vec3d(high - low) * 3.0;
+  for (std::size_t s = 0; s < body.solid.size(); s++)
+    if (body.solid[s]) low = min(low, u[s]), high = max(high, u[s]);
+  const Vec3d reach = body.model.grid.spacing + Vec3d(high - low) * 3.0;
   double extent = 0;
   for (int row = 0; row < 3; row++) {
     double sum = 0;
@@ -41,9 +41,9 @@ struct PlaceLayer {
   std::vector<PlacedBody::Bounds>& node_rows;
 
   void operator()(std::size_t layer) const {
-    const Lattice& l = body.cut.model.lattice;
-    const auto& solid = body.cut.solid;
-    const auto& tissue = body.cut.model.tissue;
+    const Lattice& l = body.model.lattice;
+    const auto& solid = body.solid;
+    const auto& tissue = body.model.tissue;
     for (int j = 0; j < l.size.y; j++) {
       PlacedBody::Bounds& bounds = node_rows[layer * std::size_t(l.size.y) + std::size_t(j)];
       for (int i = 0; i < l.size.x; i++) {
@@ -55,8 +55,8 @@ struct PlaceLayer {
         const bool inside = i + 1 < l.size.x && j + 1 < l.size.y && int(layer) + 1 < l.size.z;
         body.cells[std::size_t(slot)] = cell != 0 && inside ? Cell::kPlain : Cell::kEmpty;
 
-        Vec3 u = body.cut.state.u[std::size_t(slot)];
-        if (!solid[std::size_t(slot)] && !follow_neighbours(slot, parity, u)) continue;
+        if (!solid[std::size_t(slot)] && !is_beside_tissue(slot, parity)) continue;
+        const Vec3 u = corner_displacement(body.model, body.state, body.pieces, slot);
         const Int3 place = to_units(body, node, u);
         body.place[std::size_t(slot)] = place;
         bounds.low = std::min(bounds.low, place.z), bounds.high = std::max(bounds.high, place.z);
@@ -64,24 +64,13 @@ struct PlaceLayer {
     }
   }
 
-  /// What the tissue beside an air node suggests for its displacement, on average, as ghost_displacement()
-  /// does near cuts; false without tissue.
-  bool follow_neighbours(int slot, int parity, Vec3& u) const {
-    const Lattice& l = body.cut.model.lattice;
-    const VecField& field = body.cut.state.u;
-    Vec3 sum;
-    int count = 0;
+  bool is_beside_tissue(int slot, int parity) const {
+    const Lattice& l = body.model.lattice;
+    bool found = false;
     for (const Int3 offset : kFamilies)
-      for (const Int3 way : {offset, -offset}) {
-        const int beside = slot + slot_offset(l, way, parity);
-        if (!body.cut.solid[std::size_t(beside)]) continue;
-        const int behind = beside + slot_offset(l, way, (parity + way.x) & 1);
-        const Vec3 here = field[std::size_t(beside)];
-        sum += body.cut.solid[std::size_t(behind)] ? here * Real(2) - field[std::size_t(behind)] : here;
-        count++;
-      }
-    if (count > 0) u = sum / Real(count);
-    return count > 0;
+      for (const Int3 way : {offset, -offset})
+        found |= body.solid[std::size_t(slot + slot_offset(l, way, parity))] != 0;
+    return found;
   }
 };
 
@@ -93,48 +82,50 @@ void for_box(const Lattice& l, Int3 low, Int3 high, const Do& act) {
       for (int i = low.x; i <= high.x; i++) act(std::size_t(node_slot(l, i, j, k)));
 }
 
-/// Near a cut, every cell that touches a node beside a cut edge is special; so are the cells of removed
-/// nodes.
+/// Cells in pieces, unless they go with their own nodes alone, and those of removed nodes.
 void mark_special(PlacedBody& body) {
-  const Lattice& l = body.cut.model.lattice;
+  const Lattice& l = body.model.lattice;
   const auto make_special = [&](std::size_t slot) {
     if (body.cells[slot] == Cell::kPlain) body.cells[slot] = Cell::kSpecial;
   };
-  constexpr Int3 one{1, 1, 1};
-  for (const CutEdge& edge : body.cut.state.cut_edges) {
-    const Int3 a = slot_node(l, edge.slot), b = a + kFamilies[edge.family];
-    for_box(l, a - one, b + one, [&](std::size_t slot) { body.near_cut[slot] = 1; });
-    for_box(l, a - one - one, b + one, make_special);
+  for (const CutCell& cell : body.pieces.cells) {
+    const auto own = corners_of(body.model, body.pieces, cell.slot, -1);
+    if (cell.piece_count != 1 || corners_of(body.model, body.pieces, cell.slot, 0) != own)
+      make_special(std::size_t(cell.slot));
   }
-  for (std::size_t s = 0; s < body.cut.solid.size(); s++)
-    if (!body.cut.solid[s] && is_body(body.cut.model.tissue[s])) {
+  if (body.state.removed_nodes == 0) return;
+  for (std::size_t s = 0; s < body.solid.size(); s++)
+    if (!body.solid[s] && is_body(body.model.tissue[s])) {
       const Int3 node = slot_node(l, int(s));
-      for_box(l, node - one, node, make_special);
+      for_box(l, node - Int3{1, 1, 1}, node, make_special);
     }
 }
 
-/// Rows of cells from rows of nodes. Ghosts beside a cut may reach as far as the neighbours of the row's
-/// nodes, and one step more.
+/// Copies may lie beyond the nodes of their row.
+void bound_copies(PlacedBody& body) {
+  const int slots = slot_count(body.model.lattice);
+  for (const Piece& piece : body.pieces.pieces) {
+    const Int3 cell = slot_node(body.model.lattice, body.pieces.cells[std::size_t(piece.cell)].slot);
+    PlacedBody::Bounds& row =
+        body.rows[std::size_t(cell.z) * std::size_t(body.model.lattice.size.y - 1) + std::size_t(cell.y)];
+    for (const int corner : piece.corner)
+      if (const int z = body.place[std::size_t(corner)].z; corner >= slots)
+        row.low = std::min(row.low, z), row.high = std::max(row.high, z);
+  }
+}
+
+/// Rows of cells from rows of nodes.
 void bound_rows(PlacedBody& body, const std::vector<PlacedBody::Bounds>& node_rows) {
-  const Lattice& l = body.cut.model.lattice;
-  const Vec3d step = body.cut.model.grid.spacing;
-  double along_k = 0;
-  for (int axis = 0; axis < 3; axis++) along_k += std::abs(body.to_out.column[axis].z) * step[axis];
-  const int margin = int(std::ceil(along_k * double(1 << body.window.bits)));
+  const Lattice& l = body.model.lattice;
   for (int k = 0; k + 1 < l.size.z; k++)
     for (int j = 0; j + 1 < l.size.y; j++) {
-      bool special = false;
-      const int slot = row_slot(l, j, k);
-      for (int n = 0; n < row_stride(l); n++) special |= body.cells[std::size_t(slot + n)] == Cell::kSpecial;
-      const int reach = special ? 1 : 0;
       PlacedBody::Bounds bounds;
-      for (int nk = std::max(0, k - reach); nk <= std::min(l.size.z - 1, k + 1 + reach); nk++)
-        for (int nj = std::max(0, j - reach); nj <= std::min(l.size.y - 1, j + 1 + reach); nj++) {
+      for (int nk = k; nk <= k + 1; nk++)
+        for (int nj = j; nj <= j + 1; nj++) {
           const PlacedBody::Bounds& row =
               node_rows[std::size_t(nk) * std::size_t(l.size.y) + std::size_t(nj)];
           bounds.low = std::min(bounds.low, row.low), bounds.high = std::max(bounds.high, row.high);
         }
-      if (special) bounds.low -= margin, bounds.high += margin;
       body.rows[std::size_t(k) * std::size_t(l.size.y - 1) + std::size_t(j)] = bounds;
     }
 }
@@ -142,15 +133,19 @@ void bound_rows(PlacedBody& body, const std::vector<PlacedBody::Bounds>& node_ro
 }  // namespace
 
 PlacedBody place_body(const Exec& exec, const Model& model, const State& state, const Grid& out) {
-  PlacedBody body{.cut = make_cut_body(model, state),
+  PlacedBody body{.model = model,
+                  .state = state,
+                  .pieces = make_pieces(model, state),
+                  .solid = {},
                   .out = out,
                   .window = {.low = {0, 0, 0}, .high = out.size},
                   .to_out = inverse(out.axes) * model.grid.axes,
                   .out_origin = index_at(out, model.grid.origin),
                   .place = {},
                   .cells = {},
-                  .near_cut = {},
                   .rows = {}};
+  body.solid.resize(model.tissue.size());
+  for (std::size_t s = 0; s < body.solid.size(); s++) body.solid[s] = is_solid(model, state, int(s));
   for (Vec3d& column : body.to_out.column)
     column = {column.x / out.spacing.x, column.y / out.spacing.y, column.z / out.spacing.z};
   body.window.handed = determinant(body.to_out) < 0 ? -1 : 1;
@@ -158,32 +153,20 @@ PlacedBody place_body(const Exec& exec, const Model& model, const State& state, 
 
   const Lattice& l = model.lattice;
   const std::size_t slots = model.tissue.size();
-  body.place.resize(slots);
+  body.place.resize(std::size_t(slot_count(l)) + body.pieces.copies.size());
   body.cells.resize(slots);
-  body.near_cut.resize(slots);
   std::vector<PlacedBody::Bounds> node_rows(std::size_t(l.size.y) * std::size_t(l.size.z));
   parallel_for(exec, std::size_t(l.size.z), PlaceLayer{body, node_rows});
+  for (std::size_t c = 0; c < body.pieces.copies.size(); c++) {
+    const int corner = slot_count(l) + int(c);
+    body.place[std::size_t(corner)] = to_units(body, slot_node(l, body.pieces.copies[c].slot),
+                                               corner_displacement(model, state, body.pieces, corner));
+  }
   mark_special(body);
   body.rows.resize(std::size_t(l.size.y - 1) * std::size_t(l.size.z - 1));
   bound_rows(body, node_rows);
+  bound_copies(body);
   return body;
 }
 
-namespace detail {
-
-std::array<Int3, 4> side_places(const PlacedBody& body, const TetNodes& nodes, const TetSides& sides,
-                                int side) {
-  std::size_t own = 0;
-  while (sides.side[own] != side) own++;
-  std::array<Int3, 4> place;
-  for (std::size_t n = 0; n < 4; n++) {
-    const auto slot = std::size_t(node_slot(body.cut.model.lattice, nodes[n]));
-    const bool ghost = sides.side[n] >= 0 ? sides.side[n] != side : body.near_cut[slot] != 0;
-    place[n] = ghost ? to_units(body, nodes[n], ghost_displacement(body.cut, nodes[n], nodes[own]))
-                     : body.place[slot];
-  }
-  return place;
-}
-
-}  // namespace detail
 }  // namespace turgor::lattice

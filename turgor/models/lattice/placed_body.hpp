@@ -10,23 +10,25 @@
 #include <vector>
 
 #include "turgor/geometry/grid.hpp"
-#include "turgor/models/lattice/cut_tet.hpp"
+#include "turgor/models/lattice/pieces.hpp"
 #include "turgor/models/lattice/raster.hpp"
 
 namespace turgor::lattice {
 
-/// Whether a cell has a node of tissue in the CT; special: near a cut, or with removed nodes.
+/// Whether a cell has a node of tissue in the CT; special: in pieces, or with removed nodes.
 enum class Cell : std::uint8_t { kEmpty, kPlain, kSpecial };
 
 struct PlacedBody {
-  CutBody cut;
+  const Model& model;
+  const State& state;
+  Pieces pieces;
+  std::vector<std::uint8_t> solid;  // by slot: 1 = tissue now
   Grid out;
-  RasterWindow window;                 // all of `out`
-  Mat3d to_out;                        // lattice frame [m] to voxels of `out`
-  Vec3d out_origin;                    // the first node [voxels]
-  std::vector<Int3> place;             // by slot, where there is tissue or tissue beside [units]
-  std::vector<Cell> cells;             // by slot of the lower corner
-  std::vector<std::uint8_t> near_cut;  // by slot: 1 = air here follows each side of the cut on its own
+  RasterWindow window;      // all of `out`
+  Mat3d to_out;             // lattice frame [m] to voxels of `out`
+  Vec3d out_origin;         // the first node [voxels]
+  std::vector<Int3> place;  // by slot, where there is tissue or tissue beside, then of copies [units]
+  std::vector<Cell> cells;  // by slot of the lower corner
   struct Bounds {
     int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();
   };
@@ -44,19 +46,6 @@ struct RestFrame {
   Vec3d first_node, cell_size;
 };
 
-/// Which of a cell's tetrahedra holds a point, from its coordinates in the cell; ties as the rasteriser
-/// breaks them.
-template <class T>
-constexpr int kuhn_tet_at(Vec<T> p) {
-  if (p.x >= p.y) return p.y >= p.z ? 0 : p.x >= p.z ? 1 : 4;
-  return p.x >= p.z ? 2 : p.y >= p.z ? 3 : 5;
-}
-/// Barycentric weights, in the order of the path, of a point in the cell.
-inline std::array<float, 4> path_weights(int tet, Vec3 p) {
-  const Int3 path = kKuhnPaths[std::size_t(tet)];
-  return {1 - p[path.x], p[path.x] - p[path.y], p[path.y] - p[path.z], p[path.z]};
-}
-
 namespace detail {
 
 struct SlabWalk {
@@ -67,10 +56,6 @@ struct SlabWalk {
   double to_ratio;  // volume now over volume in the CT = det · to_ratio
   long folds = 0;
 };
-
-/// Corners of a special tetrahedron as one of its sides carries them [units].
-std::array<Int3, 4> side_places(const PlacedBody& body, const TetNodes& nodes, const TetSides& sides,
-                                int side);
 
 /// Visits one placed tetrahedron; `keep(place)` chooses among its voxels. A fold is counted in the slab where
 /// it begins.
@@ -90,47 +75,67 @@ void walk_placed(SlabWalk& walk, Int3 cell, const std::array<Int3, 4>& place, co
   });
 }
 
-template <int Tet, class Visit>
-void walk_plain(SlabWalk& walk, Int3 cell, const std::array<int, 8>& slots, const Visit& visit) {
-  constexpr auto corners = kuhn_corners({0, 0, 0}, Tet);
+/// One tetrahedron of a cell whose corners are these; `keep` as above.
+template <int Tet, class Visit, class Keep>
+void walk_tet(SlabWalk& walk, Int3 cell, const std::array<int, 8>& slots, const std::array<int, 8>& corners,
+              const Visit& visit, const Keep& keep) {
+  constexpr auto nodes = kuhn_corners({0, 0, 0}, Tet);
   std::array<Int3, 4> place;
   bool solid = false;
   for (std::size_t n = 0; n < 4; n++) {
-    const Int3 c = corners[n];
-    const auto slot = std::size_t(slots[std::size_t(c.x + 2 * c.y + 4 * c.z)]);
-    place[n] = walk.body.place[slot];
-    solid |= walk.body.cut.solid[slot] != 0;
+    const auto c = std::size_t(nodes[n].x + 2 * nodes[n].y + 4 * nodes[n].z);
+    place[n] = walk.body.place[std::size_t(corners[c])];
+    solid |= walk.body.solid[std::size_t(slots[c])] != 0;
   }
-  if (solid) walk_placed<Tet>(walk, cell, place, visit, [](Vec3) { return true; });
+  if (solid) walk_placed<Tet>(walk, cell, place, visit, keep);
 }
 
-template <int Tet, class Visit>
-void walk_special(SlabWalk& walk, Int3 cell, const Visit& visit) {
-  const TetNodes nodes = kuhn_corners(cell, Tet);
-  const TetSides sides = split_tet(walk.body.cut, nodes);
+/// More than half of its weight on removed nodes: a place that left the body.
+inline bool is_gone(const PlacedBody& body, const std::array<int, 8>& slots, Vec3 at) {
+  const int tet = kuhn_tet_at(at);
+  const auto nodes = kuhn_corners({0, 0, 0}, tet);
+  const auto weight = path_weights(tet, at);
+  float gone = 0;
+  for (std::size_t n = 0; n < 4; n++)
+    if (body.state.removed[std::size_t(slots[std::size_t(nodes[n].x + 2 * nodes[n].y + 4 * nodes[n].z)])])
+      gone += weight[n];
+  return gone > 0.5f;
+}
+
+/// Every piece carries the voxels that lay in it.
+template <class Visit>
+void walk_special(SlabWalk& walk, Int3 cell, const std::array<int, 8>& slots, const Visit& visit) {
+  const PlacedBody& body = walk.body;
+  const CutCell* cut = find_cell(body.pieces, slots[0]);
   const Vec3d first = walk.rest.first_node + hadamard(Vec3d(cell), walk.rest.cell_size);
-  for (int side = 0; side < sides.count; side++) {
+  const int count = cut ? cut->piece_count : 1;
+  for (int piece = 0; piece < count; piece++) {
     const auto keep = [&](Vec3 at) {
       const Vec3d d = Vec3d(at) - first, size = walk.rest.cell_size;
-      return side_at(sides, path_weights(Tet, Vec3(Vec3d{d.x / size.x, d.y / size.y, d.z / size.z}))) == side;
+      const Vec3 in_cell(Vec3d{d.x / size.x, d.y / size.y, d.z / size.z});
+      if (cut && piece_at(body.pieces, body.state, *cut, in_cell) != piece) return false;
+      return body.state.removed_nodes == 0 || !is_gone(body, slots, in_cell);
     };
-    walk_placed<Tet>(walk, cell, side_places(walk.body, nodes, sides, side), visit, keep);
+    const auto corners = corners_of(body.model, body.pieces, slots[0], cut ? piece : -1);
+    [&]<std::size_t... T>(std::index_sequence<T...>) {
+      (walk_tet<int(T)>(walk, cell, slots, corners, visit, keep), ...);
+    }
+    (std::make_index_sequence<6>());
   }
 }
 
 template <class Visit>
 void walk_cell(SlabWalk& walk, Int3 cell, const Visit& visit) {
-  const Lattice& l = walk.body.cut.model.lattice;
+  const Lattice& l = walk.body.model.lattice;
   const int parity = cell.x & 1, lower = node_slot(l, cell);
-  if (walk.body.cells[std::size_t(lower)] == Cell::kSpecial) {
-    [&]<std::size_t... T>(std::index_sequence<T...>) { (walk_special<int(T)>(walk, cell, visit), ...); }
-    (std::make_index_sequence<6>());
-    return;
-  }
   std::array<int, 8> slots;
   for (int c = 0; c < 8; c++)
     slots[std::size_t(c)] = lower + slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, parity);
-  [&]<std::size_t... T>(std::index_sequence<T...>) { (walk_plain<int(T)>(walk, cell, slots, visit), ...); }
+  if (walk.body.cells[std::size_t(lower)] == Cell::kSpecial) return walk_special(walk, cell, slots, visit);
+  const auto all = [](Vec3) { return true; };
+  [&]<std::size_t... T>(std::index_sequence<T...>) {
+    (walk_tet<int(T)>(walk, cell, slots, slots, visit, all), ...);
+  }
   (std::make_index_sequence<6>());
 }
 
@@ -150,15 +155,15 @@ long walk_slab(const PlacedBody& body, int slab, const RestFrame& rest, const Vi
       .window = body.window,
       .begin = slab == 0 ? std::numeric_limits<int>::min() : low << bits,
       .end = high == layers ? std::numeric_limits<int>::max() : high << bits,
-      .to_ratio = sample_volume(body.out) / sample_volume(body.cut.model.grid) / (units * units * units)};
+      .to_ratio = sample_volume(body.out) / sample_volume(body.model.grid) / (units * units * units)};
   walk.window.low.z = low, walk.window.high.z = high;
-  const Int3 size = body.cut.model.lattice.size;
+  const Int3 size = body.model.lattice.size;
   for (int k = 0; k + 1 < size.z; k++)
     for (int j = 0; j + 1 < size.y; j++) {
       const PlacedBody::Bounds row = body.rows[std::size_t(k) * std::size_t(size.y - 1) + std::size_t(j)];
       if (row.low > row.high || row.high < walk.begin || row.low >= walk.end) continue;
       for (int i = 0; i + 1 < size.x; i++)
-        if (body.cells[std::size_t(node_slot(body.cut.model.lattice, i, j, k))] != Cell::kEmpty)
+        if (body.cells[std::size_t(node_slot(body.model.lattice, i, j, k))] != Cell::kEmpty)
           detail::walk_cell(walk, {i, j, k}, visit);
     }
   return walk.folds;

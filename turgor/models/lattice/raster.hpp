@@ -22,6 +22,19 @@ constexpr std::array<Int3, 4> kuhn_corners(Int3 cell, int tet) {
   return {cell, first, second, second + unit_step(path.z)};
 }
 
+/// Which of a cell's tetrahedra holds a point, from its coordinates in the cell; ties as the rasteriser
+/// breaks them.
+template <class T>
+constexpr int kuhn_tet_at(Vec<T> p) {
+  if (p.x >= p.y) return p.y >= p.z ? 0 : p.x >= p.z ? 1 : 4;
+  return p.x >= p.z ? 2 : p.y >= p.z ? 3 : 5;
+}
+/// Barycentric weights, in the order of the path, of a point in the cell.
+inline std::array<float, 4> path_weights(int tet, Vec3 p) {
+  const Int3 path = kKuhnPaths[std::size_t(tet)];
+  return {1 - p[path.x], p[path.x] - p[path.y], p[path.y] - p[path.z], p[path.z]};
+}
+
 /// GCC leaves the functions below out of line otherwise, and a walk takes a third longer.
 #if defined(__GNUC__)
 #define TURGOR_INLINE [[gnu::always_inline]] inline

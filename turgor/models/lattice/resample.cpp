@@ -5,42 +5,12 @@
 #include <cstdint>
 
 #include "turgor/core/timing.hpp"
+#include "turgor/models/lattice/ct_sampler.hpp"
 #include "turgor/models/lattice/placed_body.hpp"
 
 namespace turgor::lattice {
 
 namespace {
-
-/// Trilinear, in voxel indices; beyond the outermost centres their values go on.
-struct Sampler {
-  const std::int16_t* samples;
-  Vec3 last;   // index of the last centre
-  Int3 top;    // the last cell between centres
-  int next_x;  // distances in memory, 0 along an axis with one sample
-  std::size_t row, layer, next_y, next_z;
-
-  explicit Sampler(const CtVolume& ct)
-      : samples(ct.samples.data()),
-        last(ct.grid.size - Int3{1, 1, 1}),
-        top(max(ct.grid.size - Int3{2, 2, 2}, Int3{0, 0, 0})),
-        next_x(ct.grid.size.x > 1),
-        row(std::size_t(ct.grid.size.x)),
-        layer(row * std::size_t(ct.grid.size.y)),
-        next_y(ct.grid.size.y > 1 ? row : 0),
-        next_z(ct.grid.size.z > 1 ? layer : 0) {}
-
-  float operator()(Vec3 at) const {
-    at = min(max(at, Vec3{0, 0, 0}), last);
-    const Int3 p = min(Int3(at), top);
-    const Vec3 f = at - Vec3(p);
-    const std::int16_t* v = samples + (std::size_t(p.z) * layer + std::size_t(p.y) * row + std::size_t(p.x));
-    const auto along_x = [&](const std::int16_t* c) { return float(c[0]) + f.x * float(c[next_x] - c[0]); };
-    const float y0 = along_x(v), y1 = along_x(v + next_y);
-    const float y2 = along_x(v + next_z), y3 = along_x(v + next_z + next_y);
-    const float z0 = y0 + f.y * (y1 - y0), z1 = y2 + f.y * (y3 - y2);
-    return z0 + f.z * (z1 - z0);
-  }
-};
 
 std::int16_t to_hu(float value) { return std::int16_t(std::lrintf(std::clamp(value, -32768.0f, 32767.0f))); }
 
@@ -106,7 +76,7 @@ class TissueAtRest {
  public:
   TissueAtRest(const PlacedBody& body, int j, int k) : body_(body) {
     const Mat3d back = inverse(body.to_out);
-    const Vec3d spacing = body.cut.model.grid.spacing;
+    const Vec3d spacing = body.model.grid.spacing;
     const auto to_node = [&](Vec3d lattice) {
       return Vec3d{lattice.x / spacing.x, lattice.y / spacing.y, lattice.z / spacing.z} * double(1 << kBits);
     };
@@ -119,11 +89,11 @@ class TissueAtRest {
     const Vec3d at = first_ + step_ * double(i);
     const Int3 snapped{int(std::lrint(at.x)), int(std::lrint(at.y)), int(std::lrint(at.z))};
     const Int3 cell{snapped.x >> kBits, snapped.y >> kBits, snapped.z >> kBits};
-    const Lattice& l = body_.cut.model.lattice;
+    const Lattice& l = body_.model.lattice;
     if (!contains(l, cell) || body_.cells[std::size_t(node_slot(l, cell))] == Cell::kEmpty) return false;
     const int tet = kuhn_tet_at(snapped - Int3{cell.x << kBits, cell.y << kBits, cell.z << kBits});
     const auto is_tissue = [&](Int3 node) {
-      return is_body(body_.cut.model.tissue[std::size_t(node_slot(l, node))]);
+      return is_body(body_.model.tissue[std::size_t(node_slot(l, node))]);
     };
     const auto corners = kuhn_corners(cell, tet);
     return std::any_of(corners.begin(), corners.end(), is_tissue);
@@ -184,7 +154,7 @@ struct RestMass {
   std::vector<std::int64_t>& layer_mass;
 
   void operator()(std::size_t layer) const {
-    const Lattice& l = body.cut.model.lattice;
+    const Lattice& l = body.model.lattice;
     std::int64_t mass = 0;
     for (int j = 0; j + 1 < l.size.y; j++) {
       int begin = 0;  // of a run of cells that are drawn whole
@@ -201,9 +171,9 @@ struct RestMass {
 
   /// All six tetrahedra have the cell's first and last corner.
   bool is_whole(Int3 cell) const {
-    const auto slot = std::size_t(node_slot(body.cut.model.lattice, cell));
+    const auto slot = std::size_t(node_slot(body.model.lattice, cell));
     return body.cells[slot] == Cell::kPlain &&
-           (body.cut.solid[slot] || is_solid(body.cut, cell + Int3{1, 1, 1}));
+           (body.solid[slot] || body.solid[std::size_t(node_slot(body.model.lattice, cell + Int3{1, 1, 1}))]);
   }
 
   std::int64_t box_mass(Int3 low, Int3 high) const {
@@ -220,14 +190,14 @@ struct RestMass {
   }
 
   std::int64_t part_mass(Int3 cell) const {
-    if (body.cells[std::size_t(node_slot(body.cut.model.lattice, cell))] == Cell::kEmpty) return 0;
+    if (body.cells[std::size_t(node_slot(body.model.lattice, cell))] == Cell::kEmpty) return 0;
     const Int3 from = hadamard(cell, block), to = min(from + block, ct.grid.size);
     std::array<std::array<bool, 4>, 6> solid, removed;
     for (int t = 0; t < 6; t++)
       for (std::size_t n = 0; n < 4; n++) {
-        const auto slot = std::size_t(node_slot(body.cut.model.lattice, kuhn_corners(cell, t)[n]));
-        solid[std::size_t(t)][n] = body.cut.solid[slot] != 0;
-        removed[std::size_t(t)][n] = !body.cut.solid[slot] && is_body(body.cut.model.tissue[slot]);
+        const auto slot = std::size_t(node_slot(body.model.lattice, kuhn_corners(cell, t)[n]));
+        solid[std::size_t(t)][n] = body.solid[slot] != 0;
+        removed[std::size_t(t)][n] = !body.solid[slot] && is_body(body.model.tissue[slot]);
       }
     std::int64_t mass = 0;
     for (int k = from.z; k < to.z; k++)
@@ -251,7 +221,7 @@ struct RestMass {
 };
 
 double rest_mass(const Exec& exec, const PlacedBody& body, const CtVolume& ct, Int3 block) {
-  std::vector<std::int64_t> layer_mass(std::size_t(body.cut.model.lattice.size.z - 1));
+  std::vector<std::int64_t> layer_mass(std::size_t(body.model.lattice.size.z - 1));
   parallel_for(exec, layer_mass.size(), RestMass{body, ct, block, layer_mass});
   double mass = 0;
   for (const std::int64_t m : layer_mass) mass += double(m);

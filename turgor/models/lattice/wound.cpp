@@ -3,99 +3,91 @@
 #include <cmath>
 
 #include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/surface.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// Two skin nodes that were neighbours across the cut.
+/// A place where both lips lay on each other.
 struct LipPair {
-  double along;  // where on the cut, in the CT [m]
+  double along;  // where on the cut [m]
   double gape;   // opening across the cut since the CT [m]
   double moved;  // the larger displacement of the two [m]
 };
 
-bool is_skin(const Skin& skin, int slot) {
-  return std::binary_search(skin.nodes.begin(), skin.nodes.end(), slot);
+Vec3d across_along(const BladePath& path, double along) {
+  const PathPlace at = place_along(path, along);
+  const std::size_t next = std::min(at.n + 1, path.skin.size() - 1);
+  return normalized(across_at(path, at.n) * (1 - at.rest) + across_at(path, next) * at.rest);
 }
 
-LipPair lip_pair(const Model& model, const State& state, const BladePath& path, const CutEdge& edge,
-                 Vec3d line) {
-  const Int3 a = slot_node(model.lattice, edge.slot), b = a + kFamilies[edge.family];
-  const Vec3d rest_a(rest_position(model.lattice, a)), rest_b(rest_position(model.lattice, b));
-  const Vec3d ua(state.u[std::size_t(edge.slot)]), ub(state.u[std::size_t(node_slot(model.lattice, b))]);
-  const double sign = dot(rest_b - rest_a, path.across) >= 0 ? 1 : -1;
-  return {.along = dot(rest_a + (rest_b - rest_a) * double(edge.fraction) - path.skin.front(), line),
-          .gape = sign * dot(ub - ua, path.across),
-          .moved = std::max(norm(ua), norm(ub))};
-}
-
-/// Lips of a cut through edges: the skin edges that were cut.
-std::vector<LipPair> cut_lips(const Model& model, const State& state, const BladePath& path, int incision,
-                              Vec3d line) {
+std::vector<LipPair> drawn_lips(const Model& model, const State& state, const BodySurface& surface,
+                                const BladePath& path, int incision) {
   std::vector<LipPair> pairs;
-  for (const CutEdge& edge : state.cut_edges) {
-    if (edge.incision != incision) continue;
-    const int other = node_slot(model.lattice, slot_node(model.lattice, edge.slot) + kFamilies[edge.family]);
-    if (state.removed[std::size_t(edge.slot)] || state.removed[std::size_t(other)]) continue;
-    if (is_skin(model.skin, edge.slot) && is_skin(model.skin, other))
-      pairs.push_back(lip_pair(model, state, path, edge, line));
+  for (const Lip& lip : surface.lips) {
+    if (lip.incision != incision) continue;
+    const Vec3d left(vertex_displacement(model, state, surface, lip.left)),
+        right(vertex_displacement(model, state, surface, lip.right));
+    pairs.push_back({.along = double(lip.along),
+                     .gape = dot(right - left, across_along(path, double(lip.along))),
+                     .moved = std::max(norm(left), norm(right))});
   }
   return pairs;
 }
 
+/// A node of skin beside a removed region, as the region's path sees it.
+struct Beside {
+  double along, across;
+  Vec3d u;
+};
+std::vector<Beside> skin_beside(const Model& model, const State& state, const BladePath& path) {
+  const Vec3d line = normalized(path.skin.back() - path.skin.front()), across = across_at(path, 0);
+  const double length = norm(path.skin.back() - path.skin.front()),
+               step = double(std::max({model.lattice.step.x, model.lattice.step.y, model.lattice.step.z}));
+  std::vector<Beside> found;
+  for (const int slot : model.skin.nodes) {
+    if (state.removed[std::size_t(slot)]) continue;
+    const Int3 node = slot_node(model.lattice, slot);
+    bool beside = false;
+    for (const Int3 f : kFamilies)
+      for (const Int3 way : {f, -f})
+        beside |= contains(model.lattice, node + way) &&
+                  state.removed[std::size_t(node_slot(model.lattice, node + way))] != 0;
+    if (!beside) continue;
+    const Vec3d away = Vec3d(rest_position(model.lattice, node)) - path.skin.front();
+    const Beside lip{dot(away, line), dot(away, across), Vec3d(state.u[std::size_t(slot)])};
+    if (lip.along > -2 * step && lip.along < length + 2 * step &&
+        std::abs(lip.across) < path.width / 2 + 2 * step)
+      found.push_back(lip);
+  }
+  return found;
+}
+
 /// Lips of a removed region: skin nodes beside it, each paired with the nearest one along the cut on the
 /// other side.
-std::vector<LipPair> region_lips(const Model& model, const State& state, const BladePath& path, int incision,
-                                 Vec3d line) {
-  struct Lip {
-    double along, across;
-    Vec3d u;
-  };
-  std::vector<Lip> sides[2];
-  std::vector<int> seen;
-  for (const CutEdge& edge : state.cut_edges) {
-    if (edge.incision != incision) continue;
-    const int other = node_slot(model.lattice, slot_node(model.lattice, edge.slot) + kFamilies[edge.family]);
-    const int slot = state.removed[std::size_t(edge.slot)] ? other : edge.slot;
-    if (state.removed[std::size_t(slot)] || !is_skin(model.skin, slot)) continue;
-    seen.push_back(slot);
-  }
-  std::sort(seen.begin(), seen.end());
-  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
-  for (const int slot : seen) {
-    const Vec3d rest(rest_position(model.lattice, slot_node(model.lattice, slot)));
-    const double across = dot(rest - path.skin.front(), path.across);
-    sides[across >= 0].push_back(
-        {dot(rest - path.skin.front(), line), across, Vec3d(state.u[std::size_t(slot)])});
-  }
+std::vector<LipPair> region_lips(const Model& model, const State& state, const BladePath& path) {
+  std::vector<Beside> sides[2];
+  for (const Beside& lip : skin_beside(model, state, path)) sides[lip.across >= 0].push_back(lip);
   std::vector<LipPair> pairs;
-  for (const Lip& lip : sides[1]) {
-    const auto nearest = std::min_element(sides[0].begin(), sides[0].end(), [&](const Lip& a, const Lip& b) {
-      return std::abs(a.along - lip.along) < std::abs(b.along - lip.along);
-    });
+  for (const Beside& lip : sides[1]) {
+    const auto nearest =
+        std::min_element(sides[0].begin(), sides[0].end(), [&](const Beside& a, const Beside& b) {
+          return std::abs(a.along - lip.along) < std::abs(b.along - lip.along);
+        });
     if (nearest == sides[0].end()) continue;
     pairs.push_back({.along = lip.along,
-                     .gape = dot(lip.u - nearest->u, path.across),
+                     .gape = dot(lip.u - nearest->u, across_at(path, 0)),
                      .moved = std::max(norm(lip.u), norm(nearest->u))});
   }
   return pairs;
 }
 
-}  // namespace
-
-Wound measure_wound(const Model& model, const State& state, const BladePath& path, int incision) {
-  const Vec3d line = cross(path.into, path.across);
-  std::vector<LipPair> pairs = cut_lips(model, state, path, incision, line);
-  if (pairs.empty()) pairs = region_lips(model, state, path, incision, line);
-  Wound wound;
-  if (pairs.empty()) return wound;
-  std::sort(pairs.begin(), pairs.end(), [](const LipPair& a, const LipPair& b) { return a.along < b.along; });
-
-  // Mean over bins of about a lattice step along the cut.
+/// Means over bins of about a step of the lattice along the cut.
+void add_profile(const Model& model, const std::vector<LipPair>& pairs, Wound& wound) {
   const double begin = pairs.front().along, end = pairs.back().along;
   const double span = end > begin ? end - begin : 1;  // a single pair has none
-  const double step = std::max({model.lattice.step.x, model.lattice.step.y, model.lattice.step.z});
+  const double step = double(std::max({model.lattice.step.x, model.lattice.step.y, model.lattice.step.z}));
   const int bins = std::max(1, int((end - begin) / step));
   std::vector<GapePoint> sums(static_cast<std::size_t>(bins));
   std::vector<int> counts(static_cast<std::size_t>(bins), 0);
@@ -108,8 +100,14 @@ Wound measure_wound(const Model& model, const State& state, const BladePath& pat
   }
   for (std::size_t b = 0; b < sums.size(); b++)
     if (counts[b] > 0) wound.profile.push_back({sums[b].along / counts[b], sums[b].gape / counts[b]});
-
   wound.length = end - begin;
+}
+
+Wound wound_of(const Model& model, std::vector<LipPair> pairs) {
+  Wound wound;
+  if (pairs.empty()) return wound;
+  std::sort(pairs.begin(), pairs.end(), [](const LipPair& a, const LipPair& b) { return a.along < b.along; });
+  add_profile(model, pairs, wound);
   for (std::size_t n = 0; n < wound.profile.size(); n++) {
     const GapePoint& point = wound.profile[n];
     wound.gape_max = n == 0 ? point.gape : std::max(wound.gape_max, point.gape);
@@ -120,6 +118,18 @@ Wound measure_wound(const Model& model, const State& state, const BladePath& pat
   }
   if (wound.length > 0) wound.gape_mean = wound.opening_area / wound.length;
   return wound;
+}
+
+}  // namespace
+
+Wound measure_wound(const Model& model, const State& state, const BodySurface& surface, const BladePath& path,
+                    int incision) {
+  return wound_of(model, path.width > 0 ? region_lips(model, state, path)
+                                        : drawn_lips(model, state, surface, path, incision));
+}
+
+Wound measure_wound(const Model& model, const State& state, const BladePath& path, int incision) {
+  return measure_wound(model, state, build_surface(model, state, nullptr, Extent::kCuts), path, incision);
 }
 
 }  // namespace turgor::lattice

@@ -7,6 +7,7 @@
 
 #include "turgor/core/hash.hpp"
 #include "turgor/models/lattice/fields.hpp"
+#include "turgor/models/lattice/fine_lattice.hpp"
 #include "turgor/sim/recording/recording_cloth.hpp"
 #include "turgor/sim/recording/recording_fields.hpp"
 #include "turgor/sim/recording/recording_touch.hpp"
@@ -17,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "turgor recording 4";
+constexpr const char* kFormat = "turgor recording 5";
 constexpr std::size_t kMostSnapshots = 1000000, kMostPathPoints = 1 << 24;
 
 std::vector<int> body_slots(const lattice::Model& model) {
@@ -77,7 +78,7 @@ Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
   const lattice::BladePath path = cut.path.value_or(lattice::BladePath{});
   return Writing(file, fmt::format("{}/cuts/{}/", group, cut.blade.name))
       .array("path", flat(path.skin), 3, "m")
-      .array("frame", flat({path.into, path.across}), 3)
+      .array("into", flat(path.into), 3)
       .array<double>("progress", {path.depth, cut.done, double(cut.edges)}, 1, "m, 1, 1")
       .status();
 }
@@ -86,24 +87,28 @@ Status write_cut(Hdf5File& file, const std::string& group, const Cut& cut) {
 bool is_edge(const World& world, const lattice::Model& model, const lattice::CutEdge& edge) {
   if (edge.slot < 0 || edge.slot >= slot_count(model.lattice) || edge.family >= kFamilyCount) return false;
   if (edge.incision >= world.cuts.size() || !(edge.fraction >= 0 && edge.fraction <= 1)) return false;
-  const Int3 node = slot_node(model.lattice, edge.slot);
-  return contains(model.lattice, node) && node_slot(model.lattice, node) == edge.slot &&
-         contains(model.lattice, node + kFamilies[edge.family]);
+  const Int3 cell = slot_node(model.lattice, edge.slot);
+  if (!contains(model.lattice, cell) || node_slot(model.lattice, cell) != edge.slot || edge.part < 0 ||
+      edge.part >= 8 * 8 * 8 || !std::isfinite(edge.along))
+    return false;
+  const lattice::FineLattice fine = lattice::fine_lattice(model);
+  const Int3 node = fine_node(fine, edge);
+  return contains(fine, node) && cell_of(fine, node) == cell && contains(fine, node + kFamilies[edge.family]);
 }
 
 Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
   const std::vector<int> slots = body_slots(body.model);
   lattice::State state = lattice::make_state(body.model);
   Reading reading(in.file, fmt::format("{}/bodies/{}/", in.group, body.name));
-  read_fields(reading, state, {Axis::kSlot, slots}, kFamilyCount * slots.size());
+  const Int3 parts = lattice::fine_lattice(body.model).parts;
+  read_fields(reading, state, {Axis::kSlot, slots},
+              std::size_t(kFamilyCount * parts.x * parts.y * parts.z) * slots.size());
   if (!reading.status()) return reading.status();
   state.u_before = state.u;
-  for (const lattice::CutEdge& edge : state.cut_edges) {
+  for (const lattice::CutEdge& edge : state.cut_edges)
     if (!is_edge(in.world, body.model, edge))
       return Error{fmt::format("{}: {}: a cut edge is not one of the body's", in.path, in.group)};
-    state.cut[std::size_t(edge.slot)] |=
-        std::uint8_t(1u << edge.family);  // also where the lower end is outside the body
-  }
+  state.removed_nodes = int(std::count(state.removed.begin(), state.removed.end(), std::uint8_t(1)));
   body.state = std::move(state);
   body.state.time = time_of(in.world);
   ShownBody none;
@@ -231,18 +236,18 @@ Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   Reading reading(file_, fmt::format("{}/cuts/{}/", group, cut.blade.name));
   const std::size_t values = reading.count("path", kMostPathPoints);
   const auto points = reading.array<double>("path", values);
-  const auto frame = reading.array<double>("frame", 6);
+  const auto into = reading.array<double>("into", values);
   const auto progress = reading.array<double>("progress", 3);
   if (!reading.status()) return reading.status();
   cut.path.reset();
   cut.done = progress[1], cut.edges = int(std::clamp(progress[2], 0.0, 2e9));
   if (values < 6) return Done{};  // the blade had not started
   lattice::BladePath path;
-  for (std::size_t i = 0; i + 2 < values; i += 3)
+  for (std::size_t i = 0; i + 2 < values; i += 3) {
     path.skin.push_back({points[i], points[i + 1], points[i + 2]});
-  path.into = {frame[0], frame[1], frame[2]};
-  path.across = {frame[3], frame[4], frame[5]};
-  path.depth = progress[0];
+    path.into.push_back({into[i], into[i + 1], into[i + 2]});
+  }
+  path.depth = progress[0], path.width = cut.blade.width;
   cut.path = std::move(path);
   return Done{};
 }

@@ -48,8 +48,8 @@ std::optional<double> share_along_lines(const lattice::Model& model, const latti
   const Vec3 step = model.lattice.step;
   const double reach = std::max(0.01, 3.0 * std::max({step.x, step.y, step.z}));
   double sum = 0, count = 0;
-  for (const Vec3d point : path.skin)
-    if (const auto cosine = cosine_to_lines(skin_around(model, point, reach), path.across))
+  for (std::size_t n = 0; n < path.skin.size(); n++)
+    if (const auto cosine = cosine_to_lines(skin_around(model, path.skin[n], reach), across_at(path, n)))
       sum += *cosine * *cosine, count++;
   if (count == 0) return std::nullopt;
   return std::clamp(sum / count, 0.0, 1.0);
@@ -100,7 +100,11 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
     CutMeasures& m = measures.cuts[c];
     if (m.series.empty()) m.pull = skin_pull(body.model, *cut.path);
     m.edges = cut.edges;
-    m.wound = lattice::measure_wound(body.model, body.state, *cut.path, int(c));
+    measures.near_cuts.resize(world.lattice_bodies.size());
+    lattice::BodySurface& near = measures.near_cuts[std::size_t(cut.body)];
+    if (near.pieces.version != cut_version(body.state))
+      near = build_surface(body.model, body.state, &body.ct, lattice::Extent::kCuts);
+    m.wound = lattice::measure_wound(body.model, body.state, near, *cut.path, int(c));
     m.series.push_back(sample_of(m.wound, time_of(world)));
   }
   if (!snapshot) return;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "turgor/models/lattice/surface.hpp"
 #include "turgor/sim/pressed.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -43,7 +44,8 @@ struct SolverSample {
 
 struct Measures {
   std::vector<CutMeasures> cuts;
-  std::vector<Pressed> pressed;  // one for every body that tools can touch
+  std::vector<lattice::BodySurface> near_cuts;  // drawn, of each lattice body; made anew when it is cut
+  std::vector<Pressed> pressed;                 // one for every body that tools can touch
   std::vector<SolverSample> solver;
   std::vector<double> frame_seconds;  // wall time
 };

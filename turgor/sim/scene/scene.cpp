@@ -11,6 +11,7 @@
 #include "turgor/sim/scene/name.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_cloth.hpp"
+#include "turgor/sim/scene/scene_incision.hpp"
 #include "turgor/sim/scene/scene_lattice.hpp"
 #include "turgor/sim/scene/scene_output.hpp"
 #include "turgor/sim/scene/scene_rhombus.hpp"
@@ -152,52 +153,6 @@ void read_bodies(SceneTable bodies, Scene& scene) {
     scene.rhombus_bodies.push_back(read_rhombus_scene(body, name, scene));
   for (const auto& [name, body] : cloths) scene.cloth_bodies.push_back(read_cloth_scene(body, name, scene));
   bodies.finish();
-}
-
-IncisionScene read_incision(SceneTable table, const std::string& name, const Scene& scene) {
-  IncisionScene incision;
-  table.begin_group("incision");
-  table.describe("body", "", "required", "the name of a body with `model = \"lattice\"`");
-  incision.place = table.place();
-  lattice::Incision& blade = incision.blade;
-  blade.name = name;
-  table.require({"body"}, "the name of the body that is cut");
-  incision.body = read_body(table, "body", scene, {BodyKind::kLattice}).index;
-  incision.by_fraction = table.has("from_fraction") || table.has("to_fraction");
-  Vec3d from, to;
-  if (incision.by_fraction) {
-    table.require({"from_fraction"}, "where the cut starts, 0 to 1 along the body's box");
-    table.require({"to_fraction"}, "where the cut ends, 0 to 1 along the body's box");
-    table.read("from_fraction", from, within(0, 1),
-               "instead of `from`: in fractions of the box around the body, so that one scene fits every "
-               "patient. 0 or 1 along an axis means the surface of the body seen from that side: `[0.5, 0, "
-               "0.4]` is the front, in the middle");
-    table.read("to_fraction", to, within(0, 1), "instead of `to`");
-  } else {
-    table.require({"from", "from_fraction"}, "where the cut starts");
-    table.require({"to", "to_fraction"}, "where the cut ends");
-    table.read("from", from, within(-100, 100, "m"),
-               {"where the cut starts, on or near the skin", "required"});
-    table.read("to", to, within(-100, 100, "m"), {"where it ends", "required"});
-  }
-  if (incision.by_fraction && (table.has("from") || table.has("to")))
-    table.fail(table.has("from") ? "from" : "to",
-               "a cut is given either in metres or in fractions, not in both");
-  blade.from = from, blade.to = to;
-  const bool both = table.has(incision.by_fraction ? "from_fraction" : "from") &&
-                    table.has(incision.by_fraction ? "to_fraction" : "to");
-  if (both && from == to) table.fail("to", "the cut has no length: it ends where it starts");
-  table.read("depth", blade.depth, inside(0, 1, "m"), "below the skin");
-  table.read("start", blade.start, not_negative("s"), "when the blade starts");
-  table.read("duration", blade.duration, not_negative("s"),
-             "how long it takes from `from` to `to`; 0 = at once");
-  table.read("width", blade.width, within(0, 1, "m"),
-             "0 cuts edges; else the static region of the paper of this width, which leaves the body");
-  if (blade.start >= scene.duration)
-    table.fail("start", fmt::format("the cut starts at {} s, when the run of {} s is over", blade.start,
-                                    scene.duration));
-  table.finish();
-  return incision;
 }
 
 void read_incisions(SceneTable incisions, Scene& scene) {

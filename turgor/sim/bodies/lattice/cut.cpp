@@ -64,6 +64,7 @@ lattice::Incision placed_blade(const lattice::Model& model, const lattice::Incis
   lattice::Incision blade = fractions;
   blade.from = placed_point(model, box, fractions.from);
   blade.to = placed_point(model, box, fractions.to);
+  for (Vec3d& point : blade.path) point = placed_point(model, box, point);
   return blade;
 }
 
@@ -83,8 +84,7 @@ Status advance_blade(LatticeBody& body, Cut& cut, int index, double time) {
     Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade);
     if (!path) return path.error();
     cut.path = std::move(*path);
-    if (cut.blade.width > 0)
-      cut.edges = lattice::cut_region(body.model, body.state, *cut.path, cut.blade.width, index);
+    if (cut.blade.width > 0) cut.edges = lattice::cut_region(body.model, body.state, *cut.path);
   }
   if (cut.blade.width == 0)
     cut.edges += lattice::cut_edges(body.model, body.state, *cut.path, cut.done, fraction, index);

@@ -163,9 +163,9 @@ void record_step(const LatticeBody& body, std::vector<TouchingTool>& tools, doub
 }
 
 void make_surface(LatticeBody& body) {
-  body.surface = lattice::build_surface(body.model, body.state);
+  body.surface = lattice::build_surface(body.model, body.state, &body.ct);
   body.rest = lattice::rest_points(body.model, body.surface);
-  body.surface_cuts = body.state.cut_edges.size();
+  body.surface_cuts = cut_version(body.state);
 }
 
 }  // namespace
@@ -178,7 +178,7 @@ Result<LatticeBody> load_body(const Loading& loading, const LatticeScene& scene,
 
 void keep_surface(LatticeBody& body) {
   const bool made = !body.rest.empty();
-  if (made && body.state.cut_edges.size() == body.surface_cuts) return;
+  if (made && cut_version(body.state) == body.surface_cuts) return;
   make_surface(body);
   if (made && !body.tools.empty()) contact::take_surface(body.touch, body.model, body.surface);
 }

@@ -36,7 +36,7 @@ struct LatticeBody : TouchedBody {
   // When tools touch it or cloth lies on it:
   lattice::BodySurface surface;  // with the cuts that it has now
   std::vector<Vec3d> rest;       // its vertices, patient frame [m]
-  std::size_t surface_cuts = 0;  // edges that were cut when it was made
+  std::size_t surface_cuts = 0;  // cut_version of the state that it was made of
   contact::LatticeTouch touch;
   std::vector<contact::Tool> tools;  // one for each of tool_indices, as the two below
   std::vector<contact::ToolPose> poses;

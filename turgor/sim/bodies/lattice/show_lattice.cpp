@@ -10,7 +10,7 @@ struct KeptSkin {
   lattice::BodySurface surface;
   std::vector<Vec3d> rest;  // patient frame [m]
   const lattice::Model* model = nullptr;
-  std::size_t cut_edges = 0;  // when it was made
+  std::size_t cuts = 0;  // cut_version when it was made
 };
 
 struct Skin {
@@ -20,14 +20,14 @@ struct Skin {
 
 /// With the cuts that the body has now.
 Skin skin_of(const LatticeBody& body, std::any& kept) {
-  const std::size_t cut_edges = body.state.cut_edges.size();
-  if (!body.rest.empty() && body.surface_cuts == cut_edges) return {body.surface, body.rest};
+  const std::size_t cuts = cut_version(body.state);
+  if (!body.rest.empty() && body.surface_cuts == cuts) return {body.surface, body.rest};
   if (!std::any_cast<KeptSkin>(&kept)) kept = KeptSkin();
   KeptSkin& skin = *std::any_cast<KeptSkin>(&kept);
-  if (skin.model != &body.model || skin.cut_edges != cut_edges) {
-    skin.surface = lattice::build_surface(body.model, body.state);
+  if (skin.model != &body.model || skin.cuts != cuts) {
+    skin.surface = lattice::build_surface(body.model, body.state, &body.ct);
     skin.rest = lattice::rest_points(body.model, skin.surface);
-    skin.model = &body.model, skin.cut_edges = cut_edges;
+    skin.model = &body.model, skin.cuts = cuts;
   }
   return {skin.surface, skin.rest};
 }

@@ -1,0 +1,135 @@
+#include "turgor/models/lattice/copy_sources.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <limits>
+
+namespace turgor::lattice {
+
+namespace {
+
+constexpr double kReach = 3;  // of a fit [steps]
+constexpr int kRounds = 4;    // of the search, a cell each
+constexpr std::size_t kEnough = 4;
+
+/// Which pieces have a corner: pairs in order.
+struct PiecesOfCorner {
+  std::vector<std::pair<int, int>> pairs;  // corner, piece
+
+  explicit PiecesOfCorner(const Pieces& pieces) {
+    for (int p = 0; p < int(pieces.pieces.size()); p++)
+      for (const int corner : pieces.pieces[std::size_t(p)].corner) pairs.emplace_back(corner, p);
+    std::sort(pairs.begin(), pairs.end());
+  }
+  template <class Visit>
+  void operator()(int corner, const Visit& visit) const {
+    auto at = std::lower_bound(pairs.begin(), pairs.end(), std::pair(corner, -1));
+    for (; at != pairs.end() && at->first == corner; ++at) visit(at->second);
+  }
+};
+
+/// Nodes of tissue that are joined to a copy, nearest in cells first: two rounds, more where that finds too
+/// few.
+std::vector<int> joined_nodes(const Model& model, const State& state, const Pieces& pieces,
+                              const PiecesOfCorner& pieces_of, int copy) {
+  const int slots = slot_count(pieces.fine.cells);
+  std::vector<int> seen{copy}, nodes;
+  std::size_t begin = 0;
+  for (int round = 0; round < kRounds && (round < 2 || nodes.size() < kEnough); round++) {
+    const std::size_t end = seen.size();
+    for (; begin < end; begin++)
+      pieces_of(seen[begin], [&](int p) {
+        for (const int corner : pieces.pieces[std::size_t(p)].corner)
+          if (std::find(seen.begin(), seen.end(), corner) == seen.end()) seen.push_back(corner);
+      });
+    nodes.clear();
+    for (const int corner : seen)
+      if (corner < slots && is_solid(model, state, corner)) nodes.push_back(corner);
+  }
+  return nodes;
+}
+
+/// The weights that a linear fit gives to the nodes, for its value at `place`. A direction in which there are
+/// no nodes has no gradient.
+std::vector<double> fit_weights(const std::vector<Vec3d>& nodes, Vec3d place) {
+  std::vector<double> weight(nodes.size());
+  double total = 0;
+  Vec3d centre;
+  for (std::size_t n = 0; n < nodes.size(); n++) {
+    const Vec3d apart = nodes[n] - place;
+    const double fade = std::max(0.01, 1 - dot(apart, apart) / (kReach * kReach));
+    weight[n] = fade * fade;
+    total += weight[n];
+    centre += nodes[n] * weight[n];
+  }
+  centre = centre / total;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  const auto column = [](Vec3d d) { return Eigen::Vector3d(d.x, d.y, d.z); };
+  for (std::size_t n = 0; n < nodes.size(); n++)
+    normal += weight[n] * column(nodes[n] - centre) * column(nodes[n] - centre).transpose();
+  normal.diagonal().array() += 1e-3 * normal.trace() + 1e-9;
+  const Eigen::Vector3d way = normal.inverse() * column(place - centre);
+  for (std::size_t n = 0; n < nodes.size(); n++) weight[n] *= 1 / total + way.dot(column(nodes[n] - centre));
+  return weight;
+}
+
+/// The blade beside a copy: a plane through what is cut in and around the first cut cell that has it. Cells
+/// are asked once.
+struct BladesBeside {
+  const State& state;
+  const Pieces& pieces;
+  const EdgesOfCells& edges;
+  std::vector<std::optional<TipPlane>> plane;  // by cell
+  std::vector<std::uint8_t> known;
+
+  BladesBeside(const State& s, const Pieces& p, const EdgesOfCells& e)
+      : state(s), pieces(p), edges(e), plane(p.cells.size()), known(p.cells.size()) {}
+
+  std::optional<TipPlane> operator()(const PiecesOfCorner& pieces_of, int copy) {
+    int cell = -1;
+    pieces_of(copy, [&](int p) {
+      const int c = pieces.pieces[std::size_t(p)].cell;
+      if (cell < 0 && pieces.cells[std::size_t(c)].is_cut) cell = c;
+    });
+    if (cell < 0) return {};
+    const auto c = std::size_t(cell);
+    if (!known[c]) plane[c] = fit_tip(state, pieces, edges, pieces.cells[c]), known[c] = 1;
+    return plane[c];
+  }
+};
+
+/// The place that a copy takes its displacement from: itself, or, across the blade, as far from the blade as
+/// the nearest nodes on its own side.
+Vec3d place_on_own_side(const TipPlane& blade, const std::vector<Vec3d>& nodes, Vec3d place) {
+  double side = 0, least = std::numeric_limits<double>::max();
+  for (const Vec3d node : nodes) side += blade.at(node);
+  for (const Vec3d node : nodes)
+    if (blade.at(node) * side > 0) least = std::min(least, std::abs(blade.at(node)));
+  const double own = side > 0 ? least : -least, at = blade.at(place);
+  return (at - own) * side < 0 ? place + blade.normal * (own - at) : place;
+}
+
+}  // namespace
+
+void find_sources(const Model& model, const State& state, const EdgesOfCells& edges, Pieces& pieces) {
+  const Lattice& l = pieces.fine.cells;
+  const PiecesOfCorner pieces_of(pieces);
+  BladesBeside blades(state, pieces, edges);
+  for (std::size_t c = 0; c < pieces.copies.size(); c++) {
+    NodeCopy& copy = pieces.copies[c];
+    copy.first = int(pieces.sources.size());
+    const int corner = slot_count(l) + int(c);
+    const std::vector<int> nodes = joined_nodes(model, state, pieces, pieces_of, corner);
+    std::vector<Vec3d> places;
+    for (const int slot : nodes) places.push_back(Vec3d(slot_node(l, slot)));
+    if (!nodes.empty()) {
+      Vec3d place(slot_node(l, copy.slot));
+      if (const auto blade = blades(pieces_of, corner)) place = place_on_own_side(*blade, places, place);
+      const std::vector<double> weights = fit_weights(places, place);
+      for (std::size_t n = 0; n < nodes.size(); n++) pieces.sources.push_back({nodes[n], Real(weights[n])});
+    }
+    copy.source_count = int(pieces.sources.size()) - copy.first;
+  }
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,144 @@
+// The edges of a body that a blade will cut: each lies where the body has it now.
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/models/lattice/blade_sheet.hpp"
+#include "turgor/models/lattice/pieces.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Cells and nodes that may lie near the sheet, by where they can have moved to.
+struct Range {
+  Int3 low, high;
+};
+Range range_near(const Model& model, const State& state, const BladeSheet& sheet) {
+  Real farthest = 0;
+  for (std::size_t s = 0; s < model.tissue.size(); s++)
+    if (is_body(model.tissue[s])) farthest = std::max(farthest, dot(state.u[s], state.u[s]));
+  const double reach = std::sqrt(double(farthest));
+  Range range{};
+  for (int axis = 0; axis < 3; axis++) {
+    const double step = double(model.lattice.step[axis]);
+    range.low[axis] = std::max(0, int(std::floor((sheet.box.low[axis] - reach) / step)) - 2);
+    range.high[axis] =
+        std::min(model.lattice.size[axis] - 1, int(std::ceil((sheet.box.high[axis] + reach) / step)) + 2);
+  }
+  return range;
+}
+
+template <class Visit>
+void for_range(const Range& range, Int3 last, Visit&& visit) {
+  for (int k = range.low.z; k <= std::min(range.high.z, last.z); k++)
+    for (int j = range.low.y; j <= std::min(range.high.y, last.y); j++)
+      for (int i = range.low.x; i <= std::min(range.high.x, last.x); i++) visit(Int3{i, j, k});
+}
+
+Box box_of(Vec3d a, Vec3d b) { return {min(a, b), max(a, b)}; }
+
+/// Edges between nodes of the body.
+struct LatticeEdges {
+  const Model& model;
+  const State& state;
+  const BladeSheet& sheet;
+  std::vector<EdgeAhead>& found;
+  std::vector<int> near;
+
+  void operator()(Int3 node) {
+    const Lattice& l = model.lattice;
+    const int slot = node_slot(l, node);
+    if (!is_solid(model, state, slot)) return;
+    const Vec3d a(position(model, state, node));
+    for (int f = 0; f < kFamilyCount; f++) {
+      const Int3 other = node + kFamilies[std::size_t(f)];
+      if (!contains(l, other) || state.cut[std::size_t(slot)] >> f & 1) continue;
+      if (!is_solid(model, state, node_slot(l, other))) continue;
+      const Vec3d b(position(model, state, other));
+      triangles_near(sheet, box_of(a, b), near);
+      if (const auto hit = cross_sheet(sheet, near, a, b))
+        found.push_back({slot, std::uint8_t(f), Real(hit->along)});
+    }
+  }
+};
+
+/// Edges of the fine lattice, in and around the body: those through the skin say where lips are.
+struct FineEdges {
+  const Model& model;
+  const State& state;
+  const Pieces& pieces;
+  const BladeSheet& sheet;
+  std::vector<CutEdge>& found;
+  std::vector<int> near;
+  std::array<Vec3d, kMostPlaces> place;
+
+  void operator()(Int3 cell) {
+    const Lattice& l = model.lattice;
+    const int slot = node_slot(l, cell), parity = cell.x & 1;
+    bool any = false;
+    for (int c = 0; c < 8 && !any; c++)
+      any = is_solid(model, state, slot + slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, parity));
+    if (!any) return;
+    const CutCell* cut = find_cell(pieces, slot);
+    const int count = cut && cut->piece_count > 1 ? cut->piece_count : 1;
+    for (int p = 0; p < count; p++) add_piece(cell, cut, p);
+  }
+
+  void add_piece(Int3 cell, const CutCell* cut, int piece) {
+    const FineLattice& f = pieces.fine;
+    const int slot = node_slot(f.cells, cell);
+    const auto corners = corners_of(model, pieces, slot, cut ? piece : -1);
+    std::array<Vec3d, 8> x;
+    Box box{};
+    for (std::size_t c = 0; c < 8; c++) {
+      const Int3 corner = cell + Int3{int(c) & 1, int(c) >> 1 & 1, int(c) >> 2};
+      x[c] = Vec3d(rest_position(f.cells, corner)) +
+             Vec3d(corner_displacement(model, state, pieces, corners[c]));
+      box = c == 0 ? box_of(x[c], x[c]) : Box{min(box.low, x[c]), max(box.high, x[c])};
+    }
+    triangles_near(sheet, box, near);
+    if (near.empty()) return;
+    for_places(f, [&](Int3 p) {
+      const auto weight =
+          trilinear(Vec3d{double(p.x) / f.parts.x, double(p.y) / f.parts.y, double(p.z) / f.parts.z});
+      Vec3d& at = place[std::size_t(place_in_cell(f, p))];
+      at = {};
+      for (std::size_t c = 0; c < 8; c++) at += x[c] * weight[c];
+    });
+    for_places(f, [&](Int3 p) { add_edges(cell, cut, piece, p); });
+  }
+
+  void add_edges(Int3 cell, const CutCell* cut, int piece, Int3 local) {
+    const FineLattice& f = pieces.fine;
+    const Int3 node = first_of_cell(f, cell) + local;
+    if (!(cell_of(f, node) == cell)) return;  // counted to another one
+    const int at = place_in_cell(f, local);
+    if (cut && cut->piece_count > 1 && pieces.label[cut->places + std::size_t(at)] != piece) return;
+    for (int n = 0; n < kFamilyCount; n++) {
+      const Int3 other = local + kFamilies[std::size_t(n)];
+      if (!in_cell(f, other)) continue;
+      if (cut && pieces.cut[cut->places + std::size_t(at)] >> n & 1) continue;
+      const auto hit =
+          cross_sheet(sheet, near, place[std::size_t(at)], place[std::size_t(place_in_cell(f, other))]);
+      if (!hit) continue;
+      CutEdge edge = cut_edge_at(f, node, n);
+      edge.rightward = hit->rightward, edge.fraction = Real(hit->fraction), edge.along = Real(hit->along);
+      found.push_back(edge);
+    }
+  }
+};
+
+}  // namespace
+
+void find_edges(const Model& model, const State& state, const BladeSheet& sheet, BladePath& path) {
+  if (sheet.triangles.empty()) return;
+  const Range range = range_near(model, state, sheet);
+  const Int3 last = model.lattice.size - Int3{1, 1, 1};
+  LatticeEdges edges{model, state, sheet, path.edges, {}};
+  for_range(range, last, edges);
+  const Pieces pieces = make_pieces(model, state);
+  FineEdges fine{model, state, pieces, sheet, path.fine_edges, {}, {}};
+  for_range(range, last - Int3{1, 1, 1}, fine);
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,321 @@
+#include "turgor/models/lattice/pieces.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+#include "turgor/models/lattice/copy_sources.hpp"
+#include "turgor/models/lattice/tip_cells.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Cells that a fine edge lies in, itself or on their borders.
+template <class Visit>
+void for_cells_of_edge(const FineLattice& f, Int3 a, Int3 b, const Visit& visit) {
+  Int3 low, high;
+  for (int axis = 0; axis < 3; axis++) {
+    const int first = std::min(a[axis], b[axis]), last = std::max(a[axis], b[axis]), parts = f.parts[axis];
+    low[axis] = std::max(0, (last + parts - 1) / parts - 1);
+    high[axis] = std::min(f.cells.size[axis] - 2, first / parts);
+  }
+  for (int k = low.z; k <= high.z; k++)
+    for (int j = low.y; j <= high.y; j++)
+      for (int i = low.x; i <= high.x; i++) visit(Int3{i, j, k});
+}
+
+/// The slots of the cells that have a cut edge, and of those around their nodes.
+void find_cells(const State& state, Pieces& out) {
+  const Lattice& l = out.fine.cells;
+  std::vector<int> cut, near;
+  for (const CutEdge& edge : state.cut_edges) {
+    const Int3 a = fine_node(out.fine, edge);
+    for_cells_of_edge(out.fine, a, a + kFamilies[edge.family],
+                      [&](Int3 cell) { cut.push_back(node_slot(l, cell)); });
+  }
+  std::sort(cut.begin(), cut.end());
+  cut.erase(std::unique(cut.begin(), cut.end()), cut.end());
+  for (const int slot : cut) {
+    const Int3 cell = slot_node(l, slot);
+    const Int3 low = max(cell - Int3{1, 1, 1}, Int3{0, 0, 0}),
+               high = min(cell + Int3{1, 1, 1}, l.size - Int3{2, 2, 2});
+    for (int k = low.z; k <= high.z; k++)
+      for (int j = low.y; j <= high.y; j++)
+        for (int i = low.x; i <= high.x; i++) near.push_back(node_slot(l, i, j, k));
+  }
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  const auto places = std::size_t(places_of_cell(out.fine));
+  for (const int slot : near) {
+    out.cell_index.find_or_add(std::uint64_t(slot));
+    out.cells.push_back({.slot = slot,
+                         .places = out.cells.size() * places,
+                         .is_cut = std::binary_search(cut.begin(), cut.end(), slot)});
+  }
+  out.label.assign(out.cells.size() * places, -1);
+  out.cut.assign(out.cells.size() * places, 0);
+}
+
+/// Which edges of which cell are cut, by place.
+EdgesOfCells note_cuts(const State& state, Pieces& out) {
+  const FineLattice& f = out.fine;
+  EdgesOfCells edges;
+  for (std::size_t n = 0; n < state.cut_edges.size(); n++) {
+    const CutEdge& edge = state.cut_edges[n];
+    const Int3 a = fine_node(f, edge);
+    out.edge_index.find_or_add(fine_edge_key(f, a, edge.family));
+    for_cells_of_edge(f, a, a + kFamilies[edge.family], [&](Int3 cell) {
+      const CutCell& c = *find_cell(out, node_slot(f.cells, cell));
+      const int place = place_in_cell(f, a - first_of_cell(f, cell));
+      out.cut[c.places + std::size_t(place)] |= std::uint8_t(1u << edge.family);
+      edges.pairs.emplace_back(int(&c - out.cells.data()), int(n));
+    });
+  }
+  std::sort(edges.pairs.begin(), edges.pairs.end());
+  return edges;
+}
+
+/// The places of one cell and the ways between them.
+struct CellPlaces {
+  const FineLattice& fine;
+  const std::uint8_t* cut;
+  std::int16_t* label;
+  int offset[kFamilyCount];
+
+  CellPlaces(Pieces& pieces, const CutCell& cell)
+      : fine(pieces.fine), cut(&pieces.cut[cell.places]), label(&pieces.label[cell.places]) {
+    for (int n = 0; n < kFamilyCount; n++) offset[n] = place_in_cell(fine, kFamilies[std::size_t(n)]);
+  }
+  /// Calls visit(neighbour, its place) for all neighbours in the cell along uncut edges.
+  template <class Visit>
+  void for_joined(Int3 local, const Visit& visit) const {
+    const int place = place_in_cell(fine, local);
+    for (int n = 0; n < kFamilyCount; n++) {
+      const Int3 up = local + kFamilies[std::size_t(n)], down = local - kFamilies[std::size_t(n)];
+      if (in_cell(fine, up) && !(cut[place] >> n & 1)) visit(up, place + offset[n]);
+      if (in_cell(fine, down) && !(cut[place - offset[n]] >> n & 1)) visit(down, place - offset[n]);
+    }
+  }
+};
+
+/// Fine nodes that are tissue, by the trilinear level of a cell's corners.
+std::array<bool, kMostPlaces> solid_places(const Model& model, const State& state, const FineLattice& f,
+                                           int slot) {
+  std::array<Real, 8> level;
+  const int parity = slot_node(f.cells, slot).x & 1;
+  for (int c = 0; c < 8; c++)
+    level[std::size_t(c)] =
+        node_level(model, state, slot + slot_offset(f.cells, {c & 1, c >> 1 & 1, c >> 2}, parity));
+  std::array<bool, kMostPlaces> solid{};
+  for_places(f, [&](Int3 p) {
+    const auto weight = trilinear(
+        Vec3{Real(p.x) / Real(f.parts.x), Real(p.y) / Real(f.parts.y), Real(p.z) / Real(f.parts.z)});
+    Real sum = 0;
+    for (std::size_t c = 0; c < 8; c++) sum += weight[c] * level[c];
+    solid[std::size_t(place_in_cell(f, p))] = sum > 0;
+  });
+  return solid;
+}
+
+/// Numbers the pieces of a cell by flood fill over its tissue; what is air stays -1.
+int label_tissue(const CellPlaces& places, const std::array<bool, kMostPlaces>& solid) {
+  int count = 0;
+  std::vector<Int3> open;
+  for_places(places.fine, [&](Int3 start) {
+    const int at = place_in_cell(places.fine, start);
+    if (!solid[std::size_t(at)] || places.label[at] >= 0) return;
+    places.label[at] = std::int16_t(count);
+    open.assign(1, start);
+    while (!open.empty()) {
+      const Int3 p = open.back();
+      open.pop_back();
+      places.for_joined(p, [&](Int3 next, int place) {
+        if (!solid[std::size_t(place)] || places.label[place] >= 0) return;
+        places.label[place] = std::int16_t(count);
+        open.push_back(next);
+      });
+    }
+    count++;
+  });
+  return count;
+}
+
+/// Air takes the label of the tissue that it is nearest to on its own side of the blades; what is shut in,
+/// any.
+void label_air(const CellPlaces& places) {
+  std::vector<Int3> open;
+  for_places(places.fine, [&](Int3 p) {
+    if (places.label[place_in_cell(places.fine, p)] >= 0) open.push_back(p);
+  });
+  for (std::size_t next = 0; next < open.size(); next++) {
+    const Int3 p = open[next];
+    const std::int16_t label = places.label[place_in_cell(places.fine, p)];
+    places.for_joined(p, [&](Int3 beside, int place) {
+      if (places.label[place] >= 0) return;
+      places.label[place] = label;
+      open.push_back(beside);
+    });
+  }
+  if (!open.empty())
+    for (int p = 0; p < places_of_cell(places.fine); p++)
+      places.label[p] = std::max(places.label[p], std::int16_t(0));
+}
+
+/// Parts the one piece of a cell that a blade entered: by a plane. Returns how many pieces
+/// there are then.
+int part_tip(const State& state, const Pieces& pieces, const EdgesOfCells& edges, const CutCell& cell,
+             const CellPlaces& places) {
+  const std::optional<TipPlane> plane = fit_tip(state, pieces, edges, cell);
+  if (!plane) return 1;
+  const Int3 first = first_of_cell(pieces.fine, slot_node(pieces.fine.cells, cell.slot));
+  bool any[2] = {false, false};
+  for_places(pieces.fine, [&](Int3 p) {
+    std::int16_t& label = places.label[place_in_cell(pieces.fine, p)];
+    if (label < 0) return;
+    label = plane->at(lattice_index(pieces.fine, first + p)) >= 0;
+    any[label] = true;
+  });
+  if (any[0] && any[1]) return 2;
+  for (int p = 0; p < places_of_cell(pieces.fine); p++)
+    places.label[p] = std::min(places.label[p], std::int16_t(0));
+  return 1;
+}
+
+void make_cell_pieces(const Model& model, const State& state, const EdgesOfCells& edges, Pieces& out) {
+  for (std::size_t c = 0; c < out.cells.size(); c++) {
+    CutCell& cell = out.cells[c];
+    const CellPlaces places(out, cell);
+    cell.first_piece = int(out.pieces.size());
+    cell.piece_count = label_tissue(places, solid_places(model, state, out.fine, cell.slot));
+    if (cell.is_cut && cell.piece_count == 1 && has_cut_edge(state, out.fine.cells, cell.slot))
+      cell.piece_count = part_tip(state, out, edges, cell, places);
+    for (int p = 0; p < cell.piece_count; p++) {
+      const int parity = slot_node(out.fine.cells, cell.slot).x & 1;
+      Piece piece{.cell = int(c), .corner = {}};
+      for (int n = 0; n < 8; n++)
+        piece.corner[std::size_t(n)] =
+            cell.slot + slot_offset(out.fine.cells, {n & 1, n >> 1 & 1, n >> 2}, parity);
+      out.pieces.push_back(piece);
+    }
+  }
+}
+
+/// The pieces around one node, joined where they share tissue.
+struct AroundNode {
+  Pieces& pieces;
+  Int3 node;
+  const CutCell* cell[8] = {};  // corner c of cell c is the node
+  int first[9] = {};            // of its pieces, among those around the node
+  std::vector<int> group;
+
+  AroundNode(Pieces& p, Int3 n) : pieces(p), node(n) {
+    for (int c = 0; c < 8; c++) {
+      const Int3 corner = node - Int3{c & 1, c >> 1 & 1, c >> 2}, last = p.fine.cells.size - Int3{2, 2, 2};
+      const bool inside = corner == min(max(corner, Int3{0, 0, 0}), last);
+      cell[c] = inside ? find_cell(p, node_slot(p.fine.cells, corner)) : nullptr;
+      first[c + 1] = first[c] + (cell[c] ? cell[c]->piece_count : 0);
+    }
+    group.resize(std::size_t(first[8]));
+    std::iota(group.begin(), group.end(), 0);
+    for (int a = 0; a < 8; a++)
+      for (int b = a + 1; b < 8; b++)
+        if (cell[a] && cell[b]) join_cells(a, b);
+  }
+
+  int root(int n) const {
+    while (group[std::size_t(n)] != n) n = group[std::size_t(n)];
+    return n;
+  }
+  void join(int a, int b) {
+    a = root(a), b = root(b);
+    group[std::size_t(std::max(a, b))] = std::min(a, b);
+  }
+  int label(int c, Int3 p) const {
+    const FineLattice& f = pieces.fine;
+    const Int3 local = p - first_of_cell(f, node - Int3{c & 1, c >> 1 & 1, c >> 2});
+    return pieces.label[cell[c]->places + std::size_t(place_in_cell(f, local))];
+  }
+  /// By the fine nodes that both cells have.
+  void join_cells(int a, int b) {
+    const FineLattice& f = pieces.fine;
+    const Int3 at = first_of_cell(f, node);
+    Int3 low = at, high = at;
+    for (int axis = 0; axis < 3; axis++) {
+      if ((a >> axis & 1) != (b >> axis & 1)) continue;
+      (a >> axis & 1 ? low : high)[axis] += a >> axis & 1 ? -f.parts[axis] : f.parts[axis];
+    }
+    for (int k = low.z; k <= high.z; k++)
+      for (int j = low.y; j <= high.y; j++)
+        for (int i = low.x; i <= high.x; i++)
+          if (const int la = label(a, {i, j, k}), lb = label(b, {i, j, k}); la >= 0 && lb >= 0)
+            join(first[a] + la, first[b] + lb);
+  }
+  /// The group that the node itself belongs to, -1 when it is air.
+  int own_group() const {
+    for (int c = 0; c < 8; c++)
+      if (cell[c])
+        if (const int l = label(c, first_of_cell(pieces.fine, node)); l >= 0) return root(first[c] + l);
+    return -1;
+  }
+};
+
+/// Gives each group of pieces around a node that the node does not lie in a copy of it. Air has no group of
+/// its own.
+void copy_node(Pieces& out, Int3 node) {
+  const AroundNode around(out, node);
+  const int own = around.own_group();
+  std::vector<int> copy_of(std::size_t(around.first[8]), -1);
+  for (int c = 0; c < 8; c++)
+    for (int n = around.first[c]; n < around.first[c + 1]; n++) {
+      const int group = around.root(n);
+      if (group == own) continue;
+      int& copy = copy_of[std::size_t(group)];
+      if (copy < 0) {
+        copy = slot_count(out.fine.cells) + int(out.copies.size());
+        out.copies.push_back({.slot = node_slot(out.fine.cells, node)});
+      }
+      out.pieces[std::size_t(around.cell[c]->first_piece + n - around.first[c])].corner[std::size_t(c)] =
+          copy;
+    }
+}
+
+void make_copies(Pieces& out) {
+  std::vector<int> nodes;  // slots
+  for (const CutCell& cell : out.cells) {
+    if (!cell.is_cut) continue;
+    const int parity = slot_node(out.fine.cells, cell.slot).x & 1;
+    for (int c = 0; c < 8; c++)
+      nodes.push_back(cell.slot + slot_offset(out.fine.cells, {c & 1, c >> 1 & 1, c >> 2}, parity));
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  for (const int slot : nodes) copy_node(out, slot_node(out.fine.cells, slot));
+}
+
+}  // namespace
+
+Real node_level(const Model& model, const State& state, int slot) {
+  constexpr Real kLeast = 4, kGas = 500;  // [HU]
+  const auto s = std::size_t(slot);
+  const Real beyond = Real(model.hu[s]) - Real(model.params.tissue.air_max);
+  if (state.removed[s]) return -kGas;
+  if (!is_body(model.tissue[s])) return std::min(beyond, -kLeast);
+  return beyond < 0 ? kGas : std::max(beyond, kLeast);
+}
+
+Pieces make_pieces(const Model& model, const State& state) {
+  Pieces out;
+  out.fine = fine_lattice(model);
+  out.version = cut_version(state);
+  if (state.cut_edges.empty()) return out;
+  find_cells(state, out);
+  const EdgesOfCells edges = note_cuts(state, out);
+  make_cell_pieces(model, state, edges, out);
+  make_copies(out);
+  find_sources(model, state, edges, out);
+  for (const CutCell& cell : out.cells) label_air(CellPlaces(out, cell));
+  return out;
+}
+
+}  // namespace turgor::lattice

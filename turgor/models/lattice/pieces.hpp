@@ -1,0 +1,85 @@
+// What the cells of a cut body fall apart into. Along a blade's surface the edges of the fine lattice are
+// cut; the tissue of a cell that still holds together inside it is a piece. A node is there once for every
+// part of the tissue around it: as itself for the part it lies in, as a copy for each other one [virtual
+// nodes: Molino, Bao and Fedkiw 2004; Sifakis, Der and Fedkiw 2007; Wang, Jiang, Schroeder and Teran 2014].
+// So the displacement of any point is trilinear in the eight corners of its piece: drawing, measuring and
+// resampling ask for nothing else.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "turgor/models/lattice/fine_lattice.hpp"
+#include "turgor/models/lattice/key_index.hpp"
+
+namespace turgor::lattice {
+
+/// The tissue of one cell that holds together. A corner is a slot of the lattice, or slot_count + number of a
+/// copy.
+struct Piece {
+  int cell = 0;  // index into Pieces::cells
+  std::array<int, 8> corner{};
+};
+
+/// A cell near a cut.
+struct CutCell {
+  int slot = 0;  // of its lowest node
+  int first_piece = 0, piece_count = 0;
+  std::size_t places = 0;  // its first in Pieces::label and Pieces::cut
+  bool is_cut = false;     // an edge in it is cut; else it is beside such a cell
+};
+
+/// A copy of a node. It goes where the tissue on its side leads: Σ weight · displacement of `sources`.
+struct NodeCopy {
+  int slot = 0;                     // of the node
+  int first = 0, source_count = 0;  // sources
+};
+struct CopySource {
+  int slot = 0;
+  Real weight = 0;
+};
+
+struct Pieces {
+  FineLattice fine;
+  std::vector<CutCell> cells;       // slots ascend
+  KeyIndex cell_index;              // of a slot: index into cells
+  std::vector<Piece> pieces;        // cell by cell
+  std::vector<std::int16_t> label;  // by place of a cell: which of its pieces, -1 = none near
+  std::vector<std::uint8_t> cut;    // by place: bit f = the edge of family f that starts there is cut
+  std::vector<NodeCopy> copies;
+  std::vector<CopySource> sources;
+  KeyIndex edge_index;      // of a fine edge's key: index into State::cut_edges
+  std::size_t version = 0;  // cut_version of the state that they were made of
+};
+
+Pieces make_pieces(const Model& model, const State& state);
+
+/// The cell near a cut that this slot is the lowest node of; null for others.
+inline const CutCell* find_cell(const Pieces& pieces, int slot) {
+  const int index = pieces.cell_index.find(std::uint64_t(slot));
+  return index < 0 ? nullptr : &pieces.cells[std::size_t(index)];
+}
+/// The cut edge between two neighbouring fine nodes, null when it is whole; and where it is cut, from `a` on.
+struct Crossing {
+  const CutEdge* edge = nullptr;
+  Real fraction = 0;
+  bool rightward = false;  // from a to b
+};
+Crossing crossing(const Pieces& pieces, const State& state, Int3 a, Int3 b);
+
+/// Which piece of its cell holds a point, from its coordinates in the cell, 0 to 1; -1 where there is none.
+int piece_at(const Pieces& pieces, const State& state, const CutCell& cell, Vec3 at);
+
+/// How much tissue a fine node is, by the nodes of the lattice: positive inside, linear between nodes through
+/// the threshold of air [HU].
+Real node_level(const Model& model, const State& state, int slot);
+
+/// Displacement of a corner of a piece: of a node, of a copy, or of air beside the body, which follows it
+/// [m].
+Vec3 corner_displacement(const Model& model, const State& state, const Pieces& pieces, int corner);
+
+/// The corners of a piece of a cell, or of a whole cell when `piece` is -1.
+std::array<int, 8> corners_of(const Model& model, const Pieces& pieces, int slot, int piece);
+
+}  // namespace turgor::lattice

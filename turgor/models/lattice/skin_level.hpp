@@ -1,0 +1,36 @@
+// Where the skin is between the nodes of the lattice: the level of the CT at the nodes of the fine lattice.
+#pragma once
+
+#include <optional>
+
+#include "turgor/models/lattice/ct_sampler.hpp"
+#include "turgor/models/lattice/pieces.hpp"
+
+namespace turgor::lattice {
+
+/// Levels at the places of a cell: tissue where they are positive, linear through the skin [HU].
+struct CellLevels {
+  std::array<Real, kMostPlaces> at;
+};
+
+class SkinLevel {
+ public:
+  /// `ct` may be null: then levels are the nodes' own.
+  SkinLevel(const Model& model, const State& state, const FineLattice& fine, const CtVolume* ct);
+  /// Nodes of the body are tissue and nodes of air are air, as they were told apart by the means of their
+  /// blocks; between both the level is the CT's, plus what the nodes' means are beyond it, so that nothing
+  /// jumps at a node and a table beside the body is air. Beside gas in the body and what was removed, nodes
+  /// decide.
+  CellLevels operator()(int slot) const;
+
+ private:
+  Real sample(Vec3d place) const;
+
+  const Model& model_;
+  const State& state_;
+  const FineLattice& fine_;
+  std::optional<Sampler> sampler_;
+  Vec3d first_, cell_size_;  // of the nodes among the voxels
+};
+
+}  // namespace turgor::lattice

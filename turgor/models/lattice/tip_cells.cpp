@@ -1,0 +1,70 @@
+#include "turgor/models/lattice/tip_cells.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+#include "turgor/models/lattice/cells.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Calls visit(edge, where it is cut, the way across to the right) for the cut edges of the cells around one.
+template <class Visit>
+void for_cuts_around(const State& state, const Pieces& pieces, const EdgesOfCells& edges, Int3 cell,
+                     const Visit& visit) {
+  const FineLattice& f = pieces.fine;
+  const Int3 low = max(cell - Int3{1, 1, 1}, Int3{0, 0, 0}),
+             high = min(cell + Int3{1, 1, 1}, f.cells.size - Int3{2, 2, 2});
+  for (int k = low.z; k <= high.z; k++)
+    for (int j = low.y; j <= high.y; j++)
+      for (int i = low.x; i <= high.x; i++) {
+        const int index = pieces.cell_index.find(std::uint64_t(node_slot(f.cells, i, j, k)));
+        auto at = std::lower_bound(edges.pairs.begin(), edges.pairs.end(), std::pair(index, -1));
+        for (; index >= 0 && at != edges.pairs.end() && at->first == index; ++at) {
+          const CutEdge& edge = state.cut_edges[std::size_t(at->second)];
+          const Int3 a = fine_node(f, edge), b = a + kFamilies[edge.family];
+          const Vec3d from = lattice_index(f, a), way = lattice_index(f, b) - from;
+          visit(edge, from + way * double(edge.fraction), edge.rightward ? way : -way);
+        }
+      }
+}
+
+}  // namespace
+
+bool has_cut_edge(const State& state, const Lattice& lattice, int slot) {
+  const int parity = slot_node(lattice, slot).x & 1;
+  int cut = 0;
+  for (int n = 0; n < kCellCorners; n++)
+    cut |= state.cut[std::size_t(slot + slot_offset(lattice, cell_corner(n), parity))] & edges_from_corner(n);
+  return cut != 0;
+}
+
+std::optional<TipPlane> fit_tip(const State& state, const Pieces& pieces, const EdgesOfCells& edges,
+                                const CutCell& cell) {
+  const Int3 corner = slot_node(pieces.fine.cells, cell.slot);
+  const Vec3d middle = Vec3d(corner) + Vec3d{0.5, 0.5, 0.5};
+  double total = 0;
+  Vec3d centre, right;
+  const auto weight_at = [&](Vec3d place) {
+    const Vec3d apart = place - middle;
+    return 1 / ((1 + dot(apart, apart)) * (1 + dot(apart, apart)));
+  };
+  for_cuts_around(state, pieces, edges, corner, [&](const CutEdge&, Vec3d place, Vec3d way) {
+    const double weight = weight_at(place);
+    total += weight, centre += place * weight, right += way * weight;
+  });
+  if (!(total > 0)) return {};
+  centre = centre / total;
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for_cuts_around(state, pieces, edges, corner, [&](const CutEdge&, Vec3d place, Vec3d) {
+    const Eigen::Vector3d d(place.x - centre.x, place.y - centre.y, place.z - centre.z);
+    spread += weight_at(place) * d * d.transpose();
+  });
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  const Eigen::Vector3d n = solver.eigenvectors().col(0);
+  const Vec3d normal{n[0], n[1], n[2]};
+  return TipPlane{centre, dot(normal, right) < 0 ? -normal : normal};
+}
+
+}  // namespace turgor::lattice

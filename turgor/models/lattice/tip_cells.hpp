@@ -1,0 +1,29 @@
+// Cells that a blade enters and does not part: there the two sides of the cut are those of a plane through
+// it, so that a wound tapers to where the blade ended and not to the last cell that it went all the way
+// through.
+#pragma once
+
+#include <optional>
+
+#include "turgor/models/lattice/pieces.hpp"
+
+namespace turgor::lattice {
+
+/// Which cut edges lie in which cell.
+struct EdgesOfCells {
+  std::vector<std::pair<int, int>> pairs;  // cell, edge; in order
+};
+
+/// Is an edge of the lattice between two corners of this cell cut?
+bool has_cut_edge(const State& state, const Lattice& lattice, int slot);
+
+/// A plane through what is cut in and around a cell, by least squares; negative on the blades' left side.
+struct TipPlane {
+  Vec3d centre, normal;  // [steps of the lattice]
+
+  double at(Vec3d place) const { return dot(place - centre, normal); }
+};
+std::optional<TipPlane> fit_tip(const State& state, const Pieces& pieces, const EdgesOfCells& edges,
+                                const CutCell& cell);
+
+}  // namespace turgor::lattice

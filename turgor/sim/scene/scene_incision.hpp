@@ -1,0 +1,11 @@
+// [incision.NAME] of a scene: where and how a blade cuts a lattice.
+#pragma once
+
+#include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/scene/scene_table.hpp"
+
+namespace turgor {
+
+IncisionScene read_incision(SceneTable table, const std::string& name, const Scene& scene);
+
+}  // namespace turgor
