@@ -102,6 +102,7 @@ const std::vector<Swept>& swept() {
         "body.pad.poisson",
         "body.pad.fixed",
         "body.pad.fixed.depth",
+        "body.pad.elements",
         "body.pad.formulation",
         "body.pad.patch",
         "body.pad.patch.radius",

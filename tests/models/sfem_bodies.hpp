@@ -6,6 +6,7 @@
 #include <random>
 
 #include "turgor/geometry/hex_block.hpp"
+#include "turgor/geometry/quadratic.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 
 namespace turgor::sfem {
@@ -17,7 +18,14 @@ struct Case {
 constexpr Case kCases[] = {{4, Formulation::kStandard},
                            {4, Formulation::kAveraged},
                            {8, Formulation::kStandard},
-                           {8, Formulation::kAveraged}};
+                           {8, Formulation::kAveraged},
+                           {10, Formulation::kStandard}};
+
+/// A block of hexahedra as elements of another kind.
+inline SolidMesh with_corners(const SolidMesh& hexahedra, int corners) {
+  if (corners == 8) return hexahedra;
+  return corners == 4 ? tetrahedralize(hexahedra) : with_middles(tetrahedralize(hexahedra));
+}
 
 inline bool on_box(Vec3d x, Vec3d size) {
   for (int axis = 0; axis < 3; axis++)

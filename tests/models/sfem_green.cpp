@@ -99,6 +99,16 @@ TEST(SfemGreen, columns_are_fetched_beside_ticks_and_handed_over_between_them) {
   EXPECT_TRUE(compute_columns(Exec(2), model, vertices).slots.empty());
 }
 
+TEST(SfemGreen, columns_around_fixed_vertices_can_be_fetched) {
+  Model model = block_model({});
+  ASSERT_TRUE(prepare_columns(Exec(1), model));
+  const int held =
+      int(std::find(model.body.fixed.begin(), model.body.fixed.end(), 1) - model.body.fixed.begin());
+  fetch_columns(Exec(1), model, {held, model.green.nodes[5]});
+  EXPECT_TRUE(has_column(model.green, 5));
+  EXPECT_EQ(gathered(model, {held, model.green.nodes[5]}).topRows(3).norm(), 0);
+}
+
 TEST(SfemGreen, what_does_not_fit_is_refused_with_its_size_before_anything_is_computed) {
   Model model = block_model({.precision = Precision::kDouble});
   const GreenCost cost = green_cost(model);

@@ -7,10 +7,12 @@
 namespace turgor::sfem {
 namespace {
 
-Model block_model(bool hexahedra) {
+constexpr int kKinds[] = {4, 8, 10};  // corners
+
+Model block_model(int corners) {
   SolidMesh mesh = hex_block({0.2, 0.2, 0.2}, {2, 2, 2});
   distort(mesh, {0.2, 0.2, 0.2}, 0.03);
-  if (!hexahedra) mesh = tetrahedralize(mesh);
+  mesh = with_corners(mesh, corners);
   return densely_solved(block_of(std::move(mesh), {}, [](Vec3d x) { return x.z < 1e-9; }), {});
 }
 
@@ -28,8 +30,8 @@ std::vector<int> all_elements(const Model& model) {
 }
 
 TEST(SfemRefinement, parts_fill_their_elements_and_are_the_right_way_round) {
-  for (const bool hexahedra : {false, true}) {
-    const Model model = block_model(hexahedra);
+  for (const int corners : kKinds) {
+    const Model model = block_model(corners);
     for (int r = 1; r <= 4; r++) {
       const FineMesh fine = refine(model, all_elements(model), r);
       const SolidMesh mesh = solid(fine, model.body.mesh.corners);
@@ -41,14 +43,15 @@ TEST(SfemRefinement, parts_fill_their_elements_and_are_the_right_way_round) {
 }
 
 TEST(SfemRefinement, neighbours_agree_on_their_common_face) {
-  for (const bool hexahedra : {false, true}) {
-    const Model model = block_model(hexahedra);
+  for (const int corners : kKinds) {
+    const Model model = block_model(corners);
     for (int r = 2; r <= 4; r++) {
       const FineMesh fine = refine(model, all_elements(model), r);
       const SolidMesh mesh = solid(fine, model.body.mesh.corners);
-      EXPECT_EQ(mesh.vertices.size(), std::size_t((2 * r + 1) * (2 * r + 1) * (2 * r + 1)));
+      const int nodes = (corners == 10 ? 4 : 2) * r;  // on a side, less one
+      EXPECT_EQ(mesh.vertices.size(), std::size_t((nodes + 1) * (nodes + 1) * (nodes + 1)));
       // A hole in the middle would be surface too.
-      const std::size_t expected = std::size_t(6 * (2 * r) * (2 * r) * 2);
+      const std::size_t expected = std::size_t(6 * nodes * nodes * 2);
       EXPECT_EQ(surface(mesh).triangles.size(), expected);
       EXPECT_EQ(fine.outer.size(), expected);
     }
@@ -56,8 +59,8 @@ TEST(SfemRefinement, neighbours_agree_on_their_common_face) {
 }
 
 TEST(SfemRefinement, a_fine_node_lies_where_its_weights_put_it) {
-  for (const bool hexahedra : {false, true}) {
-    Model model = block_model(hexahedra);
+  for (const int corners : kKinds) {
+    Model model = block_model(corners);
     for (int& row : model.free_node) row = 0;  // so that no support is left out
     for (const FineNode& node : refine(model, std::vector<int>{0, 1, 2}, 3).nodes) {
       Vec3d x;
@@ -69,14 +72,16 @@ TEST(SfemRefinement, a_fine_node_lies_where_its_weights_put_it) {
 }
 
 TEST(SfemRefinement, a_node_has_the_same_key_in_every_patch) {
-  const Model model = block_model(false);
-  std::map<std::uint64_t, Vec3d> all;
-  for (const FineNode& node : refine(model, all_elements(model), 3).nodes) all[node.key] = node.x;
-  for (int e = 0; e < int(element_count(model.body.mesh)); e++)
-    for (const FineNode& node : refine(model, std::vector<int>{e}, 3).nodes) {
-      ASSERT_TRUE(all.count(node.key));
-      EXPECT_LT(norm(all[node.key] - node.x), 1e-15);
-    }
+  for (const int corners : {4, 10}) {
+    const Model model = block_model(corners);
+    std::map<std::uint64_t, Vec3d> all;
+    for (const FineNode& node : refine(model, all_elements(model), 3).nodes) all[node.key] = node.x;
+    for (int e = 0; e < int(element_count(model.body.mesh)); e++)
+      for (const FineNode& node : refine(model, std::vector<int>{e}, 3).nodes) {
+        ASSERT_TRUE(all.count(node.key));
+        EXPECT_LT(norm(all[node.key] - node.x), 1e-15);
+      }
+  }
 }
 
 TEST(SfemRefinement, the_border_is_where_the_patch_ends_inside_the_body) {
@@ -95,9 +100,11 @@ TEST(SfemRefinement, the_border_is_where_the_patch_ends_inside_the_body) {
 }
 
 TEST(SfemRefinement, outer_faces_that_are_held_stay_held) {
-  const Model model = block_model(false);
-  for (const FineNode& node : refine(model, all_elements(model), 3).nodes)
-    EXPECT_EQ(node.fixed, node.x.z < 1e-12) << node.x.z;
+  for (const int corners : {4, 10}) {
+    const Model model = block_model(corners);
+    for (const FineNode& node : refine(model, all_elements(model), 3).nodes)
+      EXPECT_EQ(node.fixed, node.x.z < 1e-12) << node.x.z;
+  }
 }
 
 }  // namespace

@@ -40,19 +40,25 @@ bool can_touch(const Search& s, const Site& site) {
   return dot(site.normal, weighted(s.lie.patch, site, s.lie.outward)) < 0 || touched_before(s, site);
 }
 
-/// Puts a site on the list; when that is full, in the place of this tool's farthest one.
+/// Which sites may be left out where there is no room for all: the farthest, and none that bore force, which
+/// lies about in the tool's surface, a little within or without.
+double dispensable(const Search& s, const Site& site) {
+  return touched_before(s, site) ? -HUGE_VAL : site.distance;
+}
+
+/// Puts a site on the list; when that is full, in the place of this tool's most dispensable one.
 void offer(Search& s, const Site& site) {
   if (!can_touch(s, site)) return;
   if (s.sites.size() < s.in.capacity) {
     s.sites.push_back(site);
     return;
   }
-  Site* farthest = nullptr;
+  Site* least = nullptr;
   for (std::size_t i = s.first; i < s.sites.size(); i++)
-    if (farthest == nullptr || s.sites[i].distance > farthest->distance) farthest = &s.sites[i];
-  const double lost = farthest == nullptr ? site.distance : std::max(site.distance, farthest->distance);
-  s.dropped += lost < 0;
-  if (farthest != nullptr && site.distance < farthest->distance) *farthest = site;
+    if (least == nullptr || dispensable(s, s.sites[i]) > dispensable(s, *least)) least = &s.sites[i];
+  const double here = dispensable(s, site), there = least == nullptr ? here : dispensable(s, *least);
+  s.dropped += std::max(here, there) < 0;
+  if (here < there) *least = site;
 }
 
 bool is_listed(const Search& s, const Site& site) {
@@ -137,24 +143,61 @@ bool make_site(const Int3& corners, Vec3d weights, Site& site) {
 }
 
 /// How deep a tool may lie in a triangle before that bears force: much where the corners alone keep it out,
-/// nothing where they do not, and in between so that the force has no jump when the surface stretches.
+/// nothing where they do not, and in between so that the force has no jump from one triangle to the next.
 double allowed_depth(double longest_edge, double tip_size) {
   constexpr double kFrom = 1, kTo = 1.5, kMuch = 0.25;  // of the tip's radius
   const double edge = longest_edge / tip_size;
   return edge < kFrom ? HUGE_VAL : kMuch * tip_size * std::max(0.0, (kTo - edge) / (kTo - kFrom));
 }
 
+/// The weights of a site on the corners of a triangle; false when it hangs on another point.
+bool weights_on(const Site& site, const Int3& corners, Vec3d& weights) {
+  weights = {};
+  for (int i = 0; i < 3 && site.point[i] >= 0; i++) {
+    const int p = site.point[i];
+    if (p != corners.x && p != corners.y && p != corners.z) return false;
+    weights[p == corners.x ? 0 : p == corners.y ? 1 : 2] = site.weight[i];
+  }
+  return true;
+}
+
+/// A place that bore force goes towards the nearest one bit by bit: a triangle that is pressed at one place
+/// tilts, so that another one is nearest in the next tick, and then the first again.
+Vec3d follow_nearest(const Search& s, const Int3& corners, Vec3d nearest) {
+  constexpr double kBit = 0.2, kThere = 1e-3;
+  Vec3d was = nearest, other;
+  double least = HUGE_VAL;
+  for (const Site& last : s.in.last) {
+    const bool bore = last.tool == s.in.tool && last.level == 0 && last.point.y >= 0 && bears_force(last);
+    if (!bore || !weights_on(last, corners, other) || norm(other - nearest) >= least) continue;
+    least = norm(other - nearest), was = other;
+  }
+  return norm(nearest - was) < kThere ? nearest : was + kBit * (nearest - was);
+}
+
 void find_in_triangle(Search& s, const Int3& corners, double allowed) {
   const Vec3d a = s.lie.x[std::size_t(corners.x)], b = s.lie.x[std::size_t(corners.y)],
               c = s.lie.x[std::size_t(corners.z)];
   for (int i = 0, count = tip_count(*s.in.shape); i < count; i++) {
-    const Vec3d weights = closest_weights(to_world(s.in.pose, tip(*s.in.shape, i)), a, b, c);
+    const Vec3d nearest = closest_weights(to_world(s.in.pose, tip(*s.in.shape, i)), a, b, c);
     Site site{.tool = s.in.tool};
-    if (!make_site(corners, weights, site)) continue;
+    if (!make_site(corners, follow_nearest(s, corners, nearest), site)) continue;
     measure(s, site);
     site.distance += allowed;
     if (site.distance <= s.in.reach && !is_listed(s, site)) offer(s, site);
   }
+}
+
+double longest_edge(Vec3d a, Vec3d b, Vec3d c) { return std::max({norm(b - a), norm(c - b), norm(a - c)}); }
+
+/// At rest, so that the depth does not change with what the force stretches, which would make it swing; of a
+/// triangle that is stretched far, as under a press deeper than the tool's radius, nearly as it lies now.
+double lasting_edge(const Search& s, const Int3& corners) {
+  constexpr double kNearly = 0.85;
+  const auto rest = [&](int p) { return s.lie.patch.points[std::size_t(p)].x; };
+  const auto now = [&](int p) { return s.lie.x[std::size_t(p)]; };
+  return std::max(longest_edge(rest(corners.x), rest(corners.y), rest(corners.z)),
+                  kNearly * longest_edge(now(corners.x), now(corners.y), now(corners.z)));
 }
 
 void find_in_triangles(Search& s) {
@@ -165,8 +208,7 @@ void find_in_triangles(Search& s) {
                 c = s.lie.x[std::size_t(corners.z)];
     const Vec3d low = min(min(a, b), c), high = max(max(a, b), c), d = p - min(max(p, low), high);
     if (dot(d, d) > near * near) continue;
-    const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
-    const double allowed = allowed_depth(longest, tip_size);
+    const double allowed = allowed_depth(lasting_edge(s, corners), tip_size);
     if (allowed < tip_size) find_in_triangle(s, corners, allowed);
   }
 }

@@ -37,15 +37,24 @@ void hold_sites(Tick& tick) {
   state.held = int(held.size());
 }
 
+/// The site of the last tick that was the nearest to this one on the same points. Null: there was none.
+const Site* last_site(const TouchState& state, const Site& site) {
+  const Site* nearest = nullptr;
+  for (const Site& last : state.sites)
+    if (is_same_place(last, site) &&
+        (nearest == nullptr || norm(last.weight - site.weight) < norm(nearest->weight - site.weight)))
+      nearest = &last;
+  return nearest;
+}
+
 /// A site takes its force over from the last tick, and where it sticks.
 void continue_site(const Tick& tick, const Pose& pose, Site& site) {
   const TouchState& state = tick.state;
   const ToolMemory& memory = state.tools[std::size_t(site.tool)];
   const Vec3d x = weighted(tick.patch, site, state.x);
-  const auto last = std::find_if(state.sites.begin(), state.sites.end(),
-                                 [&](const Site& other) { return is_same_place(other, site); });
+  const Site* last = last_site(state, site);
   site.anchor = memory.touching ? to_tool(memory.pose, x) : to_tool(pose, x);
-  if (last == state.sites.end() || !bears_force(*last)) return;
+  if (last == nullptr || !bears_force(*last)) return;
   site.force = last->force;
   // In a triangle the place may be another one now; what it was off its anchor stays.
   site.anchor =

@@ -50,7 +50,9 @@ struct TouchParams {
   int capacity = 32;            // sites of all tools together; wide contacts are taken by clusters of points
   double tool_softness = 1e-5;  // compliance of a site itself, as part of that of the softest point [1]
   Viscosity viscosity;
-  CoulombParams solver;
+  // A jam of as many sites as there is room for is solved within half a millisecond; what is left unsolved
+  // then is what the last sweep made of it, which every site's friction allows.
+  CoulombParams solver{.newton_steps = 6};
 };
 
 /// One tool between ticks.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "turgor/geometry/quadratic.hpp"
+
 namespace turgor {
 
 namespace {
@@ -14,7 +16,7 @@ constexpr std::array<std::array<int, 4>, 4> kTetFaces{
 constexpr std::array<std::array<int, 4>, 6> kHexFaces{
     {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
 
-std::size_t face_size(const SolidMesh& mesh) { return mesh.corners == 4 ? 3 : 4; }
+std::size_t face_size(const SolidMesh& mesh) { return mesh.corners == 8 ? 4 : 3; }
 
 /// A face of an element: its vertices sorted, so that both elements of a face name it alike, then the element
 /// and the number of the face.
@@ -54,6 +56,15 @@ double hex_jacobian(const SolidMesh& mesh, std::size_t e, Vec3d p) {
   return determinant(map);
 }
 
+/// The triangles of a face, as numbers of the element's nodes.
+std::vector<Int3> face_triangles(const SolidMesh& mesh, const std::array<int, 4>& face) {
+  const auto [a, b, c, d] = face;
+  if (mesh.corners == 4) return {{a, b, c}};
+  if (mesh.corners == 8) return {{a, b, c}, {a, c, d}};
+  const int ab = node_between(a, b), bc = node_between(b, c), ca = node_between(c, a);
+  return {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}};
+}
+
 int root(std::vector<int>& parent, int e) {
   while (parent[std::size_t(e)] != e)
     e = parent[std::size_t(e)] = parent[std::size_t(parent[std::size_t(e)])];
@@ -64,7 +75,7 @@ int root(std::vector<int>& parent, int e) {
 
 double volume(const SolidMesh& mesh, std::size_t e) {
   const auto x = [&](std::size_t c) { return mesh.vertices[std::size_t(element(mesh, e)[c])]; };
-  if (mesh.corners == 4) return orientation(x(0), x(1), x(2), x(3)) / 6;
+  if (mesh.corners != 8) return orientation(x(0), x(1), x(2), x(3)) / 6;
   const double g = 1 / std::sqrt(3.0);
   double sum = 0;
   for (const double a : {-g, g})
@@ -86,8 +97,8 @@ Vec3d centroid(const SolidMesh& mesh, std::size_t e) {
 }
 
 std::span<const std::array<int, 4>> element_faces(const SolidMesh& mesh) {
-  if (mesh.corners == 4) return kTetFaces;
-  return kHexFaces;
+  if (mesh.corners == 8) return kHexFaces;
+  return kTetFaces;
 }
 
 std::vector<int> face_neighbours(const SolidMesh& mesh) {
@@ -110,9 +121,9 @@ SolidSurface surface(const SolidMesh& mesh) {
   for (std::size_t e = 0; e < element_count(mesh); e++)
     for (std::size_t f = 0; f < table.size(); f++) {
       if (neighbours[e * table.size() + f] >= 0) continue;
-      const auto vertex = [&](std::size_t corner) { return element(mesh, e)[std::size_t(table[f][corner])]; };
-      for (std::size_t t = 0; t + 2 < face_size(mesh); t++) {
-        result.triangles.push_back({vertex(0), vertex(t + 1), vertex(t + 2)});
+      const auto vertex = [&](int node) { return element(mesh, e)[std::size_t(node)]; };
+      for (const Int3 t : face_triangles(mesh, table[f])) {
+        result.triangles.push_back({vertex(t.x), vertex(t.y), vertex(t.z)});
         result.element.push_back(int(e));
       }
     }

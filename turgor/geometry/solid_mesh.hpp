@@ -14,10 +14,11 @@ namespace turgor {
 
 /// Elements of one kind, each `corners` vertices in VTK's order: a tetrahedron's last corner is on the side
 /// that its first three face counter-clockwise; a hexahedron's corners are bottom face, then top face, both
-/// counter-clockwise seen from above.
+/// counter-clockwise seen from above. A quadratic tetrahedron's nodes are its corners, then the middles of
+/// its edges (quadratic.hpp).
 struct SolidMesh {
   std::vector<Vec3d> vertices;  // [m]
-  int corners = 4;              // 4: tetrahedra, 8: hexahedra
+  int corners = 4;              // 4: tetrahedra, 8: hexahedra, 10: quadratic tetrahedra
   std::vector<int> elements;    // `corners` vertices each
   std::vector<int> regions;     // a number an element, from a file or a segmentation; empty = all are 0
 };
@@ -33,12 +34,14 @@ inline int region(const SolidMesh& mesh, std::size_t e) { return mesh.regions.em
 /// Six times the signed volume of a tetrahedron: positive when its corners are in the order above.
 inline double orientation(Vec3d a, Vec3d b, Vec3d c, Vec3d d) { return dot(cross(b - a, c - a), d - a); }
 
-/// Signed volume of an element [m³]; of a hexahedron, that of its trilinear map.
+/// Signed volume of an element [m³]; of a hexahedron, that of its trilinear map, of a quadratic tetrahedron,
+/// that between its corners.
 double volume(const SolidMesh& mesh, std::size_t e);
 double volume(const SolidMesh& mesh);
 Vec3d centroid(const SolidMesh& mesh, std::size_t e);
 
-/// The outer surface, quadrilaterals split in two, counter-clockwise seen from outside.
+/// The outer surface, quadrilaterals split in two and faces of quadratic tetrahedra in four,
+/// counter-clockwise seen from outside.
 struct SolidSurface {
   std::vector<Int3> triangles;  // vertices of the solid mesh
   std::vector<int> element;     // behind each triangle

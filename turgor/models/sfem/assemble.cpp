@@ -95,6 +95,10 @@ std::vector<double> element_matrices(const Exec& exec, const SolidMesh& mesh,
           std::array<Vec3d, 8> x;
           corners(e, x);
           hex_stiffness(x, m, formulation, std::span<double, 576>(all.data() + e * n, 576));
+        } else if (mesh.corners == 10) {
+          std::array<Vec3d, 10> x;
+          corners(e, x);
+          quadratic_stiffness(x, m, std::span<double, 900>(all.data() + e * n, 900));
         } else {
           std::array<Vec3d, 4> x;
           corners(e, x);
@@ -109,7 +113,7 @@ std::vector<double> element_matrices(const Exec& exec, const SolidMesh& mesh,
 
 BlockMatrix assemble(const Exec& exec, const SolidMesh& mesh, std::span<const Material> materials,
                      std::span<const int> material, Formulation formulation) {
-  const bool nodal = mesh.corners == 4 && formulation == Formulation::kAveraged;
+  const bool nodal = averages_nodes(mesh, formulation);
   const Lists elements = element_lists(mesh), around = holders(elements, mesh.vertices.size());
   const std::vector<double> matrices = element_matrices(exec, mesh, materials, material, formulation);
   const NodalVolumes volumes = nodal ? nodal_volumes(mesh, material) : NodalVolumes{};

@@ -1,4 +1,5 @@
 #include "turgor/core/hash.hpp"
+#include "turgor/geometry/quadratic.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/models/sfem/check_body.hpp"
 #include "turgor/models/sfem/elements.hpp"
@@ -76,6 +77,18 @@ void choose_kept_nodes(const Exec& exec, Model& model) {
 }
 
 }  // namespace
+
+Body with_middles(Body body) {
+  body.mesh = with_middles(body.mesh);
+  body.fixed.resize(body.mesh.vertices.size(), 0);
+  for (std::size_t e = 0; e < element_count(body.mesh); e++) {
+    const std::span<const int> nodes = element(body.mesh, e);
+    const auto is_fixed = [&](int node) { return body.fixed[std::size_t(nodes[std::size_t(node)])] != 0; };
+    for (const auto [a, b] : kTetEdges)
+      if (is_fixed(a) && is_fixed(b)) body.fixed[std::size_t(nodes[std::size_t(node_between(a, b))])] = 1;
+  }
+  return body;
+}
 
 Result<Model> build(const Exec& exec, Body body, const Params& params) {
   if (const Status fit = check_body(body); !fit) return fit.error();

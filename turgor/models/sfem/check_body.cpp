@@ -28,8 +28,8 @@ std::string named(const std::string& what, const std::vector<int>& ids) {
 Status check_arrays(const Body& body) {
   const SolidMesh& mesh = body.mesh;
   const std::size_t vertices = mesh.vertices.size(), elements = element_count(mesh);
-  if (mesh.corners != 4 && mesh.corners != 8)
-    return Error{"elements have 4 or 8 corners, found " + std::to_string(mesh.corners)};
+  if (mesh.corners != 4 && mesh.corners != 8 && mesh.corners != 10)
+    return Error{"elements have 4, 8 or 10 nodes, found " + std::to_string(mesh.corners)};
   if (elements == 0) return Error{"the body has no element"};
   if (mesh.elements.size() % std::size_t(mesh.corners) != 0)
     return Error{std::to_string(mesh.elements.size()) + " corners do not make whole elements"};
@@ -59,16 +59,27 @@ Status check_vertices(const SolidMesh& mesh) {
   return Error{"coordinates must be finite numbers, not those of " + named("vertex number", bad)};
 }
 
-/// The volume of an element, for a hexahedron that of its worst corner region, in parts of its largest
-/// extent cubed: not positive if the element is none, near zero if it is flat.
+template <std::size_t N>
+std::array<Vec3d, N> places(const SolidMesh& mesh, std::size_t e) {
+  std::array<Vec3d, N> x;
+  for (std::size_t c = 0; c < N; c++) x[c] = mesh.vertices[std::size_t(element(mesh, e)[c])];
+  return x;
+}
+
+double least_volume(const SolidMesh& mesh, std::size_t e) {
+  if (mesh.corners == 8) return least_hex_volume(places<8>(mesh, e));
+  return mesh.corners == 4 ? volume(mesh, e) : least_quadratic_volume(places<10>(mesh, e));
+}
+
+/// The volume of an element, where its map may turn inside out that of its worst part, in parts of its
+/// largest extent cubed: not positive if the element is none, near zero if it is flat.
 double fullness(const SolidMesh& mesh, std::size_t e) {
   Vec3d low = mesh.vertices[std::size_t(element(mesh, e)[0])], high = low;
-  std::array<Vec3d, 8> x;
-  for (std::size_t c = 0; c < std::size_t(mesh.corners); c++) {
-    x[c] = mesh.vertices[std::size_t(element(mesh, e)[c])];
-    low = min(low, x[c]), high = max(high, x[c]);
+  for (const int v : element(mesh, e)) {
+    const Vec3d x = mesh.vertices[std::size_t(v)];
+    low = min(low, x), high = max(high, x);
   }
-  const double least = mesh.corners == 4 ? volume(mesh, e) : least_hex_volume(x);
+  const double least = least_volume(mesh, e);
   const double extent = norm(high - low);
   return extent > 0 ? least / (extent * extent * extent) : 0;
 }

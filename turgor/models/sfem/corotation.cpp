@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/geometry/quadratic.hpp"
 #include "turgor/models/sfem/rotation.hpp"
 
 namespace turgor::sfem {
@@ -32,14 +33,17 @@ Mat3d orthonormal(Mat3d r) {
 std::vector<Vec3d> centre_gradients(const SolidMesh& mesh, std::size_t e) {
   static constexpr std::array<Vec3d, 8> kCorner{
       {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
+  static constexpr std::array<Vec3d, 4> kLinear{{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   const auto x = [&](std::size_t c) { return mesh.vertices[std::size_t(element(mesh, e)[c])]; };
   Mat3d map{{{}, {}, {}}};
   std::vector<Vec3d> slope(std::size_t(mesh.corners));
   for (std::size_t c = 0; c < slope.size(); c++) {
     if (mesh.corners == 8)
       slope[c] = kCorner[c] / 8;
-    else
-      slope[c] = c == 0 ? Vec3d{-1, -1, -1} : Vec3d{c == 1 ? 1.0 : 0, c == 2 ? 1.0 : 0, c == 3 ? 1.0 : 0};
+    else if (mesh.corners == 4)
+      slope[c] = kLinear[c];
+    else if (c >= 4)  // there, the functions of a quadratic tetrahedron's corners are level
+      slope[c] = kLinear[std::size_t(kTetEdges[c - 4][0])] + kLinear[std::size_t(kTetEdges[c - 4][1])];
     for (int axis = 0; axis < 3; axis++) map.column[axis] += x(c) * slope[c][axis];
   }
   const Mat3d to_space = transposed(inverse(map));
@@ -71,8 +75,8 @@ std::vector<Vec3d> spread(const Model& model, std::span<const double> u) {
   return all;
 }
 
-/// Of each of an element's corners, in the element's frame [m].
-using Offsets = std::array<Vec3d, 8>;
+/// Of each of an element's nodes, in the element's frame [m].
+using Offsets = std::array<Vec3d, 10>;
 
 /// Rᵀ (X + u) − X, without losing digits where it is small.
 Offsets offsets_from_rest(const SolidMesh& mesh, std::span<const int> vertices,
@@ -99,7 +103,7 @@ void deform(const Corotation& corotation, std::size_t corners, std::size_t e, co
             OwnForces& own) {
   const std::size_t n = 3 * corners;
   const double* k = &corotation.matrices[n * n * e];
-  std::array<double, 24> f{};
+  std::array<double, 30> f{};
   for (std::size_t b = 0; b < n; b++) {
     const double offset = offsets[b / 3][int(b % 3)];
     for (std::size_t a = 0; a < n; a++) f[a] += k[b * n + a] * offset;
@@ -223,7 +227,7 @@ Corotation make_corotation(const Exec& exec, const Model& model, int averaging) 
   for (std::size_t e = 0; e < element_count(body.mesh); e++)
     for (const Vec3d g : centre_gradients(body.mesh, e)) c.gradient.push_back(g);
   c.around = holders(element_lists(body.mesh), body.mesh.vertices.size());
-  if (body.mesh.corners == 8 || model.params.formulation == Formulation::kStandard) return c;
+  if (!averages_nodes(body.mesh, model.params.formulation)) return c;
   c.volumes = nodal_volumes(body.mesh, material);
   c.volume_of = find_volumes(model, c.volumes);
   for (std::size_t n = 0; n < c.volumes.volume.size(); n++)

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "turgor/geometry/quadratic.hpp"
+
 namespace turgor::sfem {
 
 namespace {
@@ -32,34 +34,86 @@ std::array<Vec3d, 4> volume_gradients(const std::array<Vec3d, 4>& x) {
   return {-(g1 + g2 + g3), g1, g2, g3};
 }
 
-/// Gradients of a hexahedron's shape functions and the volume that each Gauss point stands for.
-struct HexPoints {
-  std::array<std::array<double, 24>, 8> gradient;  // of each point [1/m]
-  std::array<double, 8> volume;                    // [m³]
+/// Gradients of an element's functions at its Gauss points, and the volume that each of those stands for.
+template <std::size_t kNodes, std::size_t kPoints>
+struct GaussPoints {
+  std::array<std::array<double, 3 * kNodes>, kPoints> gradient;  // of each point [1/m]
+  std::array<double, kPoints> volume;                            // [m³]
+
+  /// Slopes of the functions in the element's own coordinates, and its weight there, make point p.
+  void set(std::size_t p, const std::array<Vec3d, kNodes>& x, const std::array<Vec3d, kNodes>& slope,
+           double weight) {
+    Mat3d map{{{}, {}, {}}};
+    for (std::size_t c = 0; c < kNodes; c++)
+      for (int axis = 0; axis < 3; axis++) map.column[axis] += x[c] * slope[c][axis];
+    volume[p] = weight * determinant(map);
+    const Mat3d to_space = transposed(inverse(map));
+    for (std::size_t c = 0; c < kNodes; c++) {
+      const Vec3d g = to_space * slope[c];
+      for (int axis = 0; axis < 3; axis++) gradient[p][3 * c + std::size_t(axis)] = g[axis];
+    }
+  }
 };
 
 constexpr std::array<Vec3d, 8> kHexCorner{
     {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
 constexpr double kGauss = 0.57735026918962576451;  // 1/√3
 
-HexPoints hex_points(const std::array<Vec3d, 8>& x) {
-  HexPoints points;
+GaussPoints<8, 8> hex_points(const std::array<Vec3d, 8>& x) {
+  GaussPoints<8, 8> points;
   for (std::size_t p = 0; p < 8; p++) {
     std::array<Vec3d, 8> slope;  // of each shape function in the cube [-1, 1]³
-    Mat3d map{{{}, {}, {}}};
     for (std::size_t c = 0; c < 8; c++) {
       const Vec3d s = kHexCorner[c], t = Vec3d{1, 1, 1} + hadamard(s, kHexCorner[p] * kGauss);
       slope[c] = Vec3d{s.x * t.y * t.z, s.y * t.x * t.z, s.z * t.x * t.y} / 8;
-      for (int axis = 0; axis < 3; axis++) map.column[axis] += x[c] * slope[c][axis];
     }
-    points.volume[p] = determinant(map);
-    const Mat3d to_space = transposed(inverse(map));
-    for (std::size_t c = 0; c < 8; c++) {
-      const Vec3d g = to_space * slope[c];
-      for (int axis = 0; axis < 3; axis++) points.gradient[p][3 * c + std::size_t(axis)] = g[axis];
-    }
+    points.set(p, x, slope, 1);
   }
   return points;
+}
+
+/// In the tetrahedron 0 ≤ x, y, z, x + y + z ≤ 1, whose linear functions are 1 − x − y − z, x, y, z.
+GaussPoints<10, 4> quadratic_points(const std::array<Vec3d, 10>& x) {
+  static constexpr double kNear = 0.58541019662496845446, kFar = 0.13819660112501051518;  // (5 ± 3√5, −√5)/20
+  static constexpr std::array<Vec3d, 4> kSlope{{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  GaussPoints<10, 4> points;
+  for (std::size_t p = 0; p < 4; p++) {
+    std::array<double, 4> linear{kFar, kFar, kFar, kFar};
+    linear[p] = kNear;
+    std::array<Vec3d, 10> slope;
+    for (std::size_t c = 0; c < 4; c++) slope[c] = kSlope[c] * (4 * linear[c] - 1);
+    for (std::size_t e = 0; e < kTetEdges.size(); e++) {
+      const auto a = std::size_t(kTetEdges[e][0]), b = std::size_t(kTetEdges[e][1]);
+      slope[4 + e] = 4 * (linear[a] * kSlope[b] + linear[b] * kSlope[a]);
+    }
+    points.set(p, x, slope, 1.0 / 24);
+  }
+  return points;
+}
+
+/// Of an element, summed over its Gauss points.
+template <std::size_t kNodes>
+struct Moments {
+  std::array<double, 9 * kNodes * kNodes> of_gradients{};
+  std::array<double, 3 * kNodes> swelling{};  // what each node's motion adds to the volume [m²]
+  double volume = 0;                          // [m³]
+};
+
+template <std::size_t kNodes, std::size_t kPoints>
+Moments<kNodes> moments_of(const GaussPoints<kNodes, kPoints>& points) {
+  constexpr std::size_t n = 3 * kNodes;
+  Moments<kNodes> moments;
+  for (std::size_t p = 0; p < kPoints; p++) {
+    const double root = std::sqrt(points.volume[p]);  // shared by both factors: exactly symmetric
+    std::array<double, n> g = points.gradient[p];
+    for (double& slope : g) slope *= root;
+    moments.volume += points.volume[p];
+    for (std::size_t a = 0; a < n; a++) {
+      moments.swelling[a] += root * g[a];
+      for (std::size_t b = 0; b < n; b++) moments.of_gradients[a * n + b] += g[a] * g[b];
+    }
+  }
+  return moments;
 }
 
 /// What one corner of a tetrahedron brings to the volume around one of its vertices.
@@ -95,31 +149,37 @@ void tet_stiffness(const std::array<Vec3d, 4>& x, Moduli m, std::span<double, 14
 
 void hex_stiffness(const std::array<Vec3d, 8>& x, const Material& material, Formulation formulation,
                    std::span<double, 576> k) {
-  const HexPoints points = hex_points(x);
-  std::array<double, 576> moments{};
-  std::array<double, 24> swelling{};  // what each corner's motion adds to the volume [m²]
-  double volume = 0;
-  for (std::size_t p = 0; p < 8; p++) {
-    const double root = std::sqrt(points.volume[p]);  // shared by both factors: exactly symmetric
-    std::array<double, 24> g = points.gradient[p];
-    for (double& slope : g) slope *= root;
-    volume += points.volume[p];
-    for (std::size_t a = 0; a < 24; a++) {
-      swelling[a] += root * g[a];
-      for (std::size_t b = 0; b < 24; b++) moments[a * 24 + b] += g[a] * g[b];
-    }
-  }
+  const Moments<8> moments = moments_of(hex_points(x));
   const bool averaged = formulation == Formulation::kAveraged;
   const Moduli m = moduli(material);
-  stiffness_of_moments<8>(moments.data(), {averaged ? 0 : m.bulk, m.shear}, k.data());
+  stiffness_of_moments<8>(moments.of_gradients.data(), {averaged ? 0 : m.bulk, m.shear}, k.data());
   if (!averaged) return;
   for (std::size_t a = 0; a < 24; a++)
-    for (std::size_t b = 0; b < 24; b++) k[a * 24 + b] += m.bulk / volume * (swelling[a] * swelling[b]);
+    for (std::size_t b = 0; b < 24; b++)
+      k[a * 24 + b] += m.bulk / moments.volume * (moments.swelling[a] * moments.swelling[b]);
+}
+
+void quadratic_stiffness(const std::array<Vec3d, 10>& x, const Material& material, std::span<double, 900> k) {
+  const Moments<10> moments = moments_of(quadratic_points(x));
+  stiffness_of_moments<10>(moments.of_gradients.data(), moduli(material), k.data());
 }
 
 double least_hex_volume(const std::array<Vec3d, 8>& x) {
   const std::array<double, 8> volume = hex_points(x).volume;
   return 8 * *std::min_element(volume.begin(), volume.end());
+}
+
+double least_quadratic_volume(const std::array<Vec3d, 10>& x) {
+  const std::array<double, 4> volume = quadratic_points(x).volume;
+  return 4 * *std::min_element(volume.begin(), volume.end());
+}
+
+std::array<double, 10> quadratic_weights(const std::array<double, 4>& linear) {
+  std::array<double, 10> weights;
+  for (std::size_t c = 0; c < 4; c++) weights[c] = linear[c] * (2 * linear[c] - 1);
+  for (std::size_t e = 0; e < kTetEdges.size(); e++)
+    weights[4 + e] = 4 * linear[std::size_t(kTetEdges[e][0])] * linear[std::size_t(kTetEdges[e][1])];
+  return weights;
 }
 
 Lists element_lists(const SolidMesh& mesh) {

@@ -1,6 +1,7 @@
 // Stiffness of one element, and the assembly of many. Linear tetrahedra; trilinear hexahedra with 2×2×2 Gauss
 // points; their averaged forms for nearly incompressible tissue, in which the change of volume is measured as
-// a mean, over the element [Hughes 1980, B-bar] or around each node [Bonet, Burton 1998].
+// a mean, over the element [Hughes 1980, B-bar] or around each node [Bonet, Burton 1998]. Quadratic
+// tetrahedra with four Gauss points, which are exact where their edges are straight.
 #pragma once
 
 #include <array>
@@ -27,9 +28,21 @@ inline void tet_stiffness(const std::array<Vec3d, 4>& x, const Material& materia
 /// 24×24, row by row [N/m].
 void hex_stiffness(const std::array<Vec3d, 8>& x, const Material& material, Formulation formulation,
                    std::span<double, 576> k);
+/// 30×30, row by row [N/m].
+void quadratic_stiffness(const std::array<Vec3d, 10>& x, const Material& material, std::span<double, 900> k);
 /// The smallest determinant of a hexahedron's map at its Gauss points, times 8 [m³]: its volume if it is a
 /// box, not positive if it cannot be an element.
 double least_hex_volume(const std::array<Vec3d, 8>& x);
+/// The same of a quadratic tetrahedron, by a sixth: its volume if its edges are straight.
+double least_quadratic_volume(const std::array<Vec3d, 10>& x);
+
+/// The quadratic functions of a tetrahedron's ten nodes where its linear ones have these values.
+std::array<double, 10> quadratic_weights(const std::array<double, 4>& linear);
+
+/// Is the change of volume measured around nodes?
+inline bool averages_nodes(const SolidMesh& mesh, Formulation formulation) {
+  return mesh.corners == 4 && formulation == Formulation::kAveraged;
+}
 
 /// The vertices of every element.
 Lists element_lists(const SolidMesh& mesh);

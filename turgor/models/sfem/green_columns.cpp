@@ -7,10 +7,12 @@ namespace turgor::sfem {
 
 namespace {
 
-/// Slots without a column, each once.
-std::vector<int> missing_slots(const Green& green, std::span<const int> vertices) {
+/// Slots without a column, each once; fixed vertices have none.
+std::vector<int> missing_slots(const Model& model, std::span<const int> vertices) {
+  const Green& green = model.green;
   std::vector<int> slots;
   for (const int v : vertices) {
+    if (model.free_node[std::size_t(v)] < 0) continue;
     const int slot = green.slot[std::size_t(v)];
     TURGOR_ASSERT(slot >= 0, "a column of Green's functions is fetched for a vertex that is not kept");
     if (!has_column(green, slot)) slots.push_back(slot);
@@ -39,7 +41,7 @@ FetchedColumns compute_columns(const Exec& exec, const Model& model, std::span<c
   constexpr std::size_t kUnits = 8;  // solved together: few, because somebody waits for them
   const Green& green = model.green;
   const Elimination& plan = model.factor->plan;
-  FetchedColumns fetched{missing_slots(green, vertices), {}};
+  FetchedColumns fetched{missing_slots(model, vertices), {}};
   const std::size_t count = fetched.slots.size();
   fetched.values.resize(count);
   const std::vector<int> kept_rows = rows_of_nodes(model, green.nodes);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/sfem/elements.hpp"
 #include "turgor/models/sfem/green.hpp"
 #include "turgor/models/sfem/patch_assembly.hpp"
 
@@ -287,7 +288,7 @@ void elements_at(const Model& model, Vec3d touch, std::vector<int>& found) {
 /// Elements that may be in a patch: all vertices whose stiffness the patch changes have Green's functions.
 std::vector<char> usable_elements(const Model& model) {
   const SolidMesh& mesh = model.body.mesh;
-  const bool by_node = model.params.formulation == Formulation::kAveraged && mesh.corners == 4;
+  const bool by_node = averages_nodes(mesh, model.params.formulation);
   std::vector<char> usable(element_count(mesh)), vertex_usable(mesh.vertices.size(), 1);
   for (std::size_t e = 0; e < usable.size(); e++) {
     const auto corners = element(mesh, e);

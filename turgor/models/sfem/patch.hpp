@@ -25,8 +25,8 @@ struct PatchParams {
 struct PatchPoint {
   Vec3d x;                         // at rest [m]
   std::uint64_t key = 0;           // equal for the same point of another patch
-  std::array<int, 4> coarse{};     // indices into Patch::coarse; the first `supports` count
-  std::array<double, 4> weight{};  // of each
+  std::array<int, 6> coarse{};     // indices into Patch::coarse; the first `supports` count
+  std::array<double, 6> weight{};  // of each
   int supports = 0;
   int local = -1;  // index of its own function; -1 = none
 };

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "turgor/geometry/quadratic.hpp"
 #include "turgor/models/sfem/elements.hpp"
 
 namespace turgor::sfem {
@@ -159,6 +160,23 @@ bool is_parallelepiped(const std::array<Vec3d, 8>& x) {
   return !(differs(x[2], a + b) || differs(x[5], a + c) || differs(x[6], a + b + c) || differs(x[7], b + c));
 }
 
+/// Is the quadratic tetrahedron the affine image of one with straight edges?
+bool is_straight(const std::array<Vec3d, 10>& x) {
+  double scale = 0, off = 0;
+  for (std::size_t e = 0; e < kTetEdges.size(); e++) {
+    const Vec3d a = x[std::size_t(kTetEdges[e][0])], b = x[std::size_t(kTetEdges[e][1])];
+    scale = std::max(scale, norm(b - a));
+    off = std::max(off, norm(x[4 + e] - (a + b) / 2));
+  }
+  return off <= 1e-10 * scale;
+}
+
+/// Do all parts of one shape of this coarse element have one stiffness?
+bool has_congruent_parts(const SolidMesh& mesh, int e) {
+  if (mesh.corners == 8) return is_parallelepiped(coarse_corners<8>(mesh, e));
+  return mesh.corners == 4 || is_straight(coarse_corners<10>(mesh, e));
+}
+
 /// The material at a place inside a coarse element.
 int material_at(const Body& body, int e, Vec3d x) {
   int material = body.material.empty() ? 0 : body.material[std::size_t(e)];
@@ -189,7 +207,7 @@ class PartStiffness {
     if (fine_.parent[f] != parent_) {
       parent_ = fine_.parent[f];
       made_for_.fill(-1);
-      if constexpr (N == 8) congruent_ = is_parallelepiped(coarse_corners<8>(model_.body.mesh, parent_));
+      congruent_ = has_congruent_parts(model_.body.mesh, parent_);
     }
     const auto shape = std::size_t(fine_.shape[f]);
     auto& k = stiffness_[shape];
@@ -198,6 +216,8 @@ class PartStiffness {
     const Material& m = model_.body.materials[std::size_t(material)];
     if constexpr (N == 8)
       hex_stiffness(fine_corners<8>(fine_, f), m, model_.params.formulation, k);
+    else if constexpr (N == 10)
+      quadratic_stiffness(fine_corners<10>(fine_, f), m, k);
     else
       tet_stiffness(fine_corners<4>(fine_, f), m, k);
     return k.data();
@@ -270,15 +290,15 @@ void add_coarse(const Exec& exec, const Model& model, const std::vector<int>& el
 }  // namespace
 
 bool changes_stiffness(const Model& model, std::span<const int> elements, const FineMesh& fine) {
-  if (model.params.formulation == Formulation::kAveraged) return true;
-  if (model.body.mesh.corners == 8)
-    for (const int e : elements)
-      if (!is_parallelepiped(coarse_corners<8>(model.body.mesh, e))) return true;
+  const SolidMesh& mesh = model.body.mesh;
+  if (model.params.formulation == Formulation::kAveraged && mesh.corners != 10) return true;
+  for (const int e : elements)
+    if (!has_congruent_parts(mesh, e)) return true;
   if (model.body.inclusions.empty()) return false;
   const std::vector<int> material = fine_materials(model, fine);
   for (std::size_t f = 0; f < material.size(); f++) {
     const int e = fine.parent[f];
-    if (material[f] != material_at(model.body, e, centroid(model.body.mesh, std::size_t(e)))) return true;
+    if (material[f] != material_at(model.body, e, centroid(mesh, std::size_t(e)))) return true;
   }
   return false;
 }
@@ -286,7 +306,7 @@ bool changes_stiffness(const Model& model, std::span<const int> elements, const 
 std::vector<int> changed_elements(const Model& model, std::span<const int> elements) {
   const SolidMesh& mesh = model.body.mesh;
   std::vector<int> changed(elements.begin(), elements.end());
-  if (model.params.formulation == Formulation::kStandard || mesh.corners == 8) return changed;
+  if (!averages_nodes(mesh, model.params.formulation)) return changed;
   std::vector<char> of_patch(mesh.vertices.size(), 0);
   for (const int e : elements)
     for (const int v : element(mesh, std::size_t(e))) of_patch[std::size_t(v)] = 1;
@@ -305,10 +325,11 @@ PatchMatrices<T> assemble_patch(const Model& model, std::span<const int> element
   const Exec alone(1);
   const std::vector<int> material = fine_materials(model, fine);
   PatchScatter<T> scatter(fine, unknowns, model.body.mesh.vertices.size(), with_change);
-  const bool averaged = model.params.formulation == Formulation::kAveraged;
   if (model.body.mesh.corners == 8)
     add_parts<8>(model, fine, material, scatter);
-  else if (averaged)
+  else if (model.body.mesh.corners == 10)
+    add_parts<10>(model, fine, material, scatter);
+  else if (averages_nodes(model.body.mesh, model.params.formulation))
     add_averaged_tets(alone, model, fine, material, scatter);
   else
     add_parts<4>(model, fine, material, scatter);

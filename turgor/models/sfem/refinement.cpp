@@ -4,6 +4,8 @@
 #include <map>
 
 #include "turgor/core/hash.hpp"
+#include "turgor/geometry/quadratic.hpp"
+#include "turgor/models/sfem/elements.hpp"
 
 namespace turgor::sfem {
 
@@ -93,22 +95,44 @@ void find_faces(const SolidMesh& kind, Subdivision& sub) {
     }
 }
 
+/// The parts of a tetrahedron with the middles of their edges: points of a grid twice as fine, whose
+/// triangles are those of the faces.
+void subdivide_quadratic(const SolidMesh& linear, int r, Subdivision& sub) {
+  Subdivision parts;
+  subdivide_tet(r, parts);
+  subdivide_tet(2 * r, sub);
+  find_faces(linear, sub);
+  std::map<std::array<int, 8>, int> number;
+  for (const auto& weight : sub.weight) number[weight] = int(number.size());
+  sub.corners.clear();
+  sub.shape = parts.shape;
+  for (std::size_t e = 0; e < parts.corners.size(); e += 4) {
+    const auto middle = [&](int a, int b) {
+      std::array<int, 8> sum = parts.weight[std::size_t(parts.corners[e + std::size_t(a)])];
+      for (std::size_t c = 0; c < 4; c++)
+        sum[c] += parts.weight[std::size_t(parts.corners[e + std::size_t(b)])][c];
+      return number.at(sum);
+    };
+    for (int c = 0; c < 4; c++) sub.corners.push_back(middle(c, c));
+    for (const auto [a, b] : kTetEdges) sub.corners.push_back(middle(a, b));
+  }
+}
+
 constexpr int kMostParts = 4;
 
 const Subdivision& subdivision(const SolidMesh& kind, int r) {
   static const auto kAll = [] {
-    std::array<std::array<Subdivision, kMostParts + 1>, 2> all;
-    for (int hex = 0; hex < 2; hex++)
-      for (int parts = 1; parts <= kMostParts; parts++) {
-        Subdivision& sub = all[std::size_t(hex)][std::size_t(parts)];
-        SolidMesh one;
-        one.corners = hex ? 8 : 4;
-        hex ? subdivide_hex(parts, sub) : subdivide_tet(parts, sub);
-        find_faces(one, sub);
-      }
+    std::array<std::array<Subdivision, kMostParts + 1>, 3> all;
+    const SolidMesh tet{{}, 4, {}, {}}, hex{{}, 8, {}, {}};
+    for (int parts = 1; parts <= kMostParts; parts++) {
+      const auto n = std::size_t(parts);
+      subdivide_tet(parts, all[0][n]), find_faces(tet, all[0][n]);
+      subdivide_hex(parts, all[1][n]), find_faces(hex, all[1][n]);
+      subdivide_quadratic(tet, parts, all[2][n]);
+    }
     return all;
   }();
-  return kAll[kind.corners == 8][std::size_t(r)];
+  return kAll[kind.corners == 4 ? 0 : kind.corners == 8 ? 1 : 2][std::size_t(r)];
 }
 
 /// Finds nodes by key; open addressing, never more than half full.
@@ -134,32 +158,43 @@ class NodeTable {
 /// Order-free, so that every element that shares a node finds the same key.
 std::uint64_t key_of(std::span<const int> element, const std::array<int, 8>& weight, int r) {
   std::uint64_t key = detail::mix(kHashSeed, std::uint64_t(r));
-  for (std::size_t c = 0; c < element.size(); c++)
+  for (std::size_t c = 0; c < std::min(element.size(), weight.size()); c++)
     if (weight[c] != 0)
       key += detail::mix(detail::mix(kHashSeed, std::uint64_t(element[c]) + 1), std::uint64_t(weight[c]));
   return key;
 }
 
-FineNode make_node(const Model& model, std::span<const int> element, const std::array<int, 8>& weight,
-                   int denominator, std::uint64_t key) {
+/// The values of an element's functions at a point of its subdivision.
+std::array<double, 10> functions_at(const SolidMesh& kind, const std::array<int, 8>& weight,
+                                    int denominator) {
+  std::array<double, 10> value{};
+  for (std::size_t c = 0; c < 8; c++) value[c] = double(weight[c]) / denominator;
+  return kind.corners == 10 ? quadratic_weights({value[0], value[1], value[2], value[3]}) : value;
+}
+
+FineNode make_node(const Model& model, std::span<const int> element, const std::array<double, 10>& value,
+                   std::uint64_t key) {
   FineNode node;
   node.key = key;
   for (std::size_t c = 0; c < element.size(); c++) {
-    if (weight[c] == 0) continue;
-    const double w = double(weight[c]) / denominator;
-    node.x += model.body.mesh.vertices[std::size_t(element[c])] * w;
-    node.at_vertex = node.at_vertex || weight[c] == denominator;
+    if (value[c] == 0) continue;
+    node.x += model.body.mesh.vertices[std::size_t(element[c])] * value[c];
+    node.at_vertex = node.at_vertex || value[c] == 1;
     if (model.free_node[std::size_t(element[c])] < 0) continue;
     node.coarse[std::size_t(node.supports)] = element[c];
-    node.weight[std::size_t(node.supports++)] = w;
+    node.weight[std::size_t(node.supports++)] = value[c];
   }
   return node;
 }
 
 bool is_fixed_face(const Model& model, std::span<const int> element, const std::array<int, 4>& face) {
-  return std::all_of(face.begin(), face.end(), [&](int corner) {
-    return corner < 0 || model.body.fixed[std::size_t(element[std::size_t(corner)])];
-  });
+  const auto is_fixed = [&](int node) {
+    return node < 0 || model.body.fixed[std::size_t(element[std::size_t(node)])];
+  };
+  if (element.size() == 10)
+    for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {2, 0}})
+      if (!is_fixed(node_between(face[std::size_t(a)], face[std::size_t(b)]))) return false;
+  return std::all_of(face.begin(), face.end(), is_fixed);
 }
 
 }  // namespace
@@ -179,7 +214,8 @@ FineMesh refine(const Model& model, std::span<const int> elements, int refinemen
       const std::uint64_t key = key_of(corners, sub.weight[p], refinement);
       number[p] = table.find_or_add(key, int(fine.nodes.size()), fine.nodes);
       if (number[p] == int(fine.nodes.size()))
-        fine.nodes.push_back(make_node(model, corners, sub.weight[p], sub.denominator, key));
+        fine.nodes.push_back(
+            make_node(model, corners, functions_at(mesh, sub.weight[p], sub.denominator), key));
     }
     for (const int point : sub.corners) fine.corners.push_back(number[std::size_t(point)]);
     fine.parent.insert(fine.parent.end(), sub.shape.size(), e);

@@ -1,6 +1,8 @@
 // Coarse elements subdivided along their edges: the fine nodes, what each hangs on, and the fine elements.
 // Tetrahedra are cut into r³ by planes parallel to their faces and Kuhn's rule inside, hexahedra into r³
-// along their own axes; neighbours agree on their common face.
+// along their own axes; neighbours agree on their common face. Parts of a quadratic tetrahedron are
+// quadratic: its functions are among theirs, and what the patch adds to the coarse body is exactly that it is
+// finer.
 #pragma once
 
 #include <array>
@@ -15,14 +17,14 @@ namespace turgor::sfem {
 /// A node of the fine mesh: u = Σ weight · u_G(coarse) + u_L. Fixed coarse vertices do not move and are left
 /// out.
 struct FineNode {
-  Vec3d x;                         // at rest [m]
-  std::uint64_t key = 0;           // equal for the same node seen from another element or patch
-  std::array<int, 8> coarse{};     // vertices of the coarse mesh
-  std::array<double, 8> weight{};  // of each
-  int supports = 0;                // how many of them
-  bool at_vertex = false;          // of the coarse mesh
-  bool on_border = false;          // on Γ_GL, where the patch ends inside the body
-  bool fixed = false;              // on an outer face that is fixed
+  Vec3d x;                          // at rest [m]
+  std::uint64_t key = 0;            // equal for the same node seen from another element or patch
+  std::array<int, 10> coarse{};     // vertices of the coarse mesh
+  std::array<double, 10> weight{};  // of each
+  int supports = 0;                 // how many of them
+  bool at_vertex = false;           // of the coarse mesh
+  bool on_border = false;           // on Γ_GL, where the patch ends inside the body
+  bool fixed = false;               // on an outer face that is fixed
 };
 
 struct FineMesh {
@@ -30,7 +32,7 @@ struct FineMesh {
   std::vector<int> corners;  // fine elements, as many nodes each as the coarse ones
   std::vector<int> parent;   // coarse element of each fine one, one coarse element after the other
   std::vector<int> shape;    // equal for the parts of one tetrahedron, or of one box, that are congruent
-  std::vector<Int3> outer;   // triangles of the body's outer surface, nodes
+  std::vector<Int3> outer;   // triangles of the body's outer surface, between neighbouring nodes
 };
 
 FineMesh refine(const Model& model, std::span<const int> elements, int refinement);

@@ -33,7 +33,8 @@ struct Material {
 };
 
 /// How volume changes are measured. Standard elements lock when ν approaches 0.5; averaged ones do not:
-/// hexahedra take the mean over the element (B-bar), tetrahedra the mean around each node.
+/// hexahedra take the mean over the element (B-bar), tetrahedra the mean around each node. Quadratic
+/// tetrahedra need none of this and have one form.
 enum class Formulation : std::uint8_t { kStandard, kAveraged };
 
 /// Of the stored Green's functions.
@@ -54,6 +55,10 @@ struct Body {
   std::vector<Inclusion> inclusions;
   std::vector<std::uint8_t> fixed;  // 1 for every vertex that cannot move
 };
+
+/// For quadratic elements: a node in the middle of every edge, fixed where both ends of the edge are. The
+/// vertices of linear tetrahedra keep their numbers.
+Body with_middles(Body body);
 
 struct Params {
   Formulation formulation = Formulation::kStandard;
@@ -118,8 +123,8 @@ Status factorize(const Exec& exec, Model& model, const Progress& progress = {});
 Status compute_green(const Exec& exec, Model& model, std::size_t memory_limit, const Progress& progress = {});
 /// Prepares a store without columns, filled by fetch_columns.
 Status prepare_columns(const Exec& exec, Model& model, const Progress& progress = {});
-/// Columns of these kept vertices, for a store on demand; does nothing for those that are there. Not beside a
-/// tick that reads them: for that, see compute_columns and add_columns (green.hpp).
+/// Columns of these kept vertices, for a store on demand; does nothing for those that are there or fixed. Not
+/// beside a tick that reads them: for that, see compute_columns and add_columns (green.hpp).
 void fetch_columns(const Exec& exec, Model& model, const std::vector<int>& vertices);
 
 /// Is the dense store that of this model's K, bit by bit as it was computed? Needs no factor. Error: what is

@@ -36,9 +36,11 @@ void warn_of_blade(const Cut& cut, const Model& model, std::vector<std::string>&
           "{}",
           cut.blade.name, name, place_text(point), 1e3 * off,
           place_text(in_patient(model, path.skin.front())), place_text(in_patient(model, path.skin.back()))));
-  const Vec3d down = path.into * path.depth;
-  const double below =
-      lattice::cells_below(model, path.skin.front() + down, path.skin.back() + down, path.into, kCellsBelow);
+  double below = kCellsBelow;
+  for (std::size_t n = 0; n + 1 < path.skin.size(); n++)
+    below = std::min(below, lattice::cells_below(model, path.skin[n] + path.into[n] * path.depth,
+                                                 path.skin[n + 1] + path.into[n + 1] * path.depth,
+                                                 path.into[n], kCellsBelow));
   if (below < kCellsBelow)
     warnings.push_back(fmt::format(
         "incision '{}': {} of body below the cut, expected at least {:.0f} cells: what holds its bottom is "

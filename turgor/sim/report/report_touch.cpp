@@ -75,7 +75,7 @@ SfemPart sfem_part(const SfemScene& scene, const SfemBody& body, const Pressed& 
 using B = SfemPart;
 /// Of tetrahedra alone.
 Json of_tets(const SfemPart& b, double value) {
-  return b.body.model.body.mesh.corners == 4 ? Json(value) : absent();
+  return b.body.model.body.mesh.corners != 8 ? Json(value) : absent();
 }
 
 const Quantity<B> kSfem[] = {
@@ -87,6 +87,7 @@ const Quantity<B> kSfem[] = {
     {"poisson", kNone, "Poisson's ratio", [](const B& b) -> Json { return b.scene.material.poisson; }},
     {"formulation", kNone, "elements",
      [](const B& b) -> Json {
+       if (b.scene.elements == Elements::kQuadratic) return "quadratic";
        return b.scene.formulation == sfem::Formulation::kAveraged ? "averaged" : "standard";
      }},
     {"mesh.vertices", kCount, "nodes",
@@ -217,6 +218,8 @@ const Quantity<T> kTool[] = {
     {"contacts_dropped_ticks", kCount, "", [](const T& t) -> Json { return t.tool.limits.dropped_ticks; },
      kInReport},
     {"contacts_dropped_most", kCount, "", [](const T& t) -> Json { return t.tool.limits.dropped_most; },
+     kInReport},
+    {"contacts_unsolved_ticks", kCount, "", [](const T& t) -> Json { return t.tool.limits.unsolved_ticks; },
      kInReport},
     {"slips", kCount, "", [](const T& t) -> Json { return t.tool.limits.slips; }, kInReport},
     {"slipped_at", kSeconds, "", [](const T& t) -> Json { return t.tool.limits.slipped_at; }, kInReport},

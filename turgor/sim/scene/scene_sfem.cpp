@@ -181,6 +181,12 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name) {
   if (auto* organ = std::get_if<LabelledOrgan>(&scene.source)) organ->label_note = labels.note;
   scene.inclusions = read_inclusions(body, scene.material);
   scene.fixed = read_held(body);
+  body.read_choice<Elements>("elements", scene.elements,
+                             {{"linear", Elements::kLinear}, {"quadratic", Elements::kQuadratic}},
+                             "`\"quadratic\"`: tetrahedra whose edges bend, eight times the nodes on the "
+                             "same mesh, right near ν = 0.5");
+  if (scene.elements == Elements::kQuadratic && body.has("formulation"))
+    body.fail("formulation", "quadratic elements have one formulation, which does not lock: leave it out");
   body.read_choice<sfem::Formulation>(
       "formulation", scene.formulation,
       {{"standard", sfem::Formulation::kStandard}, {"averaged", sfem::Formulation::kAveraged}},

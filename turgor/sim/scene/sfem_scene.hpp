@@ -48,6 +48,9 @@ using SolidSource = std::variant<SolidFile, ClosedSurface, LabelledOrgan, HexBlo
 /// Sides of the box around a body, in the patient frame: low and high x, y, z.
 enum class Side : std::uint8_t { kRight, kLeft, kFront, kBack, kFeet, kHead };
 
+/// The functions of an element: its corners move it, or the middles of its edges too.
+enum class Elements : std::uint8_t { kLinear, kQuadratic };
+
 /// What holds a body: the vertices near sides of its box, or inside a box of their own.
 struct HeldBy {
   std::vector<Side> sides{Side::kBack};
@@ -87,6 +90,7 @@ struct SfemScene {
   std::vector<InsideScene> inside;
   std::vector<InclusionScene> inclusions;
   HeldBy fixed;
+  Elements elements = Elements::kLinear;
   sfem::Formulation formulation = sfem::Formulation::kStandard;
   sfem::Precision precision = sfem::Precision::kSingle;
   PatchScene patch;

@@ -21,6 +21,7 @@ struct ForceLimits {
   int coarsest = 0;      // level of contact sites (contact::Site::level); 0 = every point by itself
   int dropped_most = 0;  // touched places that had no room in a tick
   int dropped_ticks = 0;
+  int unsolved_ticks = 0;  // the contacts were not solved to the end
   int slips = 0;           // out of what it held
   double slipped_at = 0;   // first [s]
   int yielding_ticks = 0;  // pressed harder than the tissue bears

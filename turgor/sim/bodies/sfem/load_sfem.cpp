@@ -7,6 +7,7 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/hex_block.hpp"
 #include "turgor/geometry/organ_mesh.hpp"
+#include "turgor/geometry/quadratic.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/io/solid_files.hpp"
 #include "turgor/io/surface_files.hpp"
@@ -168,8 +169,10 @@ Status load_seen(const Exec& exec, const SfemScene& scene, SfemBody& body) {
   if (!read) return Error{fmt::format("{}.seen: {}", scene.place, read.error().message)};
   append(body.facts.notes, read->notes);
   turn_up(read->mesh.vertices, scene.seen_up);
-  body.seen = SeenSurface{embed(exec, read->mesh, body.model.body.mesh), read->mesh.triangles};
-  const double edge = longest_edge(body.model.body.mesh);
+  const SolidMesh& mesh = body.model.body.mesh;
+  body.seen = SeenSurface{embed(exec, read->mesh, mesh.corners == 10 ? linear_parts(mesh) : mesh),
+                          read->mesh.triangles};
+  const double edge = longest_edge(mesh);
   if (body.seen->embedding.farthest_outside > 3 * edge)
     return Error{
         fmt::format("{}.seen: {}: a vertex is {:.4g} m away from the body, whose longest edge is {:.4g} "

@@ -107,6 +107,11 @@ Status check_held(std::span<const Vec3d> points, const HeldBy& held, const std::
 }
 
 Result<sfem::Body> make_body(SolidMesh mesh, const SfemScene& scene) {
+  const bool quadratic = scene.elements == Elements::kQuadratic;
+  if (quadratic && mesh.corners != 4)
+    return Error{scene.place +
+                 ".elements: \"quadratic\" ones are tetrahedra, the body's are hexahedra: leave `elements` "
+                 "out, and take formulation = \"averaged\" for tissue near ν = 0.5"};
   sfem::Body body;
   body.fixed = held_points(mesh.vertices, scene.fixed);
   if (const Status held = check_held(mesh.vertices, scene.fixed, body.fixed); !held)
@@ -115,7 +120,7 @@ Result<sfem::Body> make_body(SolidMesh mesh, const SfemScene& scene) {
   body.materials = {scene.material};
   if (const Status status = add_inside(scene, body); !status) return status.error();
   if (const Status status = add_inclusions(scene, body); !status) return status.error();
-  return body;
+  return quadratic ? sfem::with_middles(std::move(body)) : body;
 }
 
 }  // namespace turgor

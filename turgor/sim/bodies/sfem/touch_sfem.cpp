@@ -15,6 +15,7 @@ void log_tick(const SfemBody& body, std::size_t t, const ForceSample& sample, To
   tool.limits.coarsest = std::max(tool.limits.coarsest, felt.contacts > 0 ? felt.level : 0);
   tool.limits.dropped_most = std::max(tool.limits.dropped_most, felt.dropped);
   tool.limits.dropped_ticks += felt.dropped > 0;
+  tool.limits.unsolved_ticks += felt.contacts > 0 && !body.touch.state.solution.converged;
   tool.samples.append(sample);
 }
 

@@ -1,0 +1,49 @@
+#include "turgor/geometry/quadratic.hpp"
+
+#include <gtest/gtest.h>
+
+#include "turgor/geometry/hex_block.hpp"
+
+namespace turgor {
+namespace {
+
+SolidMesh block() { return tetrahedralize(hex_block({0.3, 0.2, 0.1}, {3, 2, 1})); }
+
+TEST(Quadratic, every_edge_has_one_node_in_its_middle_which_its_elements_share) {
+  const SolidMesh linear = block(), mesh = with_middles(linear);
+  EXPECT_EQ(mesh.vertices.size(), std::size_t(7 * 5 * 3)) << "those of a grid twice as fine";
+  ASSERT_EQ(element_count(mesh), element_count(linear));
+  for (std::size_t e = 0; e < element_count(mesh); e++) {
+    const auto x = [&](int node) { return mesh.vertices[std::size_t(element(mesh, e)[std::size_t(node)])]; };
+    for (int c = 0; c < 4; c++)
+      EXPECT_EQ(element(mesh, e)[std::size_t(c)], element(linear, e)[std::size_t(c)]);
+    for (const auto [a, b] : kTetEdges) EXPECT_LT(norm(x(node_between(a, b)) - (x(a) + x(b)) / 2), 1e-15);
+  }
+  EXPECT_NEAR(volume(mesh), volume(linear), 1e-15);
+  EXPECT_EQ(face_neighbours(mesh), face_neighbours(linear));
+}
+
+TEST(Quadratic, eight_linear_parts_fill_an_element_and_lie_the_right_way_round) {
+  const SolidMesh mesh = with_middles(block()), parts = linear_parts(mesh);
+  ASSERT_EQ(element_count(parts), 8 * element_count(mesh));
+  for (std::size_t e = 0; e < element_count(parts); e++)
+    EXPECT_NEAR(volume(parts, e), volume(mesh, e / 8) / 8, 1e-15);
+  // Neighbours that did not agree on a face would each have it on the surface.
+  EXPECT_EQ(surface(parts).triangles.size(), surface(mesh).triangles.size());
+}
+
+TEST(Quadratic, the_surface_is_that_of_the_corners_four_times_as_fine_and_faces_outward) {
+  const SolidSurface coarse = surface(block()), fine = surface(with_middles(block()));
+  const SolidMesh mesh = with_middles(block());
+  ASSERT_EQ(fine.triangles.size(), 4 * coarse.triangles.size());
+  double volume_inside = 0;
+  for (const Int3 t : fine.triangles) {
+    const auto x = [&](int v) { return mesh.vertices[std::size_t(v)]; };
+    volume_inside += dot(x(t.x), cross(x(t.y), x(t.z))) / 6;
+  }
+  EXPECT_NEAR(volume_inside, 0.3 * 0.2 * 0.1, 1e-15);
+  for (std::size_t t = 0; t < fine.triangles.size(); t++) EXPECT_EQ(fine.element[t], coarse.element[t / 4]);
+}
+
+}  // namespace
+}  // namespace turgor
