@@ -1,10 +1,9 @@
-#include "turgor/models/lattice/folded.hpp"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "block_body.hpp"
+#include "turgor/models/lattice/folded.hpp"
 
 namespace turgor::lattice {
 namespace {
