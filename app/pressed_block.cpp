@@ -1,6 +1,7 @@
 #include "app/pressed_block.hpp"
 
 #include "turgor/contact/touch.hpp"
+#include "turgor/models/sfem/patch_assembly.hpp"
 
 namespace turgor {
 
@@ -32,7 +33,7 @@ sfem::Patch patch_at(const Exec& exec, sfem::Model& model, Vec3d place, sfem::Pa
   const std::vector<Vec3d> touches{place};
   const std::vector<int> elements = sfem::patch_elements(model, touches, params.radius);
   std::vector<int> vertices;
-  for (const int e : elements)
+  for (const int e : sfem::changed_elements(model, elements))
     for (const int v : element(model.body.mesh, std::size_t(e))) vertices.push_back(v);
   if (!model.green.columns.empty()) sfem::fetch_columns(exec, model, vertices);
   return sfem::build_patch(model, elements, params.refinement, touches).value();

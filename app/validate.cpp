@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/report_elements.hpp"
 #include "app/result_folder.hpp"
 #include "app/validate_sfem.hpp"
 #include "app/validation.hpp"
@@ -236,6 +237,18 @@ std::vector<Figure> validate_sfem(const Exec& exec, bool quick, const fs::path& 
   report["plate"] = report_plate(plate);
   const HertzResult hertz = required(validate_hertz(exec));
   report["hertz"] = report_hertz(hertz, folder);
+  std::vector<LayerRow> layer;
+  {
+    ProgressBar bar("indenting layers");
+    layer = required(validate_layer(exec, quick, bar.callback()));
+  }
+  report["layer"] = report_of(layer);
+  std::vector<ElementsRow> elements;
+  {
+    ProgressBar bar("comparing elements");
+    elements = required(validate_elements(exec, quick, bar.callback()));
+  }
+  report["elements"] = report_of(elements);
   std::vector<RefinementRow> refinement;
   {
     ProgressBar bar("refining");
@@ -245,10 +258,13 @@ std::vector<Figure> validate_sfem(const Exec& exec, bool quick, const fs::path& 
   NoduleResult nodule;
   {
     ProgressBar bar("palpating");
-    nodule = required(validate_nodule(exec, quick ? 9 : 17, bar.callback()));
+    nodule = required(validate_nodule(exec, quick ? 9 : 17, quick ? 0.05 : 0.08, bar.callback()));
   }
   report["nodule"] = report_nodule(nodule, folder);
-  return sfem_figures(plate, hertz, refinement, nodule);
+  std::vector<Figure> figures = sfem_figures(plate, hertz, refinement, nodule);
+  for (const auto& more : {figures_of(layer), figures_of(elements)})
+    figures.insert(figures.end(), more.begin(), more.end());
+  return figures;
 }
 
 /// A model, and what its validation takes.
@@ -261,8 +277,8 @@ struct Validation {
 constexpr Validation kValidations[] = {
     {"lattice", "Bars, weight, the skin's tension, a gaping slit", "ten seconds of one core, 0.1 GB",
      "a minute of one core, 0.2 GB"},
-    {"sfem", "Plate, Hertz, refinement, a nodule under the finger", "one minute of one core, 4.5 GB",
-     "some minutes of one core, 5 GB"},
+    {"sfem", "Plate, Hertz, a thin layer, kinds of elements, refinement, a nodule under the finger",
+     "one minute of one core, 1 GB", "some minutes of one core, 5 GB"},
     {"rhombus", "Presses and pulls of a half space and of finite elements, random grasps",
      "ten seconds of one core, 0.5 GB", "half a minute of one core, 1 GB"},
     {"cloth", "Catenary, period, fall, wind, a fold", "a second of one core, 0.1 GB",

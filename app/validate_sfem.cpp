@@ -145,35 +145,38 @@ Result<std::vector<RefinementRow>> validate_refinement(const Exec& exec, bool fi
   return rows;
 }
 
-Result<NoduleResult> validate_nodule(const Exec& exec, int columns, const Progress& progress) {
+Result<NoduleResult> validate_nodule(const Exec& exec, int columns, double width, const Progress& progress) {
   NoduleResult result;
   result.columns = result.rows = columns;
-  result.low = 0.02, result.high = 0.06;
-  result.centre_x = 0.046, result.centre_y = 0.037, result.radius = 0.006, result.depth = 0.010;
+  result.low = 0.25 * width, result.high = 0.75 * width;
+  result.centre_x = width / 2 + 0.006, result.centre_y = width / 2 - 0.003;
+  result.radius = 0.006, result.depth = 0.010;
   struct Way {
     const char* mesh;
-    int parts, refinement;
+    int parts, refinement;  // of a cell
   };
-  static constexpr Way kWays[] = {
-      {"coarse, 5 mm", 16, 1}, {"superposed, 2.5 mm", 16, 2}, {"fine, 2.5 mm", 32, 1}};
-  constexpr double kSize = 0.08;
+  constexpr double kCell = 0.005;
+  const double height = width / 2;
+  const int cells = int(std::lround(width / kCell));
+  const Way ways[] = {{"coarse, 5 mm", 1, 1}, {"superposed, 2.5 mm", 1, 2}, {"fine, 2.5 mm", 2, 1}};
   int done = 0;
-  for (const Way& way : kWays) {
-    const SolidMesh mesh = hex_block({kSize, kSize, kSize / 2}, {way.parts, way.parts, way.parts / 2});
+  for (const Way& way : ways) {
+    const SolidMesh mesh =
+        hex_block({width, width, height}, {way.parts * cells, way.parts * cells, way.parts * cells / 2});
     Body body = held(mesh, {3e3, 0.45}, [](Vec3d x) { return x.z < 1e-9; });
     body.materials.push_back({6e4, 0.45});
-    body.inclusions.push_back(
-        {{result.centre_x, result.centre_y, kSize / 2 - result.depth}, result.radius, 1});
+    body.inclusions.push_back({{result.centre_x, result.centre_y, height - result.depth}, result.radius, 1});
+    constexpr double kPatch = 0.0135;
     sfem::Params params;
-    params.touch_depth = 0.02;
-    Result<Model> model = solved(exec, std::move(body), params, way.parts > 16);
+    params.touch_depth = kPatch;
+    Result<Model> model = solved(exec, std::move(body), params, way.parts > 1);
     if (!model) return model.error();
     NoduleMap map{way.mesh, int(model->vertex.size()), {}};
     for (int j = 0; j < columns; j++)
       for (int i = 0; i < columns; i++) {
         const double step = (result.high - result.low) / (columns - 1);
-        const Vec3d place{result.low + i * step, result.low + j * step, kSize / 2};
-        const sfem::Patch patch = patch_at(exec, *model, place, {0.0135, way.refinement});
+        const Vec3d place{result.low + i * step, result.low + j * step, height};
+        const sfem::Patch patch = patch_at(exec, *model, place, {kPatch, way.refinement});
         map.force.push_back(press(patch, place, 0.006, 0.003, 4).back().second);
         if (progress) progress(double(++done) / (3 * columns * columns));
       }

@@ -1,6 +1,7 @@
 // What the sfem model answers where the right answer is known: the paper's plate against an independent
-// program, Hertz's contact against its formula, local against global refinement, and a hard nodule felt
-// through soft tissue. Each experiment is a function; the command prints and draws them.
+// program, Hertz's contact against its formula, a thin layer against Hayes's equation, local against global
+// refinement, kinds of elements on organs, and a hard nodule felt through soft tissue. Each experiment is a
+// function; the command prints and draws them.
 #pragma once
 
 #include <string>
@@ -33,6 +34,17 @@ struct HertzResult {
 };
 Result<HertzResult> validate_hertz(const Exec& exec);
 
+/// A rigid indenter on a layer that is bonded to its base.
+struct LayerRow {
+  std::string indenter;
+  double ratio = 0;             // of the contact's radius to the layer's thickness [1]
+  double poisson = 0;           // [1]
+  int points = 0;               // of the surface below
+  double hayes = 0, found = 0;  // [N]
+};
+/// `quick`: of one radius instead of three.
+Result<std::vector<LayerRow>> validate_layer(const Exec& exec, bool quick, const Progress& progress);
+
 /// One way to refine: the force at the deepest press, and what it cost.
 struct RefinementRow {
   std::string mesh;
@@ -58,6 +70,19 @@ struct NoduleResult {
   double centre_x = 0, centre_y = 0, radius = 0, depth = 0;  // of the nodule below the surface [m]
   std::vector<NoduleMap> maps;                               // coarse, superposed, fine
 };
-Result<NoduleResult> validate_nodule(const Exec& exec, int columns, const Progress& progress);
+/// `width` of the block [m], 5 mm the cells of its coarse mesh.
+Result<NoduleResult> validate_nodule(const Exec& exec, int columns, double width, const Progress& progress);
+
+/// What a kind of elements answers on an organ's mesh, and what it costs beforehand.
+struct ElementsRow {
+  std::string organ, elements;
+  double poisson = 0;
+  int tetrahedra = 0, nodes = 0;  // of the organ's mesh; free ones of the elements
+  double flops = 0, store_bytes = 0, factor_bytes = 0;
+  double worst = 0, mean = 0;  // of the force's relative error over the places pressed
+};
+/// Balls on a tongue, and without `quick` on a liver, on meshes of the size that scenes have. The reference
+/// is quadratic on the same body, every tetrahedron cut in eight.
+Result<std::vector<ElementsRow>> validate_elements(const Exec& exec, bool quick, const Progress& progress);
 
 }  // namespace turgor
