@@ -24,9 +24,11 @@ struct WindowOptions {
   } session;
 };
 void view(const WindowOptions& options) {
-  throw Failure{2, "view: this turgor was built without its window (Debian: apt-get install libglfw3-dev libimgui-dev, "
-                   "then build again); turgor run " +
-                       options.scene.string() + " simulates the scene and draws pictures"};
+  throw Failure{
+      2,
+      "view: this turgor was built without its window (Debian: apt-get install libglfw3-dev libimgui-dev, "
+      "then build again); turgor run " +
+          options.scene.string() + " simulates the scene and draws pictures"};
 }
 #endif
 
@@ -34,7 +36,8 @@ void view(const WindowOptions& options) {
 
 void add_view_command(CLI::App& program, Global& global) {
   auto options = std::make_shared<WindowOptions>();
-  CLI::App* command = program.add_subcommand("view", "Simulate a scene in a window: look, press, cut, change it");
+  CLI::App* command =
+      program.add_subcommand("view", "Simulate a scene in a window: look, press, cut, change it");
   command->footer(
       "Examples:\n"
       "  turgor view scenes/palpation.toml\n"

@@ -36,7 +36,8 @@ TEST(camera_moves, turning_keeps_the_target_and_the_distance_and_comes_back) {
 TEST(camera_moves, turning_ends_before_the_poles) {
   const Camera above = orbited(kCamera, 0, 10);
   EXPECT_GT(above.eye.z - above.target.z, 0.99 * distance(kCamera));
-  EXPECT_GT(dot(camera_frame(above).right, camera_frame(kCamera).right), 0.999) << "the picture does not flip";
+  EXPECT_GT(dot(camera_frame(above).right, camera_frame(kCamera).right), 0.999)
+      << "the picture does not flip";
 }
 
 TEST(camera_moves, shifting_brings_what_was_seen_at_one_place_to_another) {
@@ -73,12 +74,17 @@ TEST(camera_moves, standard_views_show_the_whole_box_with_the_patients_sides_whe
       EXPECT_LE(std::max(std::abs(seen->x), std::abs(seen->y)), 1);
     }
   }
-  const auto x_of = [&](V view, Vec3d p) { return seen_at(standard_view(view, box, kAspect), p, kAspect)->x; };
-  const auto y_of = [&](V view, Vec3d p) { return seen_at(standard_view(view, box, kAspect), p, kAspect)->y; };
+  const auto x_of = [&](V view, Vec3d p) {
+    return seen_at(standard_view(view, box, kAspect), p, kAspect)->x;
+  };
+  const auto y_of = [&](V view, Vec3d p) {
+    return seen_at(standard_view(view, box, kAspect), p, kAspect)->y;
+  };
   EXPECT_GT(x_of(V::kFront, left), 0) << "the patient's left is on the right, as if face to face";
   EXPECT_LT(x_of(V::kBack, left), 0);
   EXPECT_GT(y_of(V::kFront, head), 0);
-  EXPECT_LT(x_of(V::kLeft, {0, -0.1, 0}), x_of(V::kLeft, back)) << "seen from the left the front is on the left";
+  EXPECT_LT(x_of(V::kLeft, {0, -0.1, 0}), x_of(V::kLeft, back))
+      << "seen from the left the front is on the left";
   EXPECT_GT(x_of(V::kRight, {0, -0.1, 0}), x_of(V::kRight, back));
   EXPECT_GT(y_of(V::kHead, back), y_of(V::kHead, {0, -0.1, 0})) << "from the head the back is above";
 }

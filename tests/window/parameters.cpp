@@ -25,7 +25,8 @@ Scene scene(const std::vector<std::string>& overrides = {}) {
 }
 
 const Parameter& find(const ParameterList& list, const std::string& path) {
-  const auto found = std::find_if(list.begin(), list.end(), [&](const Parameter& p) { return p.key.path == path; });
+  const auto found =
+      std::find_if(list.begin(), list.end(), [&](const Parameter& p) { return p.key.path == path; });
   EXPECT_NE(found, list.end()) << path;
   return *found;
 }

@@ -21,7 +21,8 @@ TEST(pick, the_nearest_place_of_a_ball_on_a_ray_is_where_geometry_says_with_its_
   const SightRay ray{from, normalized(beside - from)};
   const auto found = pick(shown, ray);
   ASSERT_TRUE(found);
-  const double along = dot(center - from, ray.direction), away2 = dot(center - from, center - from) - along * along;
+  const double along = dot(center - from, ray.direction),
+               away2 = dot(center - from, center - from) - along * along;
   const Vec3d expected = from + ray.direction * (along - std::sqrt(0.08 * 0.08 - away2));
   EXPECT_LT(norm(found->point - expected), 2e-4);
   EXPECT_GT(dot(found->normal, normalized(expected - center)), 0.998);

@@ -42,12 +42,15 @@ class WindowTest : public testing::Test {
   bool draw_until(const std::function<bool(const SessionNow&)>& is_so, double longest = 20) {
     const Timer timer;
     while (window_ && timer.seconds() < longest)
-      if (!window_->draw()) return false;
-      else if (is_so(now())) return true;
+      if (!window_->draw())
+        return false;
+      else if (is_so(now()))
+        return true;
     return false;
   }
   bool wait_for_world() {
-    return draw_until([](const SessionNow& n) { return n.phase == SessionNow::Phase::kReady && n.shown.frame > 2; });
+    return draw_until(
+        [](const SessionNow& n) { return n.phase == SessionNow::Phase::kReady && n.shown.frame > 2; });
   }
   void draw_for(double seconds) {
     const Timer timer;
@@ -101,7 +104,8 @@ Image read_picture(const fs::path& file) {
 }
 
 int n_samples_above(const DeformedCt& ct, int hu) {
-  return int(std::count_if(ct.ct.samples.begin(), ct.ct.samples.end(), [hu](int sample) { return sample > hu; }));
+  return int(
+      std::count_if(ct.ct.samples.begin(), ct.ct.samples.end(), [hu](int sample) { return sample > hu; }));
 }
 
 double force(const SessionNow& now) { return now.felt[0].empty() ? 0 : now.felt[0].back().force; }
@@ -109,7 +113,8 @@ double force(const SessionNow& now) { return now.felt[0].empty() ? 0 : now.felt[
 /// The place of a body that lies nearest to the eye's line to its middle.
 Vec3d facing(const Viewer& viewer) {
   const Box box = box_of(viewer.now->shown);
-  const auto found = pick(viewer.now->shown, {viewer.camera.eye, normalized((box.low + box.high) * 0.5 - viewer.camera.eye)});
+  const auto found = pick(viewer.now->shown,
+                          {viewer.camera.eye, normalized((box.low + box.high) * 0.5 - viewer.camera.eye)});
   EXPECT_TRUE(found);
   return found ? found->point : box.low;
 }
@@ -151,7 +156,9 @@ TEST_F(WindowTest, a_line_drawn_on_skin_in_cut_mode_opens_a_wound_and_is_saved_w
   ASSERT_TRUE(wait_for_world());
   type("1");  // from the front
   type("c");
-  const auto walls = [](const SessionNow& n) { return n.shown.bodies[0].triangles.size() - n.shown.bodies[0].wall_begin; };
+  const auto walls = [](const SessionNow& n) {
+    return n.shown.bodies[0].triangles.size() - n.shown.bodies[0].wall_begin;
+  };
   EXPECT_EQ(walls(now()), 0u);
   test::hand("mousemove " + pixel({0.01, -0.02, -0.03}) + " mousedown 1");
   draw_for(0.1);
@@ -169,7 +176,8 @@ TEST_F(WindowTest, a_line_drawn_on_skin_in_cut_mode_opens_a_wound_and_is_saved_w
   EXPECT_LT(norm(blade.from - Vec3d{0.01, -0.02, -0.03}), 0.003) << "m: a pixel is half a millimetre";
   EXPECT_LT(norm(blade.to - Vec3d{0.01, -0.02, 0.03}), 0.003);
   type("BackSpace");
-  EXPECT_TRUE(draw_until([&](const SessionNow& n) { return n.phase == SessionNow::Phase::kReady && walls(n) == 0; }));
+  EXPECT_TRUE(
+      draw_until([&](const SessionNow& n) { return n.phase == SessionNow::Phase::kReady && walls(n) == 0; }));
 }
 
 TEST_F(WindowTest, the_ct_of_a_body_that_was_cut_is_seen_in_sections_and_as_a_volume) {
@@ -319,7 +327,8 @@ TEST(NoWindow, without_a_display_a_sentence_names_what_needs_none) {
   const auto opened = SceneWindow::open({.scene = "scenes/palpation.toml", .overrides = {}, .session = {}});
   if (!display.empty()) setenv("DISPLAY", display.c_str(), 1);
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().message.find("turgor run scenes/palpation.toml"), std::string::npos) << opened.error().message;
+  EXPECT_NE(opened.error().message.find("turgor run scenes/palpation.toml"), std::string::npos)
+      << opened.error().message;
 }
 
 }  // namespace

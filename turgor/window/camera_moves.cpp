@@ -16,12 +16,18 @@ Vec3d plane_point(const Camera& camera, Seen place, double aspect) {
 
 Vec3d direction_of(StandardView view) {
   switch (view) {
-    case StandardView::kFront: return {0, -1, 0};
-    case StandardView::kBack: return {0, 1, 0};
-    case StandardView::kRight: return {-1, 0, 0};
-    case StandardView::kLeft: return {1, 0, 0};
-    case StandardView::kHead: return {0, -0.01, 1};  // a little from the front, which is then below
-    case StandardView::kFeet: return {0, -0.01, -1};
+    case StandardView::kFront:
+      return {0, -1, 0};
+    case StandardView::kBack:
+      return {0, 1, 0};
+    case StandardView::kRight:
+      return {-1, 0, 0};
+    case StandardView::kLeft:
+      return {1, 0, 0};
+    case StandardView::kHead:
+      return {0, -0.01, 1};  // a little from the front, which is then below
+    case StandardView::kFeet:
+      return {0, -0.01, -1};
   }
   return {0, -1, 0};
 }
@@ -35,7 +41,8 @@ Camera orbited(const Camera& camera, double right, double above) {
   Vec3d level = from - up * height;
   level = norm(level) > 1e-9 * distance ? normalized(level) : cross(frame.right, up);
   const Vec3d aside = cross(up, level);
-  const double elevation = std::clamp(std::asin(std::clamp(height / distance, -1.0, 1.0)) + above, -kPole, kPole);
+  const double elevation =
+      std::clamp(std::asin(std::clamp(height / distance, -1.0, 1.0)) + above, -kPole, kPole);
   const Vec3d turned = level * std::cos(right) + aside * std::sin(right);
   Camera moved = camera;
   moved.eye = camera.target + (turned * std::cos(elevation) + up * std::sin(elevation)) * distance;
@@ -69,8 +76,8 @@ Camera standard_view(StandardView view, const Box& box, double aspect) {
 
 SightRay sight_ray(const Camera& camera, Seen place, double aspect) {
   const CameraFrame frame = camera_frame(camera);
-  const Vec3d direction = frame.right * (place.x * frame.tan_half * aspect) + frame.up * (place.y * frame.tan_half) -
-                          frame.back;
+  const Vec3d direction =
+      frame.right * (place.x * frame.tan_half * aspect) + frame.up * (place.y * frame.tan_half) - frame.back;
   return {camera.eye, normalized(direction)};
 }
 

@@ -16,7 +16,8 @@ struct Seen {
 Camera orbited(const Camera& camera, double right, double above);
 /// So that what was seen at `from` at the target's depth is seen at `to`.
 Camera panned(const Camera& camera, Seen from, Seen to, double aspect);
-/// Everything comes nearer by a factor below 1, and what is seen at a place, at the target's depth, stays there.
+/// Everything comes nearer by a factor below 1, and what is seen at a place, at the target's depth, stays
+/// there.
 Camera zoomed(const Camera& camera, double factor, Seen place, double aspect);
 /// Turns about a point, at a distance [m].
 Camera focused(const Camera& camera, Vec3d point, double distance);

@@ -48,7 +48,8 @@ void renew(const VolumeWish& wish, VolumePicture& picture) {
     begin(wish, picture.shown_coarseness / 2, picture);
 }
 
-void renew(const std::shared_ptr<const DeformedCt>& ct, Vec3d point, const std::string& window, Sections& sections) {
+void renew(const std::shared_ptr<const DeformedCt>& ct, Vec3d point, const std::string& window,
+           Sections& sections) {
   if (ct == sections.ct && point == sections.point && window == sections.window) return;
   sections.ct = ct, sections.point = point, sections.window = window;
   const Result<Window> greys = window_preset(window);

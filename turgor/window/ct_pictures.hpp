@@ -1,5 +1,5 @@
-// The CT as it would be scanned now, in a window: ray-cast by threads of its own, coarsely while the camera or
-// the body moves and finely at rest; and in three sections through a point.
+// The CT as it would be scanned now, in a window: ray-cast by threads of its own, coarsely while the camera
+// or the body moves and finely at rest; and in three sections through a point.
 #pragma once
 
 #include <future>
@@ -54,6 +54,7 @@ struct Sections {
   ShownImage images[3];
 };
 /// Draws them anew when something is another.
-void renew(const std::shared_ptr<const DeformedCt>& ct, Vec3d point, const std::string& window, Sections& sections);
+void renew(const std::shared_ptr<const DeformedCt>& ct, Vec3d point, const std::string& window,
+           Sections& sections);
 
 }  // namespace turgor

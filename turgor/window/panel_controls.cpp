@@ -1,6 +1,5 @@
-#include <imgui.h>
-
 #include <fmt/format.h>
+#include <imgui.h>
 
 #include "turgor/window/panels.hpp"
 
@@ -48,7 +47,8 @@ void show_display(Viewer& viewer) {
     ImGui::EndCombo();
   }
   bool wires = viewer.display.style == MeshStyle::kWires;
-  if (ImGui::Checkbox("wires", &wires)) viewer.display.style = wires ? MeshStyle::kWires : MeshStyle::kSurface;
+  if (ImGui::Checkbox("wires", &wires))
+    viewer.display.style = wires ? MeshStyle::kWires : MeshStyle::kSurface;
 }
 
 }  // namespace
@@ -84,7 +84,8 @@ void show_help(Viewer& viewer) {
   if (!viewer.panels.help) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});
-  if (!ImGui::Begin("Mouse and keys", &viewer.panels.help, ImGuiWindowFlags_AlwaysAutoResize)) return ImGui::End();
+  if (!ImGui::Begin("Mouse and keys", &viewer.panels.help, ImGuiWindowFlags_AlwaysAutoResize))
+    return ImGui::End();
   if (ImGui::BeginTable("help", 2)) {
     const auto row = [](const char* name, const char* sentence) {
       ImGui::TableNextColumn(), ImGui::TextUnformatted(name);

@@ -1,9 +1,8 @@
-#include <imgui.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <imgui.h>
 
 #include "turgor/window/panels.hpp"
 
@@ -32,13 +31,15 @@ void plot(const char* name, const std::vector<ImVec2>& points, const char* x_uni
   draw.AddLine(low, {high.x, low.y}, kAxis);
   draw.AddLine(low, {low.x, high.y}, kAxis);
   float x_low = 1e30f, x_high = -1e30f, y_most = 0;
-  for (const ImVec2 p : points) x_low = std::min(x_low, p.x), x_high = std::max(x_high, p.x), y_most = std::max(y_most, p.y);
+  for (const ImVec2 p : points)
+    x_low = std::min(x_low, p.x), x_high = std::max(x_high, p.x), y_most = std::max(y_most, p.y);
   const float y_high = float(round_above(y_most));
   draw.AddText(corner, kInk, fmt::format("{}   to {:.3g} {}", name, y_high, y_unit).c_str());
   if (points.empty() || !(x_high > x_low)) return;
   std::vector<ImVec2> line;
   for (const ImVec2 p : points)
-    line.push_back({low.x + (p.x - x_low) / (x_high - x_low) * (high.x - low.x), low.y + p.y / y_high * (high.y - low.y)});
+    line.push_back({low.x + (p.x - x_low) / (x_high - x_low) * (high.x - low.x),
+                    low.y + p.y / y_high * (high.y - low.y)});
   draw.AddPolyline(line.data(), int(line.size()), kCurve, 0, 1.5f);
   draw.AddText({low.x, low.y + 1}, kInk, fmt::format("{:.3g}", x_low).c_str());
   const std::string right = fmt::format("{:.3g} {}", x_high, x_unit);
@@ -60,7 +61,8 @@ void show_tool(const std::string& name, const std::vector<FeltPoint>& felt) {
 
 void show_curves(const Viewer& viewer) {
   const SessionNow& now = *viewer.now;
-  const bool any = std::any_of(now.felt.begin(), now.felt.end(), [](const auto& felt) { return !felt.empty(); });
+  const bool any =
+      std::any_of(now.felt.begin(), now.felt.end(), [](const auto& felt) { return !felt.empty(); });
   if (!viewer.panels.curves || !any) return;
   const float right = ImGui::GetIO().DisplaySize.x;
   ImGui::SetNextWindowPos({right - 8, 8}, ImGuiCond_FirstUseEver, {1, 0});

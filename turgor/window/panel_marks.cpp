@@ -1,6 +1,5 @@
-#include <imgui.h>
-
 #include <fmt/format.h>
+#include <imgui.h>
 
 #include "turgor/window/panels.hpp"
 
@@ -8,8 +7,8 @@ namespace turgor {
 
 namespace {
 
-constexpr ImU32 kInk = IM_COL32(236, 239, 242, 255), kShade = IM_COL32(0, 0, 0, 160), kLine = IM_COL32(255, 90, 70, 255),
-                kWind = IM_COL32(120, 190, 255, 255);
+constexpr ImU32 kInk = IM_COL32(236, 239, 242, 255), kShade = IM_COL32(0, 0, 0, 160),
+                kLine = IM_COL32(255, 90, 70, 255), kWind = IM_COL32(120, 190, 255, 255);
 
 std::optional<ImVec2> pixel_of(const Viewer& viewer, Vec3d point) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -38,10 +37,12 @@ void draw_legend(ImDrawList& draw, const ColorScale& scale) {
   for (int n = 0; n < kSteps; n++) {
     const Rgb c = map_color(1 - (float(n) + 0.5f) / kSteps);
     const float top = corner.y + kHeight * float(n) / kSteps;
-    draw.AddRectFilled({corner.x, top}, {corner.x + kWidth, top + kHeight / kSteps}, IM_COL32(c.r, c.g, c.b, 255));
+    draw.AddRectFilled({corner.x, top}, {corner.x + kWidth, top + kHeight / kSteps},
+                       IM_COL32(c.r, c.g, c.b, 255));
   }
   write(draw, {corner.x + kWidth + 6, corner.y - 8}, fmt::format("{:.3g}", scale.high * scale.factor));
-  write(draw, {corner.x + kWidth + 6, corner.y + kHeight - 8}, fmt::format("{:.3g}", scale.low * scale.factor));
+  write(draw, {corner.x + kWidth + 6, corner.y + kHeight - 8},
+        fmt::format("{:.3g}", scale.low * scale.factor));
   const float width = ImGui::CalcTextSize(scale.label.c_str()).x;
   write(draw, {size.x - width - 12, corner.y - 30}, scale.label);
 }

@@ -1,6 +1,5 @@
-#include <imgui.h>
-
 #include <fmt/format.h>
+#include <imgui.h>
 
 #include "turgor/window/panels.hpp"
 
@@ -10,8 +9,8 @@ namespace {
 
 std::string tip_of(const Parameter& parameter) {
   const std::string limits = limits_text(parameter.key.allowed);
-  return fmt::format("{}\n{}{}{}\n{}", parameter.key.path, parameter.key.unit, limits.empty() ? "" : ", ", limits,
-                     parameter.key.meaning);
+  return fmt::format("{}\n{}{}{}\n{}", parameter.key.path, parameter.key.unit, limits.empty() ? "" : ", ",
+                     limits, parameter.key.meaning);
 }
 
 /// Does a person turn it now, and did they let go?
@@ -20,7 +19,8 @@ struct Turned {
 };
 Turned turn(Parameter& parameter) {
   const Allowed& allowed = parameter.key.allowed;
-  const double largest = std::max({std::abs(parameter.value[0]), std::abs(parameter.value[1]), std::abs(parameter.value[2])});
+  const double largest =
+      std::max({std::abs(parameter.value[0]), std::abs(parameter.value[1]), std::abs(parameter.value[2])});
   const float speed = float(std::max(largest, 0.01 * (parameter.key.is_whole ? 100 : 1)) / 100);
   const char* format = parameter.key.is_whole ? "%.0f" : "%.4g";
   Turned turned;
@@ -39,8 +39,8 @@ void show_list(Viewer& viewer, bool live) {
     const Turned turned = turn(parameter);
     if (!(live ? turned.moved : turned.let_go)) continue;
     viewer.session.ask(AskChange{parameter.key.path, value_text(parameter)});
-    viewer.message = fmt::format("{} = {} {}{}", parameter.key.path, value_text(parameter), parameter.key.unit,
-                                 live ? "" : ": with Reset");
+    viewer.message = fmt::format("{} = {} {}{}", parameter.key.path, value_text(parameter),
+                                 parameter.key.unit, live ? "" : ": with Reset");
   }
 }
 

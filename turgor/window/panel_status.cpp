@@ -1,6 +1,5 @@
-#include <imgui.h>
-
 #include <fmt/format.h>
+#include <imgui.h>
 
 #include "turgor/window/panels.hpp"
 
@@ -16,17 +15,21 @@ void line(const std::string& text, ImVec4 color = kPlain) {
   ImGui::PopStyleColor();
 }
 
+std::string milliseconds(double seconds) {
+  return seconds < 0.01 ? fmt::format("{:.2f} ms", 1e3 * seconds) : fmt::format("{:.0f} ms", 1e3 * seconds);
+}
+
 std::string physics_text(const SessionNow& now) {
   const std::string when = fmt::format("{:.2f} s", now.shown.time);
   if (!now.plays) return when + ", stands still";
-  return fmt::format("{}, {:.2f} of the clock (a frame takes {:.2g} ms, showing it {:.2g} ms)", when, now.real_pace,
-                     1e3 * now.frame_seconds, 1e3 * now.show_seconds);
+  return fmt::format("{}, {:.2f} of the clock (a frame takes {}, showing it {})", when, now.real_pace,
+                     milliseconds(now.frame_seconds), milliseconds(now.show_seconds));
 }
 
 std::string haptics_text(const SessionNow& now) {
   const haptics::TimingReport& t = now.haptics;
-  return fmt::format("hand {:.0f} ticks/s, {} of {} missed, a tick takes {:.0f} µs (99 of 100)", t.rate, t.missed,
-                     t.ticks + t.missed, 1e6 * t.compute.p99);
+  return fmt::format("hand {:.0f} ticks/s, {} of {} missed, a tick takes {:.0f} µs (99 of 100)", t.rate,
+                     t.missed, t.ticks + t.missed, 1e6 * t.compute.p99);
 }
 
 }  // namespace
@@ -36,14 +39,16 @@ void show_status(const Viewer& viewer) {
   ImGui::SetNextWindowPos({8, size.y - 8}, ImGuiCond_Always, {0, 1});
   ImGui::SetNextWindowSize({size.x - 16, 0});
   ImGui::SetNextWindowBgAlpha(0.55f);
-  const ImGuiWindowFlags flags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings;
+  const ImGuiWindowFlags flags =
+      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings;
   if (!ImGui::Begin("status", nullptr, flags)) return ImGui::End();
   const SessionNow& now = *viewer.now;
   if (now.phase == SessionNow::Phase::kLoading)
     line(now.doing + " …", kGood);
   else if (now.phase == SessionNow::Phase::kReady)
     line(fmt::format("{}   |   {}   |   {:.0f} pictures/s", physics_text(now),
-                     now.is_felt ? haptics_text(now) : std::string("nothing is felt here"), viewer.drawn_per_second));
+                     now.is_felt ? haptics_text(now) : std::string("nothing is felt here"),
+                     viewer.drawn_per_second));
   if (!now.error.empty()) line(now.error, kBad);
   if (!viewer.message.empty()) line(viewer.message, kGood);
   if (now.phase == SessionNow::Phase::kFailed) line("R reads the file again, ? tells the keys");

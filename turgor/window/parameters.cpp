@@ -29,7 +29,9 @@ int numbers_of(std::string text, std::array<double, 3>& numbers) {
   return count;
 }
 
-bool is_offered(const SceneKey& key) { return !key.path.starts_with("output.") && key.path.find("NAME") == key.path.npos; }
+bool is_offered(const SceneKey& key) {
+  return !key.path.starts_with("output.") && key.path.find("NAME") == key.path.npos;
+}
 
 }  // namespace
 
@@ -59,7 +61,8 @@ std::string value_text(const Parameter& parameter) {
 double limited(const Allowed& allowed, double value) {
   const double clamped = std::clamp(value, allowed.low, allowed.high);
   if (!allowed.open || (clamped > allowed.low && clamped < allowed.high)) return clamped;
-  return clamped <= allowed.low ? std::nextafter(float(allowed.low), 1e30f) : std::nextafter(float(allowed.high), -1e30f);
+  return clamped <= allowed.low ? std::nextafter(float(allowed.low), 1e30f)
+                                : std::nextafter(float(allowed.high), -1e30f);
 }
 
 }  // namespace turgor

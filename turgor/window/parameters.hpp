@@ -1,4 +1,5 @@
-// The keys of a scene as a person turns them: with their unit, their limits, what they mean and what they are.
+// The keys of a scene as a person turns them: with their unit, their limits, what they mean and what they
+// are.
 #pragma once
 
 #include <array>
@@ -13,8 +14,8 @@ namespace turgor {
 /// A key that is a number or three.
 struct Parameter {
   SceneKey key;
-  bool is_live = false;               // acts at once; else when the world is made anew
-  int count = 1;                      // of numbers
+  bool is_live = false;  // acts at once; else when the world is made anew
+  int count = 1;         // of numbers
   std::array<double, 3> value{};
 };
 using ParameterList = std::vector<Parameter>;

@@ -18,7 +18,8 @@ std::optional<double> ray_distance(const SightRay& ray, Vec3d a, Vec3d b, Vec3d 
 
 }  // namespace
 
-std::optional<Picked> pick_surface(std::span<const Vec3> x, std::span<const Int3> triangles, const SightRay& ray) {
+std::optional<Picked> pick_surface(std::span<const Vec3> x, std::span<const Int3> triangles,
+                                   const SightRay& ray) {
   std::optional<Picked> nearest;
   for (const Int3 t : triangles) {
     const Vec3d a(x[std::size_t(t.x)]), b(x[std::size_t(t.y)]), c(x[std::size_t(t.z)]);

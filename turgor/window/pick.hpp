@@ -10,13 +10,14 @@
 namespace turgor {
 
 struct Picked {
-  std::size_t body = 0;   // of ShownWorld::bodies
-  Vec3d point, normal;    // on it; unit, outward [m]
-  double distance = 0;    // from the eye [m]
+  std::size_t body = 0;  // of ShownWorld::bodies
+  Vec3d point, normal;   // on it; unit, outward [m]
+  double distance = 0;   // from the eye [m]
 };
 
 /// The first triangle of a surface on a ray, from either side; `body` is the caller's.
-std::optional<Picked> pick_surface(std::span<const Vec3> x, std::span<const Int3> triangles, const SightRay& ray);
+std::optional<Picked> pick_surface(std::span<const Vec3> x, std::span<const Int3> triangles,
+                                   const SightRay& ray);
 /// The nearest body.
 std::optional<Picked> pick(const ShownWorld& shown, const SightRay& ray);
 

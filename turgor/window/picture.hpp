@@ -17,7 +17,7 @@ struct WorldPicture {
   std::vector<PictureLabel> labels;  // words at places
   ColorScale scale;                  // where colours show a quantity
   bool has_scale = false;
-  double full_seconds = 0;           // that full care takes; 0: not known yet
+  double full_seconds = 0;  // that full care takes; 0: not known yet
 };
 
 /// Error: the compiler's log.

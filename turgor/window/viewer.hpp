@@ -23,19 +23,19 @@ enum class MouseMode : std::uint8_t { kTouch, kGrab, kCut, kWind };
 struct Display {
   SkinColor color = SkinColor::kNone;
   MeshStyle style = MeshStyle::kSurface;
-  bool volume = false;                               // the deformed CT instead of surfaces
-  std::string preset = "skin", window = "abdomen";   // of the CT's pictures
+  bool volume = false;                              // the deformed CT instead of surfaces
+  std::string preset = "skin", window = "abdomen";  // of the CT's pictures
 };
 
 /// A tool that the mouse presses or pulls with.
 struct Touching {
   MouseTool tool;
-  std::size_t body = 0;            // of ShownWorld::bodies
-  std::vector<Vec3> x;             // its surface when this began [m]
+  std::size_t body = 0;  // of ShownWorld::bodies
+  std::vector<Vec3> x;   // its surface when this began [m]
   std::vector<Int3> triangles;
-  Vec3d place, normal;             // where the tool's tip would touch; unit, outward [m]
-  double tip = 0, size = 0;        // of the tool below its origin, and across [m]
-  double depth = 0;                // that it is to be below `place` [m]
+  Vec3d place, normal;       // where the tool's tip would touch; unit, outward [m]
+  double tip = 0, size = 0;  // of the tool below its origin, and across [m]
+  double depth = 0;          // that it is to be below `place` [m]
   bool grabs = false;
   std::chrono::steady_clock::time_point began;
 };
@@ -61,17 +61,17 @@ struct Viewer {
   Display display;
   Panels panels;
   Seen cursor;
-  int puts = 0;                      // see MouseHand::put
-  double depth = -1;                 // of the last touch, for the next one; -1: of the tool's size [m]
+  int puts = 0;       // see MouseHand::put
+  double depth = -1;  // of the last touch, for the next one; -1: of the tool's size [m]
   std::optional<Touching> touching;
-  std::optional<Vec3d> touched;      // where the last touch was, to look at
+  std::optional<Vec3d> touched;  // where the last touch or cut was, to look at
   std::optional<Drawn> cut, wind;
-  std::optional<int> camera_button;  // that moves the camera while it is held: 0 turns, 1 shifts
-  std::vector<lattice::Incision> cuts;       // that were made, with `name` of their body
+  std::optional<int> camera_button;     // that moves the camera while it is held: 0 turns, 1 shifts
+  std::vector<lattice::Incision> cuts;  // that were made, with `name` of their body
   ParameterList parameters;
-  std::string message;                       // the last that happened
+  std::string message;  // the last that happened
   bool wants_picture = false, wants_video = false, ends = false;
-  double drawn_per_second = 0;               // of pictures [1/s]
+  double drawn_per_second = 0;                     // of pictures [1/s]
   std::chrono::steady_clock::time_point asked_ct;  // latest
 };
 

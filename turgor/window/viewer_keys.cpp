@@ -1,10 +1,9 @@
 // What the keys do: one table for those who press them and for the help.
 #define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
 #include "turgor/io/file.hpp"
@@ -114,8 +113,7 @@ constexpr KeyHelp kKeys[] = {
     {GLFW_KEY_P, "P", "save a picture", [](Viewer& v) { v.wants_picture = true; }},
     {GLFW_KEY_V, "V", "begin a video, or end it", [](Viewer& v) { v.wants_video = !v.wants_video; }},
     {GLFW_KEY_S, "S", "save the scene with what was changed", save},
-    {GLFW_KEY_TAB, "Tab", "panels come and go",
-     [](Viewer& v) { v.panels.controls = !v.panels.controls; }},
+    {GLFW_KEY_TAB, "Tab", "panels come and go", [](Viewer& v) { v.panels.controls = !v.panels.controls; }},
     {GLFW_KEY_SLASH, "?", "this help", [](Viewer& v) { v.panels.help = !v.panels.help; }},
     {GLFW_KEY_ESCAPE, "Esc", "close the help, then the window",
      [](Viewer& v) {

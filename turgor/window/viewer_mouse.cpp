@@ -1,4 +1,5 @@
-// What the mouse does: it presses, grabs, cuts and blows where it lies on a body, and moves the camera beside it.
+// What the mouse does: it presses, grabs, cuts and blows where it lies on a body, and moves the camera beside
+// it.
 #include <algorithm>
 #include <cmath>
 
@@ -18,10 +19,14 @@ constexpr int kLeft = 0, kRight = 1, kMiddle = 2;  // GLFW's
 constexpr double kLift = 0.03;                     // of a tool that touches nothing [m]
 constexpr double kWind = 12;                       // of a drag over half the picture's height [m/s]
 
-SightRay ray_at_cursor(const Viewer& viewer) { return sight_ray(viewer.camera, viewer.cursor, viewer.aspect); }
+SightRay ray_at_cursor(const Viewer& viewer) {
+  return sight_ray(viewer.camera, viewer.cursor, viewer.aspect);
+}
 
 /// Outward is where the camera is: surfaces are picked from outside, but cloth has two sides.
-Vec3d towards_eye(Vec3d normal, const SightRay& ray) { return dot(normal, ray.direction) > 0 ? -normal : normal; }
+Vec3d towards_eye(Vec3d normal, const SightRay& ray) {
+  return dot(normal, ray.direction) > 0 ? -normal : normal;
+}
 
 double tip_of(const ShownTool& tool) {
   float lowest = 0;
@@ -35,7 +40,9 @@ void lead(const Touching& touching, int put, double depth) {
   constexpr double kTakesHold = 0.35;  // after pressing [s]
   const bool holds = touching.grabs && depth > -kLift &&
                      std::chrono::duration<double>(Clock::now() - touching.began).count() > kTakesHold;
-  const auto above = [&](double height) { return touching.place + touching.normal * (touching.tip + height); };
+  const auto above = [&](double height) {
+    return touching.place + touching.normal * (touching.tip + height);
+  };
   touching.tool.device->lead(
       {.pose = {above(-depth), axes}, .hold = holds, .put = put, .put_at = above(0.1 * touching.size)});
 }
@@ -97,7 +104,9 @@ void end_cut(Viewer& viewer) {
   blade.duration = std::clamp(norm(line.to - line.from) / 0.2, 0.1, 1.0);
   viewer.session.ask(AskCut{.blade = blade, .body = body.id.index});
   viewer.cuts.push_back(blade);
-  viewer.message = fmt::format("a cut of {:.0f} mm, {:.0f} mm deep", 1e3 * norm(line.to - line.from), 1e3 * blade.depth);
+  viewer.touched = (line.from + line.to) * 0.5;
+  viewer.message =
+      fmt::format("a cut of {:.0f} mm, {:.0f} mm deep", 1e3 * norm(line.to - line.from), 1e3 * blade.depth);
 }
 
 void blow(Viewer& viewer) {
@@ -125,7 +134,8 @@ void ask_for_ct(Viewer& viewer) {
   constexpr std::chrono::milliseconds kPause(700);
   const SessionNow& now = *viewer.now;
   const bool is_wanted = (viewer.display.volume || viewer.panels.ct) && !now.scene->lattice_bodies.empty();
-  if (!is_wanted || (now.ct && now.ct->frame == now.shown.frame) || Clock::now() < viewer.asked_ct + kPause) return;
+  if (!is_wanted || (now.ct && now.ct->frame == now.shown.frame) || Clock::now() < viewer.asked_ct + kPause)
+    return;
   viewer.asked_ct = Clock::now();
   viewer.session.ask(AskCt{});
 }
@@ -167,7 +177,8 @@ void move_cursor(Viewer& viewer, Seen place) {
   viewer.cursor = place;
   if (viewer.touching) return move_touch(viewer);
   if (viewer.cut) {
-    if (const auto found = pick(viewer.now->shown, ray_at_cursor(viewer)); found && found->body == viewer.cut->body)
+    if (const auto found = pick(viewer.now->shown, ray_at_cursor(viewer));
+        found && found->body == viewer.cut->body)
       viewer.cut->to = found->point;
   } else if (viewer.wind) {
     viewer.wind->to = in_plane(viewer.camera, ray_at_cursor(viewer), viewer.wind->from);
@@ -176,14 +187,16 @@ void move_cursor(Viewer& viewer, Seen place) {
     viewer.camera = panned(viewer.camera, before, place, viewer.aspect);
   } else if (viewer.camera_button == 0) {
     constexpr double kTurn = 1.5;  // of half the picture [rad]
-    viewer.camera = orbited(viewer.camera, -kTurn * viewer.aspect * (place.x - before.x), -kTurn * (place.y - before.y));
+    viewer.camera =
+        orbited(viewer.camera, -kTurn * viewer.aspect * (place.x - before.x), -kTurn * (place.y - before.y));
   }
 }
 
 void scroll(Viewer& viewer, double notches) {
   if (viewer.touching) {
     Touching& touching = *viewer.touching;
-    touching.depth = std::clamp(touching.depth + notches * touching.size / 30, -2 * touching.size, 2 * touching.size);
+    touching.depth =
+        std::clamp(touching.depth + notches * touching.size / 30, -2 * touching.size, 2 * touching.size);
     viewer.depth = std::max(0.0, touching.depth);
     return;
   }

@@ -23,7 +23,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
 
 std::string& glfw_trouble() {
   static std::string sentence;
@@ -40,7 +42,8 @@ struct DrawnState {
 
 bool same(const DrawnState& a, const DrawnState& b) {
   return a.world == b.world && a.frame == b.frame && a.width == b.width && a.height == b.height &&
-         a.camera.eye == b.camera.eye && a.camera.target == b.camera.target && a.color == b.color && a.style == b.style;
+         a.camera.eye == b.camera.eye && a.camera.target == b.camera.target && a.color == b.color &&
+         a.style == b.style;
 }
 
 struct PixelSize {
@@ -51,8 +54,8 @@ void copy_to_window(GLuint framebuffer, PixelSize from, bool from_top, PixelSize
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
   const bool same_size = from.width == to.width && from.height == to.height;
-  glBlitFramebuffer(0, from_top ? from.height : 0, from.width, from_top ? 0 : from.height, 0, 0, to.width, to.height,
-                    GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
+  glBlitFramebuffer(0, from_top ? from.height : 0, from.width, from_top ? 0 : from.height, 0, 0, to.width,
+                    to.height, GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
@@ -104,8 +107,9 @@ SceneWindow::Parts::~Parts() {
 Status SceneWindow::Parts::begin() {
   glfwSetErrorCallback([](int, const char* sentence) { glfw_trouble() = sentence; });
   const auto no_window = [&] {
-    return Error{fmt::format("no window: {}; without a display, turgor run {} simulates the scene and draws pictures",
-                             glfw_trouble(), options.scene.string())};
+    return Error{
+        fmt::format("no window: {}; without a display, turgor run {} simulates the scene and draws pictures",
+                    glfw_trouble(), options.scene.string())};
   };
   if (!glfwInit()) return no_window();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -140,7 +144,9 @@ Seen SceneWindow::Parts::seen(double x, double y) const {
 /// Events wait until it is known whether a panel lies under the cursor.
 void SceneWindow::Parts::listen() {
   glfwSetWindowUserPointer(window, this);
-  static const auto parts_of = [](GLFWwindow* w) -> Parts& { return *static_cast<Parts*>(glfwGetWindowUserPointer(w)); };
+  static const auto parts_of = [](GLFWwindow* w) -> Parts& {
+    return *static_cast<Parts*>(glfwGetWindowUserPointer(w));
+  };
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
     Parts& p = parts_of(w);
     p.events.push_back([&p, x, y] { move_cursor(*p.viewer, p.seen(x, y)); });
@@ -180,8 +186,12 @@ void SceneWindow::Parts::handle_events() {
 /// Anew when something changed, with more care when nothing does any more.
 void SceneWindow::Parts::draw_surfaces(int width, int height) {
   const SessionNow& now = *viewer->now;
-  const DrawnState wanted{now.world,      now.shown.frame,       width,
-                          height,         viewer->camera,        viewer->display.color,
+  const DrawnState wanted{now.world,
+                          now.shown.frame,
+                          width,
+                          height,
+                          viewer->camera,
+                          viewer->display.color,
                           viewer->display.style};
   const bool changes = !same(wanted, drawn);
   if (changes) changed = Clock::now();

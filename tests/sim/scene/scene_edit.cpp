@@ -27,7 +27,8 @@ std::string edited(const std::vector<std::string>& overrides) {
 
 /// Does the edited text say what --set says?
 void expect_same_scene(const std::vector<std::string>& overrides) {
-  const Result<Scene> saved = parse_scene(edited(overrides), "a.toml"), set = parse_scene(kText, "a.toml", overrides);
+  const Result<Scene> saved = parse_scene(edited(overrides), "a.toml"),
+                      set = parse_scene(kText, "a.toml", overrides);
   ASSERT_TRUE(saved) << saved.error().message;
   ASSERT_TRUE(set) << set.error().message;
   const lattice::Params &a = saved->lattice_bodies[0].params, &b = set->lattice_bodies[0].params;
@@ -43,9 +44,10 @@ void expect_same_scene(const std::vector<std::string>& overrides) {
 }
 
 TEST(scene_edit, a_saved_scene_is_the_one_that_was_set_wherever_the_key_stands) {
-  for (const char* one : {"world.duration=3.5", "world.gravity=[0, 0, -9.81]", "body.torso.skin.tension=60.5",
-                          "body.torso.skin.shear=80", "body.torso.solver.sweeps=7", "body.torso.solver.damping=2",
-                          "body.torso.tissue.fat=4e3", "output.snapshots.every=0.25", "output.window=bone"})
+  for (const char* one :
+       {"world.duration=3.5", "world.gravity=[0, 0, -9.81]", "body.torso.skin.tension=60.5",
+        "body.torso.skin.shear=80", "body.torso.solver.sweeps=7", "body.torso.solver.damping=2",
+        "body.torso.tissue.fat=4e3", "output.snapshots.every=0.25", "output.window=bone"})
     expect_same_scene({one});
   expect_same_scene({"body.torso.skin.tension=50", "world.gravity=[1, 2, 3]", "body.torso.tissue.fat=6e3",
                      "body.torso.skin.tension=55", "output.window=lung"});

@@ -56,8 +56,8 @@ const toml::node* find(const toml::table& root, std::span<const std::string> par
 }
 
 /// Into a table that lacks the rest of a key.
-void insert(std::string& text, const toml::table& table, std::span<const std::string> parts, std::size_t known,
-            const std::string& value) {
+void insert(std::string& text, const toml::table& table, std::span<const std::string> parts,
+            std::size_t known, const std::string& value) {
   const std::string line = fmt::format("{} = {}", joined(parts.subspan(known)), value);
   const std::size_t begin = table.source().begin ? offset_of(text, table.source().begin) : std::string::npos;
   if (table.is_inline() && begin != std::string::npos) {
@@ -80,9 +80,11 @@ Result<toml::table> parsed(const std::string& text, const std::filesystem::path&
   }
 }
 
-Status put(std::string& text, const std::filesystem::path& file, const std::string& key, const std::string& value) {
+Status put(std::string& text, const std::filesystem::path& file, const std::string& key,
+           const std::string& value) {
   const auto no_place = [&] {
-    return Error{fmt::format("{}: {} = {} has no place in this text; change it by hand", file.string(), key, value)};
+    return Error{
+        fmt::format("{}: {} = {} has no place in this text; change it by hand", file.string(), key, value)};
   };
   const Result<toml::table> root = parsed(text, file);
   if (!root) return root.error();
@@ -94,7 +96,8 @@ Status put(std::string& text, const std::filesystem::path& file, const std::stri
   if (known < parts.size()) {
     insert(text, *node->as_table(), parts, known, value);
   } else {
-    const std::size_t begin = offset_of(text, node->source().begin), end = offset_of(text, node->source().end);
+    const std::size_t begin = offset_of(text, node->source().begin),
+                      end = offset_of(text, node->source().end);
     text.replace(begin, end - begin, value);
   }
   const Result<toml::table> again = parsed(text, file);
@@ -142,7 +145,8 @@ std::string incisions_text(const Scene& scene, std::span<const lattice::Incision
     };
     while (std::any_of(scene.incisions.begin(), scene.incisions.end(), is_taken)) number++;
     text += fmt::format(
-        "\n[incision.hand-{}]\nbody = \"{}\"\nfrom = {}\nto = {}\ndepth = {:.6g}\nstart = 0\nduration = {:.6g}\n",
+        "\n[incision.hand-{}]\nbody = \"{}\"\nfrom = {}\nto = {}\ndepth = {:.6g}\nstart = 0\nduration = "
+        "{:.6g}\n",
         number++, cut.name, place(cut.from), place(cut.to), cut.depth, cut.duration);
   }
   return text;
