@@ -42,7 +42,7 @@ void show_ct(Viewer& viewer, Sections& sections) {
       ImGui::SameLine();
     }
     ImGui::NewLine();
-    ImGui::TextUnformatted("axial, coronal and sagittal, through the last touch");
+    ImGui::TextUnformatted("axial, coronal and sagittal, through the last touch or cut");
   }
   ImGui::End();
 }

@@ -15,11 +15,15 @@ void line(const std::string& text, ImVec4 color = kPlain) {
   ImGui::PopStyleColor();
 }
 
+std::string milliseconds(double seconds) {
+  return seconds < 0.01 ? fmt::format("{:.2f} ms", 1e3 * seconds) : fmt::format("{:.0f} ms", 1e3 * seconds);
+}
+
 std::string physics_text(const SessionNow& now) {
   const std::string when = fmt::format("{:.2f} s", now.shown.time);
   if (!now.plays) return when + ", stands still";
-  return fmt::format("{}, {:.2f} of the clock (a frame takes {:.2g} ms, showing it {:.2g} ms)", when,
-                     now.real_pace, 1e3 * now.frame_seconds, 1e3 * now.show_seconds);
+  return fmt::format("{}, {:.2f} of the clock (a frame takes {}, showing it {})", when, now.real_pace,
+                     milliseconds(now.frame_seconds), milliseconds(now.show_seconds));
 }
 
 std::string haptics_text(const SessionNow& now) {

@@ -64,7 +64,7 @@ struct Viewer {
   int puts = 0;       // see MouseHand::put
   double depth = -1;  // of the last touch, for the next one; -1: of the tool's size [m]
   std::optional<Touching> touching;
-  std::optional<Vec3d> touched;  // where the last touch was, to look at
+  std::optional<Vec3d> touched;  // where the last touch or cut was, to look at
   std::optional<Drawn> cut, wind;
   std::optional<int> camera_button;     // that moves the camera while it is held: 0 turns, 1 shifts
   std::vector<lattice::Incision> cuts;  // that were made, with `name` of their body

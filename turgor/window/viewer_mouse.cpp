@@ -104,6 +104,7 @@ void end_cut(Viewer& viewer) {
   blade.duration = std::clamp(norm(line.to - line.from) / 0.2, 0.1, 1.0);
   viewer.session.ask(AskCut{.blade = blade, .body = body.id.index});
   viewer.cuts.push_back(blade);
+  viewer.touched = (line.from + line.to) * 0.5;
   viewer.message =
       fmt::format("a cut of {:.0f} mm, {:.0f} mm deep", 1e3 * norm(line.to - line.from), 1e3 * blade.depth);
 }
