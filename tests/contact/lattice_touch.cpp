@@ -160,7 +160,7 @@ TEST(lattice_touch, a_held_tool_pulls_and_lets_go) {
   EXPECT_GT(block.forces[0].force.z, 0.01) << "N: it presses";
   block.go(Exec(2), middle(size, 0.004, block.top + 0.018), 60, true);
   const int held = block.forces[0].contacts;
-  EXPECT_GT(held, 5);
+  EXPECT_GE(held, 5);  // the node in the middle and the four beside it
   EXPECT_LT(block.forces[0].force.z, -0.05) << "N: it is pulled down";
   for (std::size_t c = 0; c < block.touch.contacts.size(); c++) {
     const LatticeContact& contact = block.touch.contacts[c];

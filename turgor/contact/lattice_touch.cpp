@@ -9,24 +9,44 @@ namespace turgor::contact {
 
 namespace {
 
+/// Which vertices lie in the flat caps where the scan ends.
+std::vector<std::uint8_t> cap_vertices(const lattice::Model& model, const lattice::BodySurface& surface) {
+  const Vec3 far = rest_position(model.lattice, model.lattice.size - Int3{1, 1, 1});
+  std::vector<std::uint8_t> cap(surface.rest.size());
+  for (const Int3 t : surface.triangles)
+    for (int axis = 0; axis < 3; axis++)
+      for (const Real end : {Real(0), far[axis]}) {
+        bool flat = true;
+        for (int n = 0; n < 3; n++)
+          flat = flat && std::abs(surface.rest[std::size_t(t[n])][axis] - end) < Real(1e-6);
+        for (int n = 0; flat && n < 3; n++) cap[std::size_t(t[n])] = 1;
+      }
+  return cap;
+}
+
 /// A node holds at most one place of the skin and one of the walls of cuts: the means of what it carries of
-/// them.
+/// them; caps count where it carries nothing else.
 std::vector<LatticePlace> places_of(const lattice::Model& model, const lattice::BodySurface& surface) {
   std::vector<std::uint8_t> wall(surface.rest.size());
   for (auto t = std::size_t(surface.skin_triangles); t < surface.triangles.size(); t++)
     for (int corner = 0; corner < 3; corner++) wall[std::size_t(surface.triangles[t][corner])] = 1;
+  const std::vector<std::uint8_t> cap = cap_vertices(model, surface);
   std::vector<int> order(surface.rest.size());
   for (std::size_t v = 0; v < order.size(); v++) order[v] = int(v);
   const auto key = [&](int v) { return 2 * long(surface.slot[std::size_t(v)]) + wall[std::size_t(v)]; };
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
   std::vector<LatticePlace> places;
   for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    Vec3d sum;
-    for (; end < order.size() && key(order[end]) == key(order[begin]); end++)
-      sum += Vec3d(surface.rest[std::size_t(order[end])]);
+    Vec3d sums[2];
+    int counts[2] = {0, 0};
+    for (; end < order.size() && key(order[end]) == key(order[begin]); end++) {
+      const auto v = std::size_t(order[end]);
+      sums[cap[v]] += Vec3d(surface.rest[v]), counts[cap[v]]++;
+    }
+    const std::size_t kind = counts[0] > 0 ? 0 : 1;
     const auto first = std::size_t(order[begin]);
     if (model.inverse_mass[std::size_t(surface.slot[first])] > 0)
-      places.push_back({surface.slot[first], sum / double(end - begin), wall[first] != 0});
+      places.push_back({surface.slot[first], sums[kind] / double(counts[kind]), wall[first] != 0});
   }
   return places;
 }
