@@ -56,7 +56,8 @@ Pressure solve(const BondedLayer& layer, double radius, const Shape& shape) {
   const GaussRule rule = gauss_rule(kPoints);
   const auto coupling = [&](double x, int j) {
     const double t = radius * rule.place[j];
-    return radius * rule.weight[j] * (kernel((x - t) / h, poisson) + kernel((x + t) / h, poisson)) / (kPi * h);
+    return radius * rule.weight[j] * (kernel((x - t) / h, poisson) + kernel((x + t) / h, poisson)) /
+           (kPi * h);
   };
   Eigen::MatrixXd system = Eigen::MatrixXd::Identity(kPoints, kPoints);
   Eigen::VectorXd right(kPoints);

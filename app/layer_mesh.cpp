@@ -30,12 +30,12 @@ void add_prism(Int3 t, int below, int above, std::vector<int>& elements) {
   while (t.x > t.y || t.x > t.z) t = {t.y, t.z, t.x};  // begins with its lowest corner
   const auto [a, b, c] = t;
   if (b < c)
-    for (const int v : {below + a, below + b, below + c, above + c, below + a, below + b, above + c, above + b,
-                        below + a, above + b, above + c, above + a})
+    for (const int v : {below + a, below + b, below + c, above + c, below + a, below + b, above + c,
+                        above + b, below + a, above + b, above + c, above + a})
       elements.push_back(v);
   else
-    for (const int v : {below + a, below + b, below + c, above + b, below + a, above + b, below + c, above + c,
-                        below + a, above + b, above + c, above + a})
+    for (const int v : {below + a, below + b, below + c, above + b, below + a, above + b, below + c,
+                        above + c, below + a, above + b, above + c, above + a})
       elements.push_back(v);
 }
 

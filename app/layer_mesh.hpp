@@ -7,8 +7,8 @@
 
 namespace turgor {
 
-/// Circles of these radii, ascending, around a node in the middle, and planes of these heights, ascending [m].
-/// Circle number i has 6 i nodes.
+/// Circles of these radii, ascending, around a node in the middle, and planes of these heights, ascending
+/// [m]. Circle number i has 6 i nodes.
 SolidMesh round_layer(std::span<const double> radii, std::span<const double> heights);
 
 }  // namespace turgor

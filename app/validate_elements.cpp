@@ -1,5 +1,5 @@
-// Kinds of elements on organs' meshes, as a fingertip feels them and as they cost: which is near the converged
-// force for the least computing beforehand?
+// Kinds of elements on organs' meshes, as a fingertip feels them and as they cost: which is near the
+// converged force for the least computing beforehand?
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,9 +19,9 @@ namespace {
 struct Organ {
   const char* name;
   SolidMesh mesh;
-  Vec3d down;                                 // to what holds it
-  double radius = 0, depth = 0, patch = 0;    // of the ball, of its press, of the patch [m]
-  std::vector<double> ratios;  // Poisson's
+  Vec3d down;                               // to what holds it
+  double radius = 0, depth = 0, patch = 0;  // of the ball, of its press, of the patch [m]
+  std::vector<double> ratios;               // Poisson's
 };
 
 /// About a tongue: an ellipsoid that is thicker at one end.
@@ -95,7 +95,8 @@ std::vector<Place> places_on(const Organ& organ) {
     double nearest = INFINITY;
     for (const Int3 t : outer.triangles) {
       const auto x = [&](int v) { return organ.mesh.vertices[std::size_t(v)]; };
-      const Vec3d normal = normalized(cross(x(t.y) - x(t.x), x(t.z) - x(t.x))), m = (x(t.x) + x(t.y) + x(t.z)) / 3;
+      const Vec3d normal = normalized(cross(x(t.y) - x(t.x), x(t.z) - x(t.x))),
+                  m = (x(t.x) + x(t.y) + x(t.z)) / 3;
       const Vec3d off = m - above, aside = off - organ.down * dot(off, organ.down);
       if (dot(normal, organ.down) < -0.5 && norm(aside) < nearest) nearest = norm(aside), best = {m, normal};
     }
@@ -124,15 +125,17 @@ struct Kind {
   sfem::Formulation formulation;
   int refinement;  // of the patch
 };
-constexpr Kind kKinds[] = {{"standard, patch r = 2", false, false, sfem::Formulation::kStandard, 2},
-                           {"averaged, patch r = 2", false, false, sfem::Formulation::kAveraged, 2},
-                           {"averaged, cut in eight, patch r = 2", true, false, sfem::Formulation::kAveraged, 2},
-                           {"quadratic, no patch", false, true, sfem::Formulation::kStandard, 1},
-                           {"quadratic, patch r = 2", false, true, sfem::Formulation::kStandard, 2},
-                           {"quadratic, cut in eight", true, true, sfem::Formulation::kStandard, 1}};
+constexpr Kind kKinds[] = {
+    {"standard, patch r = 2", false, false, sfem::Formulation::kStandard, 2},
+    {"averaged, patch r = 2", false, false, sfem::Formulation::kAveraged, 2},
+    {"averaged, cut in eight, patch r = 2", true, false, sfem::Formulation::kAveraged, 2},
+    {"quadratic, no patch", false, true, sfem::Formulation::kStandard, 1},
+    {"quadratic, patch r = 2", false, true, sfem::Formulation::kStandard, 2},
+    {"quadratic, cut in eight", true, true, sfem::Formulation::kStandard, 1}};
 
 /// The patch at a place. One that is no finer than the body needs the elements of the surface alone.
-sfem::Patch patch_on(const Exec& exec, sfem::Model& model, const Place& place, double radius, int refinement) {
+sfem::Patch patch_on(const Exec& exec, sfem::Model& model, const Place& place, double radius,
+                     int refinement) {
   if (refinement > 1) return patch_at(exec, model, place.x, {radius, refinement});
   const std::vector<Vec3d> touches{place.x};
   const std::vector<int>& outer = model.surface.element;
@@ -159,8 +162,7 @@ Result<std::vector<double>> forces_of(const Exec& exec, const Organ& organ, cons
   row.store_bytes = double(cost.store_bytes), row.factor_bytes = double(cost.factor_bytes);
   std::vector<double> forces;
   for (const Place& place : places_on(organ))
-    forces.push_back(
-        press_along(patch_on(exec, *model, place, organ.patch, kind.refinement), place, organ));
+    forces.push_back(press_along(patch_on(exec, *model, place, organ.patch, kind.refinement), place, organ));
   return forces;
 }
 

@@ -1,8 +1,8 @@
-// A thin layer on bone, as cartilage or skin are: a flat punch and a sphere against Hayes's integral equation.
+// A thin layer on bone, as cartilage or skin are: a flat punch and a sphere against Hayes's integral
+// equation.
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Cholesky>
 
 #include "app/hayes.hpp"
 #include "app/layer_mesh.hpp"

@@ -1,5 +1,5 @@
-// Tetrahedra with a node in the middle of every edge, and the linear ones that such nodes make: what quadratic
-// elements, and a mesh refined all over, are built from.
+// Tetrahedra with a node in the middle of every edge, and the linear ones that such nodes make: what
+// quadratic elements, and a mesh refined all over, are built from.
 #pragma once
 
 #include <array>
@@ -9,7 +9,8 @@
 namespace turgor {
 
 /// The corners at the ends of the edges whose middles are nodes 4 to 9 of a quadratic tetrahedron, as in VTK.
-inline constexpr std::array<std::array<int, 2>, 6> kTetEdges{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+inline constexpr std::array<std::array<int, 2>, 6> kTetEdges{
+    {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
 /// The node of a quadratic tetrahedron between two of its corners.
 constexpr int node_between(int a, int b) {
