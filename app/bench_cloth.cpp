@@ -25,7 +25,7 @@ struct Piece {
 
 Piece sheet(const Exec& exec, int side, Vec3d corner, bool self) {
   Params params;
-  params.solver.sweeps = 8;
+  params.solver = {.method = Method::kChebyshev, .sweeps = 8};
   params.collision = {.self = self, .thickness = 0.96 * kSpacing};
   const double length = kSpacing * (side - 1);
   const TriMesh mesh = make_sheet({.corner = corner,
@@ -63,9 +63,10 @@ ClothFrameRow measure_frames(const Exec& exec, double bandwidth, int side) {
     row.contacts_per_vertex = double(sheet.state.contacts.list.size()) / row.vertices;
     row.bytes_per_vertex = double(memory_bytes(sheet.model, sheet.state)) / row.vertices;
     row.sweep = median_ms(kFrames, [&] { sweep(exec, sheet.model, sheet.state, 1); });
-    // Two numbers a spring's half; of a vertex its place, force, six of the diagonal, change read and
-    // written.
-    const double bytes = 8.0 * double(sheet.model.rows.rest.size()) + 76.0 * row.vertices;
+    // Two numbers a side's half, one of bending; of a vertex its place, force, six of the diagonal, change
+    // read and written.
+    const double bytes = 8.0 * double(sheet.model.rows.stiffness.size()) +
+                         4.0 * double(sheet.model.far_rows.bend.size()) + 80.0 * row.vertices;
     row.bandwidth_fraction = bytes / (row.sweep * 1e-3) / bandwidth;
   }
   return row;
@@ -93,8 +94,9 @@ ClothSolverRow measure_solver(const Exec& exec, const Piece& flag, Method method
   ClothSolverRow row{.method = name};
   const auto solve = [&](State& state, int sweeps) {
     start_change(exec, flag.model, state, kDt);
-    method == Method::kConjugateGradients ? solve_by_conjugate_gradients(exec, flag.model, state, sweeps)
-                                          : solve_by_sweeps(exec, flag.model, state, method, sweeps);
+    method == Method::kConjugateGradients
+        ? solve_by_conjugate_gradients(exec, flag.model, state, {.iterations = sweeps})
+        : solve_by_sweeps(exec, flag.model, state, method, sweeps);
   };
   for (int sweeps = 4; sweeps <= 8192; sweeps += std::max(1, sweeps / 4)) {
     State state = flag.state;

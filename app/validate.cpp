@@ -281,7 +281,7 @@ constexpr Validation kValidations[] = {
      "one minute of one core, 1 GB", "some minutes of one core, 5 GB"},
     {"rhombus", "Presses and pulls of a half space and of finite elements, random grasps",
      "ten seconds of one core, 0.5 GB", "half a minute of one core, 1 GB"},
-    {"cloth", "Catenary, period, fall, wind, a fold", "a second of one core, 0.1 GB",
+    {"cloth", "Catenary, period, fall, wind, folds, stretch, drape", "a second of one core, 0.1 GB",
      "some seconds of one core, 0.1 GB"}};
 
 std::vector<Figure> figures_of(const Exec& exec, const std::string& model, bool quick, const fs::path& folder,

@@ -23,7 +23,7 @@ TEST(ClothBuild, a_sheet_weighs_its_area_times_its_density) {
 
 TEST(ClothBuild, a_sheet_that_is_numbered_row_by_row_needs_hardly_any_gathers) {
   const Model model = must_build(flat_sheet(100), {});
-  EXPECT_LT(double(model.rows.gathered.size()) / double(model.rows.rest.size()), 0.01);
+  EXPECT_LT(double(model.rows.gathered.size()) / double(model.rows.stiffness.size()), 0.01);
 }
 
 TEST(ClothBuild, a_shuffled_mesh_is_numbered_so_that_neighbours_are_near) {
@@ -63,7 +63,7 @@ double pulled_stiffness(const TriMesh& mesh, const Fabric& fabric, double width)
 }
 
 TEST(ClothBuild, a_square_grid_is_as_stiff_as_its_fabric_along_warp_and_weft) {
-  const Fabric fabric{.warp = 700, .weft = 300, .shear = 0, .bend = 0};
+  const Fabric fabric{.law = Law::kSprings, .warp = 700, .weft = 300, .shear = 0, .bend = 0};
   const TriMesh mesh = flat_sheet(41);
   EXPECT_NEAR(pulled_stiffness(mesh, fabric, 0.4) / 700, 1, 0.03);
   Fabric turned = fabric;
@@ -87,7 +87,7 @@ TEST(ClothBuild, equilateral_triangles_are_as_stiff_as_their_fabric) {
       else
         mesh.triangles.push_back({a, b, c}), mesh.triangles.push_back({a, c, d});
     }
-  const Fabric fabric{.warp = 500, .weft = 500, .shear = 500, .bend = 0};
+  const Fabric fabric{.law = Law::kSprings, .warp = 500, .weft = 500, .shear = 500, .bend = 0};
   EXPECT_NEAR(pulled_stiffness(mesh, fabric, s * n * std::sqrt(0.75)) / (500 * 9.0 / 8), 1, 0.04);
 }
 
@@ -120,10 +120,12 @@ TEST(ClothBuild, an_edge_of_three_triangles_is_named) {
   TriMesh mesh = flat_sheet(4);
   mesh.vertices.push_back({0.015f, 0.01f, 0.01f});
   mesh.triangles.push_back({5, 6, 16});
-  const Model model = must_build(mesh, {});
-  ASSERT_EQ(model.notes.size(), 1u);
-  EXPECT_EQ(model.notes[0],
-            "1 edge belongs to more than two triangles (5-6): every two of its triangles resist folding");
+  for (const auto& [law, what] : {std::pair(Law::kSprings, ": every two of its triangles resist folding"),
+                                  std::pair(Law::kSheet, ": nothing resists folding there")}) {
+    const Model model = must_build(mesh, {.fabric = {.law = law}});
+    ASSERT_EQ(model.notes.size(), 1u);
+    EXPECT_EQ(model.notes[0], std::string("1 edge belongs to more than two triangles (5-6)") + what);
+  }
 }
 
 TEST(ClothBuild, seams_close_when_vertices_at_one_place_become_one) {

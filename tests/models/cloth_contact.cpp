@@ -106,9 +106,9 @@ Course run(const Model& model, State& state, const Inputs& inputs, int frames) {
 }
 
 Params stacked() {
-  Params params{.fabric = {.warp = 200, .weft = 200, .shear = 40, .bend = 1}};
+  Params params{.fabric = {.law = Law::kSprings, .warp = 200, .weft = 200, .shear = 40, .bend = 1}};
   params.collision = {.thickness = 0.0096, .friction = 0.5, .iterations = 60};
-  params.solver.sweeps = 31;
+  params.solver = {.method = Method::kChebyshev, .sweeps = 31};
   return params;
 }
 

@@ -100,7 +100,7 @@ struct Crumpled {
   Inputs inputs = in_vacuum();
 };
 Crumpled crumpled(int n = 12) {
-  Params params{.fabric = {.warp = 50, .weft = 40, .shear = 10, .bend = 2}};
+  Params params{.fabric = {.law = Law::kSprings, .warp = 50, .weft = 40, .shear = 10, .bend = 2}};
   params.collision.self = false;
   Crumpled c{.model = must_build(flat_sheet(n), params), .state = {}};
   c.state = make_state(c.model);
@@ -155,7 +155,7 @@ TEST(ClothSystem, conjugate_gradients_solve_the_same_system) {
   c.inputs.measure_residual = true;
   assemble(exec, c.model, c.state, c.inputs, kFrame);
   start_change(exec, c.model, c.state, kFrame);
-  solve_by_conjugate_gradients(exec, c.model, c.state, 200);
+  solve_by_conjugate_gradients(exec, c.model, c.state, {.iterations = 200});
   const Eigen::VectorXd exact = solve(direct_system(c.model, c.state, c.inputs, kFrame));
   EXPECT_LT(difference(exact, c.state.system.change), 2e-5);
   EXPECT_LT(residual(exec, c.model, c.state), 1e-5);
@@ -164,14 +164,14 @@ TEST(ClothSystem, conjugate_gradients_solve_the_same_system) {
 double residual_after(State state, const Model& model, Method method, int sweeps) {
   const Exec exec(1);
   if (method == Method::kConjugateGradients)
-    solve_by_conjugate_gradients(exec, model, state, sweeps);
+    solve_by_conjugate_gradients(exec, model, state, {.iterations = sweeps});
   else
     solve_by_sweeps(exec, model, state, method, sweeps);
   return residual(exec, model, state);
 }
 
 TEST(ClothSystem, chebyshev_leaves_less_than_jacobi_on_a_flag_in_the_wind) {
-  Params params{.fabric = {.warp = 50, .weft = 50, .shear = 10, .bend = 1}};
+  Params params{.fabric = {.law = Law::kSprings, .warp = 50, .weft = 50, .shear = 10, .bend = 1}};
   params.collision.self = false;
   const Model model = must_build(flat_sheet(40, 0.02), params);
   State state = make_state(model);

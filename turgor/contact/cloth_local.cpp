@@ -57,7 +57,7 @@ Push push_of(const cloth::State& state, int obstacle, double dt) {
     if (c.obstacle != obstacle || !(c.impulse > 0)) continue;
     push.force += impulse_on_obstacle(c) / dt;
     push.normal -= Vec3d(c.normal * c.impulse);
-    push.place += Vec3d(state.x[std::size_t(c.vertex[0])]) * double(c.impulse);
+    push.place += place_of(state, c) * double(c.impulse);
     push.weight += double(c.impulse), push.mass += double(c.mass);
   }
   return push;

@@ -2,9 +2,11 @@
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <tuple>
 
 #include "turgor/core/number_text.hpp"
 #include "turgor/geometry/surface_edges.hpp"
+#include "turgor/models/cloth/bending.hpp"
 #include "turgor/models/cloth/check_mesh.hpp"
 #include "turgor/models/cloth/numbering.hpp"
 #include "turgor/models/cloth/springs.hpp"
@@ -118,6 +120,35 @@ CoarseMesh coarse_mesh(const TriMesh& mesh, double thickness) {
   return coarse;
 }
 
+void forget(aligned_vector<Real>& list) { list = aligned_vector<Real>(); }
+
+/// The edges with what bending adds to them, and bending between vertices that no edge joins.
+void make_sheet_rows(const TriMesh& mesh, std::vector<Spring> edges, Model& model) {
+  const auto before = [](const Spring& s, const Spring& t) {
+    return std::tie(s.a, s.b) < std::tie(t.a, t.b);
+  };
+  for (Spring& s : edges)
+    if (s.a > s.b) std::swap(s.a, s.b);
+  std::sort(edges.begin(), edges.end(), before);
+  const std::vector<Spring> weights = bending_weights(mesh, model.params.fabric);
+  std::vector<Spring> far;
+  for (const Spring& s : weights) {
+    const auto edge = std::lower_bound(edges.begin(), edges.end(), s, before);
+    if (edge != edges.end() && edge->a == s.a && edge->b == s.b)
+      edge->bend = s.bend;
+    else
+      far.push_back(s);
+  }
+  model.rows = make_rows(edges, model.count);
+  model.far_rows = make_rows(far, model.count);
+  for (auto* list : {&model.rows.rest, &model.far_rows.rest, &model.far_rows.stiffness}) forget(*list);
+  const std::vector<double> lacking = lacking_weight(weights, model.count);
+  model.spare.assign(model.mass.size(), 0);
+  for (std::size_t v = 0; v < lacking.size(); v++) model.spare[v] = Real(lacking[v]);
+  model.membrane = make_membrane(mesh, model.params.fabric);
+  find_slots(mesh.triangles, model.rows, model.membrane);
+}
+
 void number_model(const Numbering& numbering, Model& model) {
   model.count = int(numbering.order.size());
   model.original = numbering.order;
@@ -145,12 +176,22 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
   if (params.collision.self)
     if (const Status s = check_thickness(params.collision.thickness, lengths); !s) return s.error();
 
-  std::vector<Spring> springs = make_springs(mesh, params.fabric, model.notes);
+  const bool is_sheet = params.fabric.law == Law::kSheet;
+  if (const std::string crowded = crowded_edges(mesh); !crowded.empty())
+    model.notes.push_back(crowded + (is_sheet ? ": nothing resists folding there"
+                                              : ": every two of its triangles resist folding"));
+  std::vector<Spring> springs =
+      is_sheet ? membrane_springs(mesh, params.fabric) : make_springs(mesh, params.fabric);
   number_model(number_vertices(springs, int(mesh.vertices.size())), model);
   mesh = renumbered(mesh, model.original, model.place);
   for (Spring& s : springs) s.a = model.place[std::size_t(s.a)], s.b = model.place[std::size_t(s.b)];
   set_masses(mesh, params.fabric.density, model);
-  model.rows = make_rows(springs, model.count);
+  if (is_sheet) {
+    make_sheet_rows(mesh, springs, model);
+  } else {
+    model.rows = make_rows(springs, model.count);
+    forget(model.rows.bend);
+  }
   model.spring_count = springs.size();
   for (const double length : lengths) model.mean_edge += length / double(lengths.size());
   model.shortest_edge = lengths[0];
@@ -163,6 +204,7 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
     model.near = near_at_rest(mesh, model.x_rest, params.collision.thickness);
     model.coarse = coarse_mesh(mesh, params.collision.thickness);
   }
+  if (params.solver.method == Method::kBlocks) model.blocks = make_blocks(model);
   if (!new_vertex.empty()) {  // numbers of the mesh that was given
     for (int& v : new_vertex) v = model.place[std::size_t(v)];
     for (std::size_t v = new_vertex.size(); v-- > 0;) model.original[std::size_t(new_vertex[v])] = int(v);
@@ -175,7 +217,7 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
 
 State make_state(const Model& model) {
   State state{.x = model.x_rest};
-  const std::size_t size = model.mass.size(), entries = model.rows.rest.size();
+  const std::size_t size = model.mass.size(), entries = model.rows.stiffness.size();
   System& system = state.system;
   for (Vectors* field :
        {&state.v, &system.force, &system.inverse[0], &system.inverse[1], &system.change, &system.before})

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "turgor/core/number_text.hpp"
+#include "turgor/geometry/surface_edges.hpp"
 
 namespace turgor::cloth {
 
@@ -77,7 +78,10 @@ Status check_params(const Params& params) {
   for (const auto& [name, value, may_be_zero, unit] :
        {Number{"density", fabric.density, false, " kg/m²"}, Number{"warp", fabric.warp, false, " N/m"},
         Number{"weft", fabric.weft, false, " N/m"}, Number{"shear", fabric.shear, true, " N/m"},
-        Number{"bend", fabric.bend, true, " N/m"}, Number{"damping.motion", damping.motion, true, " 1/s"},
+        Number{"bend", fabric.bend, true, " N/m"}, Number{"poisson", fabric.poisson, true, ""},
+        Number{"rigidity_warp", fabric.rigidity_warp, true, " N·m"},
+        Number{"rigidity_weft", fabric.rigidity_weft, true, " N·m"},
+        Number{"damping.motion", damping.motion, true, " 1/s"},
         Number{"damping.stretch", damping.stretch, true, " s"},
         Number{"strain limit", solver.strain_limit, true, ""},
         Number{"thickness", collision.thickness, false, " m"},
@@ -85,11 +89,28 @@ Status check_params(const Params& params) {
     if (!std::isfinite(value) || value < 0 || (value == 0 && !may_be_zero))
       return Error{std::string(name) + ": expected a number " + (may_be_zero ? "not below" : "above") + " 0" +
                    unit + ", found " + number_text(value)};
+  if (!(fabric.poisson * fabric.poisson * fabric.weft < fabric.warp))
+    return Error{"poisson: expected less than " + number_text(std::sqrt(fabric.warp / fabric.weft)) +
+                 ", the root of warp over weft, found " + number_text(fabric.poisson)};
   if (solver.sweeps < 1) return Error{"sweeps: expected 1 or more, found " + std::to_string(solver.sweeps)};
   if (collision.iterations < 1)
     return Error{"iterations: expected 1 or more, found " + std::to_string(collision.iterations)};
   if (!(norm(fabric.direction) > 0)) return Error{"direction: expected a vector that is not zero"};
   return Done{};
+}
+
+std::string crowded_edges(const TriMesh& mesh) {
+  int crowded = 0;
+  std::string where;
+  const std::vector<EdgeUse> uses = sorted_edges(mesh.triangles);
+  for_each_edge(uses, [&](std::span<const EdgeUse> edge) {
+    if (edge.size() <= 2) return;
+    if (crowded++ < 5)
+      where += (crowded > 1 ? ", " : "") + std::to_string(edge[0].a) + "-" + std::to_string(edge[0].b);
+  });
+  if (crowded == 0) return "";
+  return (crowded == 1 ? std::string("1 edge belongs") : std::to_string(crowded) + " edges belong") +
+         " to more than two triangles (" + where + (crowded > 5 ? ", …)" : ")");
 }
 
 TriMesh welded(const TriMesh& mesh, double distance, std::vector<int>& vertex) {

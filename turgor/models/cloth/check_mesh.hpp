@@ -12,6 +12,9 @@ namespace turgor::cloth {
 Status check_mesh(const TriMesh& mesh);
 Status check_params(const Params& params);
 
+/// "2 edges belong to more than two triangles (5-6, 8-9)"; empty = none does.
+std::string crowded_edges(const TriMesh& mesh);
+
 /// Makes one vertex of those that are closer than `distance` to one with a smaller number; triangles that
 /// lose their area go. `vertex` becomes each old vertex' new one.
 TriMesh welded(const TriMesh& mesh, double distance, std::vector<int>& vertex);

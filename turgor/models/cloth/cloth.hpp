@@ -3,12 +3,13 @@
 // same matrix; contacts are found by hashing. Equations, and what differs from the paper:
 // docs/models/cloth.md.
 //
-//   build        checks the mesh, makes springs and masses, renumbers        (build.cpp)
+//   build        checks the mesh, makes springs or a sheet, masses, renumbers (build.cpp)
 //   step         wind, forces and matrix, sweeps, contacts, motion            (step.cpp)
 //   hold         vertices that are pinned, or follow something                (hold.cpp)
 //   measure      energy, momentum, penetrations                               (measure.cpp)
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -18,8 +19,10 @@
 #include "turgor/core/exec.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
+#include "turgor/models/cloth/blocks.hpp"
 #include "turgor/models/cloth/contact.hpp"
 #include "turgor/models/cloth/crossing.hpp"
+#include "turgor/models/cloth/membrane.hpp"
 #include "turgor/models/cloth/near_points.hpp"
 #include "turgor/models/cloth/rows.hpp"
 #include "turgor/models/cloth/vectors.hpp"
@@ -27,14 +30,21 @@
 
 namespace turgor::cloth {
 
+/// What the forces of a fabric follow: a sheet that is the same on any mesh, or the springs of the paper.
+enum class Law : std::uint8_t { kSheet, kSprings };
+
 /// Stiffness is force per width at a strain of 1, as of a membrane.
 struct Fabric {
-  double density = 0.2;      // [kg/m²]
-  double warp = 1000;        // along the warp [N/m]
-  double weft = 1000;        // across it [N/m]
-  double shear = 200;        // on the bias [N/m]
-  double bend = 20;          // of the springs across edges, which resist folding [N/m]
-  Vec3d direction{1, 0, 0};  // of the warp, where the mesh lies; need not lie in it
+  Law law = Law::kSprings;
+  double density = 0.2;         // [kg/m²]
+  double warp = 1000;           // along the warp [N/m]
+  double weft = 1000;           // across it [N/m]
+  double shear = 200;           // of a sheet, per radian of shear; of springs, on the bias [N/m]
+  double poisson = 0;           // of a sheet: how much it narrows across a warp that is pulled [1]
+  double rigidity_warp = 1e-5;  // of a sheet: moment per width by the curvature of its warp [N·m]
+  double rigidity_weft = 1e-5;  // and of its weft [N·m]
+  double bend = 20;             // of the springs across edges, which resist folding [N/m]
+  Vec3d direction{1, 0, 0};     // of the warp, where the mesh lies; need not lie in it
 };
 
 struct Damping {
@@ -43,11 +53,21 @@ struct Damping {
 };
 
 /// How (M − h²J) Δv = h f̃ is solved.
-enum class Method : std::uint8_t { kJacobi, kChebyshev, kConjugateGradients };
+enum class Method : std::uint8_t { kJacobi, kChebyshev, kConjugateGradients, kBlocks };
+
+/// Conjugate gradients, alone or with blocks of vertices that are solved at once (blocks.hpp).
+inline bool uses_gradients(Method method) {
+  return method == Method::kConjugateGradients || method == Method::kBlocks;
+}
+
+/// Backward Euler damps what swings; the two-step formula (BDF2) hardly does.
+enum class Integrator : std::uint8_t { kEuler, kBdf2 };
 
 struct Solver {
+  Integrator integrator = Integrator::kEuler;
   Method method = Method::kChebyshev;
-  int sweeps = 16;  // or iterations of conjugate gradients; at least 1
+  int sweeps = 16;          // or iterations of conjugate gradients, at most; at least 1
+  double tolerance = 0.01;  // residual at which conjugate gradients stop; 0 = they do all iterations [1]
   double strain_limit =
       0;  // no spring is pulled longer than 1 + this times its rest length; 0 = no limit [1]
 };
@@ -75,12 +95,16 @@ struct Model {
   std::vector<int> original, place;  // vertex of the mesh by vertex of the model, and back
   std::vector<int> part_begin;       // first vertex of each connected part, and the end
   aligned_vector<Real> mass;         // [kg]
-  Rows rows;                         // springs
+  Rows rows;                         // springs, or a sheet's edges: bounds of the membrane's stiffness
+  Rows far_rows;                     // a sheet's bending between vertices that no edge joins
+  aligned_vector<Real> spare;        // what a sheet's diagonal has beyond the sums of its rows [N/m]
+  Membrane membrane;                 // of a sheet
   std::size_t spring_count = 0;
   std::vector<Int3> triangles;      // of the model's vertices, by their smallest vertex
   std::vector<int> triangle_begin;  // of each smallest vertex, and the end
   ChunkTriangles chunk_triangles;   // which of them touch each chunk of vertices
   NeighbourLists near;              // adjacent, or closer than the thickness at rest: never in contact
+  Blocks blocks;                    // of the solver of that name
   CoarseMesh coarse;                // edges and triangles between whose vertices a vertex could slip
   Vectors x_rest;                   // [m]
   double area = 0, total_mass = 0;  // [m²] [kg]
@@ -103,13 +127,25 @@ struct System {
   Vectors search, image, left;         // of conjugate gradients: direction, W times it, residual; else empty
   Vectors air[2];  // how fast the air's impulse falls with velocity, for the residual and conjugate gradients
                    // [kg]
-  Real keep = 1;   // by how much damping of motion makes masses larger [1]
+  Real square = 0;           // s = h² + h·damping [s²]
+  Real keep = 1;             // by how much damping of motion makes masses larger [1]
   std::vector<double> drag;  // of the air on each part that nothing holds [kg]
+  BlockSystem blocks;
+  int iterations = 0;   // of conjugate gradients in the latest step
+  double residual = 0;  // that they left [1]
+};
+
+/// Of the step before, for the two-step formula.
+struct LastStep {
+  double dt = 0;  // 0 = there is none [s]
+  Vectors x, v;   // where it began [m] [m/s]
 };
 
 /// What changes.
 struct State {
   double time = 0;                 // [s]
+  double impulse_time = 0;         // in which forces make the impulses of the latest step [s]
+  LastStep last;                   // empty with backward Euler
   Vectors x, v;                    // [m] [m/s]
   aligned_vector<Real> free_mass;  // [kg]; 0 = held
   std::vector<Hold> holds;         // ascending by vertex
@@ -124,6 +160,12 @@ struct State {
 struct Obstacle {
   /// Nearest surface to x, or false when it is farther than `reach`.
   std::function<bool(Vec3 x, Real reach, SurfacePoint& found)> nearest;
+  /// The same for the place of a triangle that comes nearest, which is found as weights of its corners; empty
+  /// = the obstacle is so large that it cannot pass between vertices.
+  std::function<bool(const std::array<Vec3, 3>& corner, Real reach, std::array<Real, 3>& weight,
+                     SurfacePoint& found)>
+      nearest_in;
+  double speed = 0;       // no part of its surface is faster [m/s]
   double friction = 0.3;  // Coulomb's coefficient [1]
   double gap = 0.002;     // the cloth stays this far away [m]
 };
@@ -140,10 +182,11 @@ struct Inputs {
 struct StepReport {
   bool finite = true;      // false: the step was undone, and the cloth is at rest
   Real largest_speed = 0;  // [m/s]
-  double residual = 0;     // when asked for [1]
+  double residual = -1;    // -1 = not known: sweeps, and nobody asked [1]
   int contacts = 0;        // pairs that were looked at closely
   int contact_iterations = 0;
-  int caught = 0;  // vertices that moved as one with others, since they would have passed through them
+  int iterations = 0;  // of conjugate gradients
+  int caught = 0;      // vertices that moved as one with others, since they would have passed through them
 };
 
 /// Error, with the ids of what is wrong: no triangle, a vertex that is no finite place, in no triangle (it
@@ -151,7 +194,7 @@ struct StepReport {
 /// that is larger than half of the mesh's edges.
 Result<Model> build(const Exec& exec, const TriMesh& mesh, const Params& params);
 State make_state(const Model& model);
-StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double frame);
 
 /// Holds a vertex of the mesh where it is; from then on it goes to its goal in each step. Error: no such
 /// vertex.

@@ -48,7 +48,22 @@ Lanes3 left_over(const Model& model, const State& state, const Vectors& a, Lanes
     const auto entry = std::size_t(s) * std::size_t(kLanes);
     sum = sum + d * (load_lanes(&system.along[entry]) * dot(d, u)) + u * load_lanes(&system.across[entry]);
   }
-  return sum * (mass > 0 ? all_lanes(1) : all_lanes(0));
+  const Rows& far = model.far_rows;
+  Lanes3 bend{};
+  if (!far.slot_begin.empty())
+    for (int s = far.slot_begin[batch]; s < far.slot_begin[batch + 1]; s++)
+      bend = bend + (load_neighbours(far, a, s) - mine) *
+                        load_lanes(&far.bend[std::size_t(s) * std::size_t(kLanes)]);
+  return (sum + bend * all_lanes(system.square)) * (mass > 0 ? all_lanes(1) : all_lanes(0));
+}
+
+/// |force|² of the free vertices.
+double square_of_force(const Exec& exec, const Model& model, const State& state) {
+  return sum_batches(exec, model, [&](std::size_t i) {
+    const Lanes is_free = load_lanes(&state.free_mass[i]) > 0 ? all_lanes(1) : all_lanes(0);
+    const Lanes3 f = load(state.system.force, i) * is_free;
+    return dot(f, f);
+  });
 }
 
 }  // namespace
@@ -56,11 +71,7 @@ Lanes3 left_over(const Model& model, const State& state, const Vectors& a, Lanes
 double residual(const Exec& exec, const Model& model, const State& state) {
   const System& system = state.system;
   TURGOR_ASSERT(system.air[0].size() > 0, "assemble was not told to measure the residual");
-  const double force2 = sum_batches(exec, model, [&](std::size_t i) {
-    const Lanes is_free = load_lanes(&state.free_mass[i]) > 0 ? all_lanes(1) : all_lanes(0);
-    const Lanes3 f = load(system.force, i) * is_free;
-    return dot(f, f);
-  });
+  const double force2 = square_of_force(exec, model, state);
   const double left2 = sum_batches(exec, model, [&](std::size_t i) {
     const Lanes3 r = left_over(model, state, system.change, load(system.force, i), i);
     return dot(r, r);
@@ -68,41 +79,66 @@ double residual(const Exec& exec, const Model& model, const State& state) {
   return force2 > 0 ? std::sqrt(left2 / force2) : 0;
 }
 
-void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& state, int iterations) {
+namespace {
+
+/// z = what the preconditioner makes of r, in System::before; returns r · z.
+double precondition(const Exec& exec, const Model& model, State& state, bool by_blocks) {
   System& system = state.system;
-  Vectors &r = system.left, &p = system.search, &q = system.image;
+  Vectors& z = system.before;
+  const auto diagonal = [&](std::size_t i) {
+    const Lanes3 r = load(system.left, i), answer = inverse_diagonal(system, i) * r;
+    store(z, i, answer);
+    return dot(r, answer);
+  };
+  if (!by_blocks) return sum_batches(exec, model, diagonal);
+  sum_batches(exec, model, diagonal);
+  system.blocks.add_answer(exec, model, state, system.left, z);
+  return sum_batches(exec, model, [&](std::size_t i) { return dot(load(system.left, i), load(z, i)); });
+}
+
+}  // namespace
+
+void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& state, const Stop& stop) {
+  System& system = state.system;
+  Vectors &r = system.left, &p = system.search, &q = system.image, &z = system.before;
   for (Vectors* field : {&r, &p, &q}) field->resize(system.change.size());
-  double rz = sum_batches(exec, model, [&](std::size_t i) {
+  double left2 = sum_batches(exec, model, [&](std::size_t i) {
     const Lanes3 left = left_over(model, state, system.change, load(system.force, i), i);
-    const Lanes3 z = inverse_diagonal(system, i) * left;
-    store(r, i, left), store(p, i, z);
-    return dot(left, z);
+    store(r, i, left);
+    return dot(left, left);
   });
-  for (int n = 0; n < iterations && rz > 0; n++) {
+  const double force2 = square_of_force(exec, model, state);
+  const double enough = stop.residual * stop.residual * force2;
+  const bool by_blocks = stop.blocks && left2 > enough && system.blocks.factor(exec, model, state);
+  double rz = precondition(exec, model, state, by_blocks), beta = 0;
+  int n = 0;
+  for (; n < stop.iterations && rz > 0 && left2 > enough; n++) {
+    parallel_for(
+        exec, batch_count(model.rows),
+        [&](std::size_t batch) {
+          const std::size_t i = batch * std::size_t(kLanes);
+          store(p, i, n == 0 ? load(z, i) : load(z, i) + load(p, i) * all_lanes(float(beta)));
+        },
+        kPiece);
     const double pq = sum_batches(exec, model, [&](std::size_t i) {
       const Lanes3 zero{};
       const Lanes3 image = zero - left_over(model, state, p, zero, i);
       store(q, i, image);
       return dot(load(p, i), image);
     });
-    if (!(pq > 0)) return;
+    if (!(pq > 0)) break;
     const Lanes alpha = all_lanes(float(rz / pq));
-    const double next = sum_batches(exec, model, [&](std::size_t i) {
+    left2 = sum_batches(exec, model, [&](std::size_t i) {
       const Lanes3 left = load(r, i) - load(q, i) * alpha;
       store(system.change, i, load(system.change, i) + load(p, i) * alpha);
       store(r, i, left);
-      return dot(left, inverse_diagonal(system, i) * left);
+      return dot(left, left);
     });
-    const Lanes beta = all_lanes(float(next / rz));
-    rz = next;
-    parallel_for(
-        exec, batch_count(model.rows),
-        [&](std::size_t batch) {
-          const std::size_t i = batch * std::size_t(kLanes);
-          store(p, i, inverse_diagonal(system, i) * load(r, i) + load(p, i) * beta);
-        },
-        kPiece);
+    if (!(left2 > enough)) continue;
+    const double next = precondition(exec, model, state, by_blocks);
+    beta = next / rz, rz = next;
   }
+  system.iterations = n, system.residual = force2 == 0 ? 0 : std::sqrt(left2 / force2);
 }
 
 }  // namespace turgor::cloth

@@ -111,6 +111,9 @@ void solve_places(const Exec& exec, const Model& model, State& state, double dt)
 /// What the obstacle of a contact got in the latest step [N·s].
 inline Vec3d impulse_on_obstacle(const Contact& c) { return -Vec3d(c.normal * c.impulse + c.rub); }
 
+/// Where a contact is: the weighted places of its vertices, against an obstacle [m].
+Vec3d place_of(const State& state, const Contact& c);
+
 /// Total impulse that an obstacle got in the latest step [N·s], and its moment about `centre` [N·m·s].
 struct ObstacleLoad {
   Vec3d impulse, moment;

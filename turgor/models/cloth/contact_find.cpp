@@ -48,27 +48,57 @@ struct FindPairs {
 };
 
 struct FindObstacles {
+  const Model& model;
   const State& state;
   const std::vector<Obstacle>& obstacles;
   Real dt;
+
+  /// Whether a place of the cloth at x with the velocity v must be kept from an obstacle.
+  bool must_keep(const SurfacePoint& at, Vec3 x, Vec3 v, Real margin, const Obstacle& obstacle,
+                 Contact& contact) const {
+    const Contact* old = find_old(state.contacts, contact);
+    const Real closing = -dt * dot(v - at.velocity, at.normal), room = at.distance - Real(obstacle.gap);
+    // A vertex that does not approach by itself may be pushed there by its neighbours.
+    if (room >= std::max(closing, margin) && !(old && old->impulse > 0)) return false;
+    contact.normal = at.normal, contact.room = room, contact.plane = dot(at.normal, x) - room;
+    contact.drift = at.velocity, contact.friction = Real(obstacle.friction);
+    if (old) contact.impulse = old->impulse * old->carry, contact.rub = old->rub * old->carry;
+    return true;
+  }
+
+  /// What could pass between the vertices of the triangles whose smallest vertex is i.
+  void in_triangles(int i, std::vector<Contact>& found) const {
+    constexpr Real kCorner = Real(0.999);  // of the weight: the vertex has its own contact
+    for (int t = model.triangle_begin[std::size_t(i)]; t < model.triangle_begin[std::size_t(i) + 1]; t++) {
+      const Int3 c = model.triangles[std::size_t(t)];
+      const auto a = std::size_t(c.x), b = std::size_t(c.y), d = std::size_t(c.z);
+      if (state.free_mass[a] + state.free_mass[b] + state.free_mass[d] == 0) continue;
+      for (std::size_t o = 0; o < obstacles.size(); o++) {
+        if (!obstacles[o].nearest_in) continue;
+        const Real fast = std::max({norm(state.v[a]), norm(state.v[b]), norm(state.v[d])});
+        const Real margin = Real(obstacles[o].gap) + dt * (fast + Real(obstacles[o].speed));
+        std::array<Real, 3> w{};
+        SurfacePoint at;
+        if (!obstacles[o].nearest_in({state.x[a], state.x[b], state.x[d]}, 2 * margin, w, at)) continue;
+        if (std::max({w[0], w[1], w[2]}) > kCorner) continue;
+        Contact contact{.vertex = {c.x, c.y, c.z, -1}, .weight = {w[0], w[1], w[2], 0}, .obstacle = int(o)};
+        const Vec3 x = state.x[a] * w[0] + state.x[b] * w[1] + state.x[d] * w[2];
+        const Vec3 v = state.v[a] * w[0] + state.v[b] * w[1] + state.v[d] * w[2];
+        if (must_keep(at, x, v, margin, obstacles[o], contact)) found.push_back(contact);
+      }
+    }
+  }
 
   void operator()(int i, std::vector<Contact>& found) const {
     const auto vertex = std::size_t(i);
     if (state.free_mass[vertex] == 0) return;
     const Vec3 x = state.x[vertex], v = state.v[vertex];
     for (std::size_t o = 0; o < obstacles.size(); o++) {
-      const Real gap = Real(obstacles[o].gap), margin = gap + dt * norm(v);
+      const Real margin = Real(obstacles[o].gap) + dt * (norm(v) + Real(obstacles[o].speed));
       SurfacePoint at;
       if (!obstacles[o].nearest(x, 2 * margin, at)) continue;
       Contact contact{.vertex = {i, -1, -1, -1}, .weight = {1, 0, 0, 0}, .obstacle = int(o)};
-      const Contact* old = find_old(state.contacts, contact);
-      const Real closing = -dt * dot(v - at.velocity, at.normal), room = at.distance - gap;
-      // A vertex that does not approach by itself may be pushed there by its neighbours.
-      if (room >= std::max(closing, margin) && !(old && old->impulse > 0)) continue;
-      contact.normal = at.normal, contact.room = room, contact.plane = dot(at.normal, x) - room;
-      contact.drift = at.velocity, contact.friction = Real(obstacles[o].friction);
-      if (old) contact.impulse = old->impulse * old->carry, contact.rub = old->rub * old->carry;
-      found.push_back(contact);
+      if (must_keep(at, x, v, margin, obstacles[o], contact)) found.push_back(contact);
     }
   }
 };
@@ -96,7 +126,9 @@ void find_contacts(const Exec& exec, const Model& model, State& state, const Inp
   const Real reach =
       thickness * std::clamp(1 + 2 * Real(dt) * state.largest_speed / thickness, Real(1.1), Real(2));
   const FindPairs pairs{model, state, reach, Real(dt)};
-  const FindObstacles obstacles{state, inputs.obstacles, Real(dt)};
+  const FindObstacles obstacles{model, state, inputs.obstacles, Real(dt)};
+  const bool between = std::any_of(inputs.obstacles.begin(), inputs.obstacles.end(),
+                                   [](const Obstacle& o) { return bool(o.nearest_in); });
   if (params.self) {
     const Real coarse = model.coarse.triangles.empty() ? 0 : model.coarse.longest / 2;
     sort_points(exec, state.x, model.count, std::max(Real(2.02) * reach, coarse), state.near_points);
@@ -110,6 +142,7 @@ void find_contacts(const Exec& exec, const Model& model, State& state, const Inp
         for (int i = int(chunk * kChunk); i < end; i++) {
           if (params.self) pairs(i, found);
           if (!inputs.obstacles.empty()) obstacles(i, found);
+          if (between) obstacles.in_triangles(i, found);
         }
       },
       kGrain);

@@ -179,13 +179,20 @@ void solve_places(const Exec& exec, const Model& model, State& state, double dt)
   }
 }
 
+Vec3d place_of(const State& state, const Contact& c) {
+  Vec3d place;
+  for (std::size_t k = 0; k < 4; k++)
+    if (c.vertex[k] >= 0) place += Vec3d(state.x[std::size_t(c.vertex[k])]) * double(c.weight[k]);
+  return place;
+}
+
 ObstacleLoad obstacle_load(const State& state, int obstacle, Vec3d centre) {
   ObstacleLoad load;
   for (const Contact& c : state.contacts.list) {
     if (c.obstacle != obstacle) continue;
     const Vec3d impulse = impulse_on_obstacle(c);
     load.impulse += impulse;
-    load.moment += cross(Vec3d(state.x[std::size_t(c.vertex[0])]) - centre, impulse);
+    load.moment += cross(place_of(state, c) - centre, impulse);
   }
   return load;
 }

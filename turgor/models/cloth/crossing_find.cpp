@@ -95,7 +95,8 @@ void gather_star(const Model& model, int v, Star& star) {
   const Rows& rows = model.rows;
   const std::size_t batch = std::size_t(v) / kLane, lane = std::size_t(v) % kLane;
   for (int s = rows.slot_begin[batch]; s < rows.slot_begin[batch + 1]; s++) {
-    if (!(rows.rest[std::size_t(s) * kLane + lane] > 0)) continue;
+    const std::size_t entry = std::size_t(s) * kLane + lane;
+    if (!((rows.rest.empty() ? rows.stiffness : rows.rest)[entry] > 0)) continue;
     const int first = rows.first[std::size_t(s)];
     const int other = first >= 0 ? first + int(lane) : rows.gathered[std::size_t(-1 - first) + lane];
     if (other < v) add_from(other);

@@ -12,6 +12,8 @@ void visit_fields(S& s, const Visit& visit) {
   visit(Field{"places", "m", Axis::kVertex, kHashed | kRecorded}, s.x);
   visit(Field{"velocity", "m/s", Axis::kVertex, kHashed}, s.v);
   visit(Field{"free_mass", "kg", Axis::kVertex}, s.free_mass);
+  visit(Field{"last_places", "m", Axis::kVertex}, s.last.x);
+  visit(Field{"last_velocity", "m/s", Axis::kVertex}, s.last.v);
   visit(Field{"along", "kg"}, s.system.along);
   visit(Field{"across", "kg"}, s.system.across);
   visit(Field{"force", "N s", Axis::kVertex}, s.system.force);
@@ -52,6 +54,10 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"chunk_triangle", ""}, m.chunk_triangles.triangle);
   visit(Field{"near_begin", "", Axis::kVertex}, m.near.begin);
   visit(Field{"near_item", ""}, m.near.item);
+  visit(Field{"block", "", Axis::kVertex}, m.blocks.of);
+  visit(Field{"block_begin", ""}, m.blocks.begin);
+  visit(Field{"block_vertex", ""}, m.blocks.vertex);
+  visit(Field{"block_pair", ""}, m.blocks.pair);
   visit(Field{"coarse_triangles", ""}, m.coarse.triangles);
   visit(Field{"coarse_edges", ""}, m.coarse.edges);
   visit(Field{"x_rest", "m", Axis::kVertex}, m.x_rest);
@@ -60,6 +66,18 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"gathered", ""}, m.rows.gathered);
   visit(Field{"rest_length", "m"}, m.rows.rest);
   visit(Field{"stiffness", "N/m"}, m.rows.stiffness);
+  visit(Field{"bend", "N/m"}, m.rows.bend);
+  visit(Field{"far_slot_begin", ""}, m.far_rows.slot_begin);
+  visit(Field{"far_first", ""}, m.far_rows.first);
+  visit(Field{"far_gathered", ""}, m.far_rows.gathered);
+  visit(Field{"far_bend", "N/m"}, m.far_rows.bend);
+  visit(Field{"spare", "N/m", Axis::kVertex}, m.spare);
+  visit(Field{"second_slope_warp", "1/m"}, m.membrane.second[0]);
+  visit(Field{"second_slope_weft", "1/m"}, m.membrane.second[1]);
+  visit(Field{"third_slope_warp", "1/m"}, m.membrane.third[0]);
+  visit(Field{"third_slope_weft", "1/m"}, m.membrane.third[1]);
+  visit(Field{"side_slot", ""}, m.membrane.slot);
+  visit(Field{"wide_side_slot", ""}, m.membrane.wide_slot);
 }
 
 template <class N, class Visit>

@@ -9,7 +9,7 @@ namespace {
 
 struct Half {
   int neighbour = -1;
-  Real rest = 0, stiffness = 0;
+  Real rest = 0, stiffness = 0, bend = 0;
 };
 using Batch = std::vector<std::vector<Half>>;  // of each lane
 
@@ -19,6 +19,7 @@ void add_slot(Rows& rows, const Half (&lanes)[kLanes], int first, int vertex) {
   for (int l = 0; l < kLanes; l++) {
     rows.rest.push_back(lanes[l].rest);
     rows.stiffness.push_back(lanes[l].stiffness);
+    rows.bend.push_back(lanes[l].bend);
     if (first < 0) rows.gathered.push_back(lanes[l].neighbour < 0 ? vertex + l : lanes[l].neighbour);
   }
 }
@@ -60,8 +61,8 @@ Rows make_rows(const std::vector<Spring>& springs, int count) {
   const int padded_count = int(padded(std::size_t(count)));
   std::vector<std::vector<Half>> halves(std::size_t(padded_count), std::vector<Half>{});
   for (const Spring& s : springs) {
-    halves[std::size_t(s.a)].push_back({s.b, s.rest, s.stiffness});
-    halves[std::size_t(s.b)].push_back({s.a, s.rest, s.stiffness});
+    halves[std::size_t(s.a)].push_back({s.b, s.rest, s.stiffness, s.bend});
+    halves[std::size_t(s.b)].push_back({s.a, s.rest, s.stiffness, s.bend});
   }
   Rows rows;
   rows.slot_begin.push_back(0);
@@ -73,7 +74,7 @@ Rows make_rows(const std::vector<Spring>& springs, int count) {
     add_gathered(rows, batch, vertex);
     rows.slot_begin.push_back(int(rows.first.size()));
   }
-  for (auto* list : {&rows.rest, &rows.stiffness}) list->shrink_to_fit();
+  for (auto* list : {&rows.rest, &rows.stiffness, &rows.bend}) list->shrink_to_fit();
   rows.gathered.shrink_to_fit();
   rows.first.shrink_to_fit();
   return rows;

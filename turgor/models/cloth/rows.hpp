@@ -16,6 +16,7 @@ struct Spring {
   int a = 0, b = 0;
   Real rest = 0;       // [m]
   Real stiffness = 0;  // [N/m]
+  Real bend = 0;       // force over the way to the other, whatever its length: of bending [N/m]
 };
 
 struct Rows {
@@ -23,7 +24,8 @@ struct Rows {
   std::vector<int> first;        // of each slot: the neighbour of its first vertex when they follow one
                                  // another, else -1 - 16·(row of `gathered`)
   aligned_vector<int> gathered;  // 16 a slot that is not contiguous
-  aligned_vector<Real> rest, stiffness;  // 16 a slot; stiffness 0 = no neighbour [m] [N/m]
+  /// 16 a slot, or none where nothing needs them; stiffness 0 = no neighbour [m] [N/m] [N/m].
+  aligned_vector<Real> rest, stiffness, bend;
 };
 
 /// Both ends of every spring, for `count` vertices.
@@ -31,7 +33,13 @@ Rows make_rows(const std::vector<Spring>& springs, int count);
 
 inline std::size_t batch_count(const Rows& rows) { return rows.slot_begin.size() - 1; }
 
-/// The neighbours' numbers in a slot.
+/// The number of a neighbour.
+inline int neighbour(const Rows& rows, int slot, int lane) {
+  const int first = rows.first[std::size_t(slot)];
+  return first >= 0 ? first + lane : rows.gathered[std::size_t(-1 - first + lane)];
+}
+
+/// What the neighbours in a slot have.
 inline Lanes3 load_neighbours(const Rows& rows, const Vectors& a, int slot) {
   const int first = rows.first[std::size_t(slot)];
   if (first >= 0) return load(a, std::size_t(first));

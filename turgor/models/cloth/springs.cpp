@@ -79,23 +79,11 @@ void merge(std::vector<Spring>& springs) {
 
 }  // namespace
 
-std::vector<Spring> make_springs(const TriMesh& mesh, const Fabric& fabric, std::vector<std::string>& notes) {
+std::vector<Spring> make_springs(const TriMesh& mesh, const Fabric& fabric) {
   const Faces faces{mesh};
   const std::vector<EdgeUse> uses = sorted_edges(mesh.triangles);
   std::vector<Spring> springs;
-  int crowded = 0;
-  std::string where;
-  for_each_edge(uses, [&](std::span<const EdgeUse> edge) {
-    add_edge(faces, fabric, edge, springs);
-    if (edge.size() <= 2) return;
-    if (crowded++ < 5)
-      where += (crowded > 1 ? ", " : "") + std::to_string(edge[0].a) + "-" + std::to_string(edge[0].b);
-  });
-  if (crowded > 0)
-    notes.push_back(
-        (crowded == 1 ? std::string("1 edge belongs") : std::to_string(crowded) + " edges belong") +
-        " to more than two triangles (" + where + (crowded > 5 ? ", …" : "") +
-        "): every two of its triangles resist folding");
+  for_each_edge(uses, [&](std::span<const EdgeUse> edge) { add_edge(faces, fabric, edge, springs); });
   merge(springs);
   return springs;
 }

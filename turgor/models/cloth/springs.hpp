@@ -4,15 +4,13 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
 #include "turgor/models/cloth/cloth.hpp"
 
 namespace turgor::cloth {
 
-/// In the mesh's numbering, by their first vertex. Notes name edges of more than two triangles and count
-/// parts of the boundary.
-std::vector<Spring> make_springs(const TriMesh& mesh, const Fabric& fabric, std::vector<std::string>& notes);
+/// In the mesh's numbering, by their first vertex.
+std::vector<Spring> make_springs(const TriMesh& mesh, const Fabric& fabric);
 
 }  // namespace turgor::cloth

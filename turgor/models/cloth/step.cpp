@@ -41,22 +41,47 @@ Real largest_speed(const Exec& exec, const State& state) {
   return std::sqrt(std::bit_cast<Real>(largest.load()));
 }
 
-void move(const Exec& exec, State& state, Real dt) {
+/// `from` is where the cloth was when the step began.
+void move(const Exec& exec, State& state, const Vectors& from, Real dt) {
   parallel_for(
       exec, state.v.size() / std::size_t(kLanes),
       [&](std::size_t batch) {
         const std::size_t i = batch * std::size_t(kLanes);
         const Lanes3 x = load(state.x, i);
-        store(state.system.before, i, x);  // for avoid_crossings
+        store(state.system.before, i, load(from, i));  // for avoid_crossings
         store(state.x, i, x + load(state.v, i) * all_lanes(dt));
       },
       kGrain);
   for (const Hold& hold : state.holds) state.x.set(std::size_t(hold.vertex), hold.goal);
 }
 
+/// The two-step formula asks for x = 4/3 x₁ − 1/3 x₀ + 2/3 dt v, and v likewise: that is backward Euler by
+/// 2/3 dt from where the two steps before lead. Returns the time of that step; all of dt where there is none
+/// before.
+double lead_on(const Exec& exec, State& state, double dt) {
+  LastStep& last = state.last;
+  const bool leads = last.dt == dt;
+  last.dt = dt;
+  last.x.resize(state.x.size()), last.v.resize(state.v.size());
+  parallel_for(
+      exec, state.v.size() / std::size_t(kLanes),
+      [&](std::size_t batch) {
+        const std::size_t i = batch * std::size_t(kLanes);
+        for (auto [now, before] : {std::pair(&state.x, &last.x), std::pair(&state.v, &last.v)}) {
+          const Lanes3 one = load(*now, i), zero = load(*before, i);
+          store(*before, i, one);
+          if (leads) store(*now, i, one + (one - zero) * all_lanes(1.0f / 3));
+        }
+      },
+      kGrain);
+  return leads ? dt * 2 / 3 : dt;
+}
+
 void lay_to_rest(State& state) {
   for (auto* values : {&state.v.x, &state.v.y, &state.v.z})
     std::fill(values->begin(), values->end(), Real(0));
+  if (state.last.dt > 0) state.x = state.last.x;
+  state.last.dt = 0;
   state.contacts.list.clear();
   state.contacts.begin.clear();
   state.largest_speed = 0;
@@ -64,14 +89,21 @@ void lay_to_rest(State& state) {
 
 }  // namespace
 
-StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double frame) {
   StepReport report;
+  const bool two_steps = model.params.solver.integrator == Integrator::kBdf2;
+  const double dt = state.impulse_time = two_steps ? lead_on(exec, state, frame) : frame;
   assemble(exec, model, state, inputs, dt);
   solve_change(exec, model, state, dt);
-  if (inputs.measure_residual) report.residual = residual(exec, model, state);
+  if (uses_gradients(model.params.solver.method))
+    report.iterations = state.system.iterations, report.residual = state.system.residual;
+  else if (inputs.measure_residual)
+    report.residual = residual(exec, model, state);
   change_velocities(exec, state);
   if (model.params.solver.strain_limit > 0) limit_strain(exec, model, state, dt);
   state.largest_speed = largest_speed(exec, state);
+  if (uses_gradients(model.params.solver.method) && !std::isfinite(state.system.residual))
+    state.largest_speed = NAN;  // they did not begin
   if (std::isfinite(state.largest_speed)) {
     find_contacts(exec, model, state, inputs, dt);
     report.contact_iterations = solve_velocities(exec, model, state, dt);
@@ -84,10 +116,10 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
     lay_to_rest(state);
     return report;
   }
-  move(exec, state, Real(dt));
+  move(exec, state, two_steps ? state.last.x : state.x, Real(dt));
   solve_places(exec, model, state, dt);
   if (model.params.collision.self) report.caught = avoid_crossings(exec, model, state);
-  state.time += dt;
+  state.time += frame;
   return report;
 }
 

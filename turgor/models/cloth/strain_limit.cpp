@@ -2,6 +2,18 @@
 
 namespace turgor::cloth {
 
+namespace {
+
+/// At the vertices from i on; a sheet's rows do not keep them.
+Lanes rest_lengths(const Model& model, std::size_t i, int slot) {
+  const Rows& rows = model.rows;
+  if (!rows.rest.empty()) return load_lanes(&rows.rest[std::size_t(slot) * std::size_t(kLanes)]);
+  const Lanes3 d = load_neighbours(rows, model.x_rest, slot) - load(model.x_rest, i);
+  return square_root(dot(d, d));
+}
+
+}  // namespace
+
 void limit_strain(const Exec& exec, const Model& model, State& state, double dt) {
   constexpr int kPasses = 12;
   const Real limit = Real(1 + model.params.solver.strain_limit), h = Real(dt);
@@ -22,7 +34,7 @@ void limit_strain(const Exec& exec, const Model& model, State& state, double dt)
             const Lanes3 d = load_neighbours(rows, state.x, s) - x + u * all_lanes(h);
             const auto entry = std::size_t(s) * std::size_t(kLanes);
             const Lanes length = square_root(larger(dot(d, d), all_lanes(1e-20f)));
-            const Lanes excess = larger(1 - limit * load_lanes(&rows.rest[entry]) / length, zero);
+            const Lanes excess = larger(1 - limit * rest_lengths(model, i, s) / length, zero);
             const Lanes counts = load_lanes(&rows.stiffness[entry]) > 0 ? one : zero;
             const Lanes is_long = excess > 0 ? counts : zero;
             const Lanes other = load_neighbours(rows, state.free_mass, s);

@@ -20,23 +20,10 @@ struct AssembleBatch {
   Real dt, s, keep;  // s = h² + h·stretch damping; keep = h·motion damping
   bool has_air, keeps_air;
 
-  void operator()(std::size_t batch) const {
-    const std::size_t i = batch * std::size_t(kLanes);
-    System& system = state.system;
+  void add_springs(std::size_t batch, const Lanes3& x, const Lanes3& v, Lanes is_free, Lanes3& f,
+                   LanesMatrix& d) const {
     const Rows& rows = model.rows;
-    const Lanes3 x = load(state.x, i), v = load(state.v, i);
-    const Lanes mass = load_lanes(&state.free_mass[i]);
-    const Lanes is_free = mass > 0 ? all_lanes(1) : all_lanes(0);
-    LanesMatrix d{{mass * (1 + keep), mass * (1 + keep), mass * (1 + keep)}, {}};
-    Lanes3 f =
-        Lanes3{mass * gravity.x, mass * gravity.y, mass * gravity.z} * all_lanes(dt) - v * (mass * keep);
-    if (keeps_air)
-      for (int k = 0; k < 2; k++)
-        store(system.air[k], i, has_air ? load(system.inverse[k], i) * is_free : Lanes3{});
-    if (has_air) {
-      f = f + load(system.force, i);
-      d.diagonal = d.diagonal + load(system.inverse[0], i), d.off = d.off + load(system.inverse[1], i);
-    }
+    System& system = state.system;
     for (int slot = rows.slot_begin[batch]; slot < rows.slot_begin[batch + 1]; slot++) {
       const auto entry = std::size_t(slot) * std::size_t(kLanes);
       const Lanes3 e = load_neighbours(rows, state.x, slot) - x, u = load_neighbours(rows, state.v, slot) - v;
@@ -53,6 +40,58 @@ struct AssembleBatch {
       store_lanes(&system.along[entry], along * is_free);
       store_lanes(&system.across[entry], across * is_free);
     }
+  }
+
+  /// The tensions of the membrane are in `across`. Its stiffness is bounded by springs along the edges; those
+  /// that are pushed lose the part across them, as springs do.
+  void add_sheet(std::size_t batch, const Lanes3& x, const Lanes3& v, Lanes is_free, Lanes3& f,
+                 LanesMatrix& d) const {
+    const Rows &rows = model.rows, &far = model.far_rows;
+    System& system = state.system;
+    const Lanes spare = load_lanes(&model.spare[batch * std::size_t(kLanes)]) * s;
+    Lanes sum = spare;
+    for (int slot = rows.slot_begin[batch]; slot < rows.slot_begin[batch + 1]; slot++) {
+      const auto entry = std::size_t(slot) * std::size_t(kLanes);
+      const Lanes3 e = load_neighbours(rows, state.x, slot) - x, u = load_neighbours(rows, state.v, slot) - v;
+      const Lanes tension = load_lanes(&system.across[entry]), bend = load_lanes(&rows.bend[entry]);
+      const Lanes across = (larger(tension, all_lanes(0)) + bend) * s;
+      const Lanes along = load_lanes(&rows.stiffness[entry]) * s / larger(dot(e, e), all_lanes(1e-20f));
+      f = f + e * ((tension + bend) * dt + along * dot(e, u)) + u * across;
+      d.diagonal = d.diagonal + Lanes3{along * e.x * e.x, along * e.y * e.y, along * e.z * e.z};
+      d.off = d.off + Lanes3{along * e.x * e.y, along * e.x * e.z, along * e.y * e.z};
+      sum = sum + across;
+      store_lanes(&system.along[entry], along * is_free);
+      store_lanes(&system.across[entry], across * is_free);
+    }
+    for (int slot = far.slot_begin[batch]; slot < far.slot_begin[batch + 1]; slot++) {
+      const Lanes3 e = load_neighbours(far, state.x, slot) - x, u = load_neighbours(far, state.v, slot) - v;
+      const Lanes bend = load_lanes(&far.bend[std::size_t(slot) * std::size_t(kLanes)]);
+      f = f + e * (bend * dt) + u * (bend * s);
+      sum = sum + bend * s;
+    }
+    d.diagonal = d.diagonal + Lanes3{sum, sum, sum};
+  }
+
+  void operator()(std::size_t batch) const {
+    const std::size_t i = batch * std::size_t(kLanes);
+    System& system = state.system;
+    const Lanes3 x = load(state.x, i), v = load(state.v, i);
+    const Lanes mass = load_lanes(&state.free_mass[i]);
+    const Lanes is_free = mass > 0 ? all_lanes(1) : all_lanes(0);
+    LanesMatrix d{{mass * (1 + keep), mass * (1 + keep), mass * (1 + keep)}, {}};
+    Lanes3 f =
+        Lanes3{mass * gravity.x, mass * gravity.y, mass * gravity.z} * all_lanes(dt) - v * (mass * keep);
+    if (keeps_air)
+      for (int k = 0; k < 2; k++)
+        store(system.air[k], i, has_air ? load(system.inverse[k], i) * is_free : Lanes3{});
+    if (has_air) {
+      f = f + load(system.force, i);
+      d.diagonal = d.diagonal + load(system.inverse[0], i), d.off = d.off + load(system.inverse[1], i);
+    }
+    if (model.params.fabric.law == Law::kSprings)
+      add_springs(batch, x, v, is_free, f, d);
+    else
+      add_sheet(batch, x, v, is_free, f, d);
     const Lanes is_held = 1 - is_free;  // whose row says: the change is the given one
     d = {d.diagonal * is_free + Lanes3{is_held, is_held, is_held}, d.off * is_free};
     const LanesMatrix inverted = inverse(d);
@@ -110,7 +149,7 @@ struct IsPartHeld {
 void assemble(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   System& system = state.system;
   const bool has_air = inputs.air.density > 0;
-  const bool keeps_air = inputs.measure_residual || model.params.solver.method == Method::kConjugateGradients;
+  const bool keeps_air = inputs.measure_residual || uses_gradients(model.params.solver.method);
   if (keeps_air)
     for (Vectors& air : system.air) air.resize(state.x.size());
   system.drag.assign(model.part_begin.size() - 1, 0);
@@ -124,29 +163,34 @@ void assemble(const Exec& exec, const Model& model, State& state, const Inputs& 
         });
   }
   const Damping& damping = model.params.damping;
-  system.keep = Real(1 + dt * damping.motion);
-  parallel_for(
-      exec, batch_count(model.rows),
-      AssembleBatch{model, state, Vec3(inputs.gravity), Real(dt), Real(dt * dt + dt * damping.stretch),
-                    Real(dt * damping.motion), has_air, keeps_air},
-      kGrain);
+  system.keep = Real(1 + dt * damping.motion), system.square = Real(dt * dt + dt * damping.stretch);
+  if (model.params.fabric.law == Law::kSheet) find_tensions(exec, model, state);
+  parallel_for(exec, batch_count(model.rows),
+               AssembleBatch{model, state, Vec3(inputs.gravity), Real(dt), system.square,
+                             Real(dt * damping.motion), has_air, keeps_air},
+               kGrain);
   add_contact_impulses(state);
   aim_holds(state, Real(dt));
+}
+
+void move_free_parts(const Exec& exec, const Model& model, State& state, const Vectors& force, double dt) {
+  System& system = state.system;
+  for (std::size_t p = 0; p + 1 < model.part_begin.size(); p++) {
+    const int begin = model.part_begin[p], end = model.part_begin[p + 1];
+    if (IsPartHeld{state.holds}(begin, end)) continue;
+    const double mass = part_sum(exec, begin, end, [&](std::size_t v) { return double(model.mass[v]); });
+    const Vec3d sum = part_sum(exec, begin, end, [&](std::size_t v) { return Vec3d(force[v]); });
+    const Vec3 all(sum / (mass * (1 + dt * model.params.damping.motion) + system.drag[p]));
+    for (auto v = std::size_t(begin); v < std::size_t(end); v++) system.change.add(v, all);
+  }
 }
 
 void start_change(const Exec& exec, const Model& model, State& state, double dt) {
   System& system = state.system;
   const std::size_t count = system.change.size();
-  for (std::size_t v = 0; v < count; v++) system.change.set(v, {}), system.before.set(v, {});
-  for (std::size_t p = 0; p + 1 < model.part_begin.size(); p++) {
-    const int begin = model.part_begin[p], end = model.part_begin[p + 1];
-    if (IsPartHeld{state.holds}(begin, end)) continue;
-    const double mass = part_sum(exec, begin, end, [&](std::size_t v) { return double(model.mass[v]); });
-    const Vec3d force = part_sum(exec, begin, end, [&](std::size_t v) { return Vec3d(system.force[v]); });
-    const Vec3 all(force / (mass * (1 + dt * model.params.damping.motion) + system.drag[p]));
-    for (auto v = std::size_t(begin); v < std::size_t(end); v++)
-      system.change.set(v, all), system.before.set(v, all);
-  }
+  for (std::size_t v = 0; v < count; v++) system.change.set(v, {});
+  move_free_parts(exec, model, state, system.force, dt);
+  for (std::size_t v = 0; v < count; v++) system.before.set(v, system.change[v]);
   for (const Hold& hold : state.holds) {
     const auto v = std::size_t(hold.vertex);
     system.change.set(v, system.force[v]), system.before.set(v, system.force[v]);
@@ -192,10 +236,13 @@ void solve_by_sweeps(const Exec& exec, const Model& model, State& state, Method 
 void solve_change(const Exec& exec, const Model& model, State& state, double dt) {
   const Solver& solver = model.params.solver;
   start_change(exec, model, state, dt);
-  if (solver.method == Method::kConjugateGradients)
-    solve_by_conjugate_gradients(exec, model, state, solver.sweeps);
-  else
+  if (uses_gradients(solver.method)) {
+    solve_by_conjugate_gradients(exec, model, state,
+                                 {solver.sweeps, solver.tolerance, solver.method == Method::kBlocks});
+    move_free_parts(exec, model, state, state.system.left, dt);
+  } else {
     solve_by_sweeps(exec, model, state, solver.method, solver.sweeps);
+  }
 }
 
 }  // namespace turgor::cloth

@@ -15,10 +15,19 @@ void solve_change(const Exec& exec, const Model& model, State& state, double dt)
 
 /// Parts of the solvers, for tests and benches. One sweep leads `change` to
 /// before + omega (W_ii⁻¹ (force + s Σ J_ij change_j) − before).
+/// Gives every part that nothing holds the velocity that the total of a force gives it as a whole.
+void move_free_parts(const Exec& exec, const Model& model, State& state, const Vectors& force, double dt);
 void start_change(const Exec& exec, const Model& model, State& state, double dt);
 void sweep(const Exec& exec, const Model& model, State& state, Real omega);
 void solve_by_sweeps(const Exec& exec, const Model& model, State& state, Method method, int sweeps);
-void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& state, int iterations);
+/// When conjugate gradients stop, and whether blocks of vertices help them.
+struct Stop {
+  int iterations = 100;  // at most
+  double residual = 0;   // |force − W change| / |force| that is small enough [1]
+  bool blocks = false;
+};
+/// Sets System::iterations and residual.
+void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& state, const Stop& stop);
 
 /// |force − W change| / |force| over the free vertices. The system was assembled to measure it.
 double residual(const Exec& exec, const Model& model, const State& state);

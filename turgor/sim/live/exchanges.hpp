@@ -4,11 +4,13 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "turgor/contact/local_contact.hpp"
 #include "turgor/contact/rhombus_touch.hpp"
 #include "turgor/contact/sfem_touch.hpp"
+#include "turgor/sim/tools/touched_body.hpp"
 
 namespace turgor {
 
@@ -25,5 +27,10 @@ struct Exchanges {
   std::vector<std::unique_ptr<latest<contact::RhombusTouchedNow>>> rhombus;  // as World::rhombus_bodies
   std::vector<std::unique_ptr<LocalExchange>> local;  // as World::tools; null where ticks are exact
 };
+
+/// The way of tools of one body in a frame from one time to another: from where they were to where the haptic
+/// thread has them now.
+void take_commands(std::span<const int> tool_indices, Exchanges& felt, double from, double to,
+                   std::vector<TouchingTool>& tools);
 
 }  // namespace turgor

@@ -153,7 +153,7 @@ Exchanges make_exchanges(const World& world) {
   }
   for (const TouchingTool& tool : world.tools) {
     exchanges.local.emplace_back();
-    if (tool.body.kind != BodyKind::kLattice) continue;
+    if (tool.body.kind != BodyKind::kLattice && tool.body.kind != BodyKind::kCloth) continue;
     exchanges.local.back() = std::make_unique<LocalExchange>();
     exchanges.local.back()->before = command_at(tool, 0);
     exchanges.local.back()->command.write(command_at(tool, 0));

@@ -4,6 +4,7 @@
 
 #include "turgor/models/cloth/fields.hpp"
 #include "turgor/sim/recording/recording_fields.hpp"
+#include "turgor/sim/recording/recording_touch.hpp"
 
 namespace turgor {
 
@@ -18,17 +19,21 @@ std::string group_of(const std::string& snapshot, const ClothBody& body) {
 
 }  // namespace
 
-Status write_state(const SnapshotOut& out, const ClothBody& body, BodyId) {
+Status write_state(const SnapshotOut& out, const ClothBody& body, BodyId id) {
   Writing writing(out.file, group_of(out.group, body));
   write_fields(writing, body.state, entries_of(body));
-  return writing.status();
+  return writing.status() ? write_tools(out, body, id) : writing.status();
 }
 
 Status read_state(const SnapshotIn& in, ClothBody& body, BodyId id) {
   Reading reading(in.file, group_of(in.group, body));
   read_fields(reading, body.state, entries_of(body));
-  if (reading.status()) show(in.exec, body, shown_body(in.shown, id));
-  return reading.status();
+  if (!reading.status()) return reading.status();
+  ShownBody none;
+  if (!body.tool_indices.empty())
+    if (const Status tools = read_tools(in, body, none); !tools) return tools;
+  show(in.exec, body, shown_body(in.shown, id));
+  return Done{};
 }
 
 }  // namespace turgor

@@ -166,16 +166,18 @@ Status write_surface(const SnapshotOut& out, const TouchedBody& body, BodyId id)
                      tools_on(out.shown, id));
 }
 
-/// Are its tools kept? A body that none touches has them nowhere; a lattice is drawn from its state then.
+/// Are its tools kept? A body that none touches has them nowhere; lattices and cloth are drawn from their
+/// states then.
 template <class Body>
 bool keeps_surface(const Body& body) {
-  return !std::is_same_v<Body, LatticeBody> || !body.tool_indices.empty();
+  constexpr bool has_state = std::is_same_v<Body, LatticeBody> || std::is_same_v<Body, ClothBody>;
+  return !has_state || !body.tool_indices.empty();
 }
 
 }  // namespace
 
-Status write_tools(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
-  if (!keeps_surface(body)) return Done{};
+Status write_tools(const SnapshotOut& out, const TouchedBody& body, BodyId id) {
+  if (body.tool_indices.empty()) return Done{};
   return write_shown(out.file, surface_group(out.group, body), out.shown.time, ShownBody(),
                      tools_on(out.shown, id));
 }

@@ -17,8 +17,8 @@ Status write_state(const SnapshotOut& out, const RhombusBody& body, BodyId id);
 Status read_state(const SnapshotIn& in, SfemBody& body, BodyId id);
 Status read_state(const SnapshotIn& in, RhombusBody& body, BodyId id);
 
-/// The tools on a lattice, if there are any: its surface comes from its state.
-Status write_tools(const SnapshotOut& out, const LatticeBody& body, BodyId id);
+/// The tools on a lattice or a cloth, if there are any: its surface comes from its state.
+Status write_tools(const SnapshotOut& out, const TouchedBody& body, BodyId id);
 /// The tools on a body, with the surface that was recorded.
 Status read_tools(const SnapshotIn& in, const TouchedBody& body, ShownBody& surface);
 

@@ -17,6 +17,7 @@ namespace {
 const char* method_name(cloth::Method method) {
   return method == cloth::Method::kJacobi      ? "jacobi"
          : method == cloth::Method::kChebyshev ? "chebyshev"
+         : method == cloth::Method::kBlocks    ? "blocks"
                                                : "conjugate gradients";
 }
 
@@ -99,6 +100,7 @@ const Quantity<S> kSteps[] = {
     {"step", kMilliseconds, "wall time", [](const S& s) -> Json { return s.seconds; }},
     {"largest_speed", kSpeed, "largest speed", [](const S& s) -> Json { return s.largest_speed; }},
     {"contacts", kCount, "contacts", [](const S& s) -> Json { return s.contacts; }},
+    {"iterations", kCount, "iterations", [](const S& s) -> Json { return s.iterations; }},
 };
 const Quantity<S> kSnapshots[] = {
     {"time", kSeconds, "time", [](const S& s) -> Json { return s.time; }},
@@ -106,6 +108,30 @@ const Quantity<S> kSnapshots[] = {
     {"energy", kJoules, "energy", [](const S& s) -> Json { return s.energy; }},
     {"longest_spring_relative", kNone, "longest spring", [](const S& s) -> Json { return s.stretch; }},
 };
+
+/// Of the frames where it was measured; -1 = of none.
+double largest_residual(const ClothBody& body) {
+  double largest = -1;
+  for (const ClothSample& s : body.samples) largest = std::max(largest, s.residual);
+  return largest;
+}
+
+/// Forces that are left are a cloth that hangs and swings as another one would; "" = few are.
+std::string unsettled(const ClothBody& body) {
+  constexpr double kMuch = 0.1;
+  const cloth::Solver& solver = body.model.params.solver;
+  const bool stops = cloth::uses_gradients(solver.method) && solver.tolerance > 0;
+  const double limit = stops ? 1.5 * solver.tolerance : kMuch;  // rounded off
+  const auto count = std::count_if(body.samples.begin(), body.samples.end(),
+                                   [limit](const ClothSample& s) { return s.residual > limit; });
+  if (count == 0) return "";
+  return fmt::format(
+      "{}: {} sweeps or iterations left up to {:.2g} of the forces unsolved ({} frames): it moves more "
+      "stiffly "
+      "and slowly than its fabric; {}",
+      body.name, solver.sweeps, largest_residual(body), count,
+      stops ? "solver.sweeps is the most it may take" : "solver.method = \"blocks\" stops at a tolerance");
+}
 
 struct ClothPart {
   const ClothBody& body;
@@ -128,6 +154,15 @@ const Quantity<P> kCloth[] = {
     {"method", kNone, "solver",
      [](const P& p) -> Json { return method_name(p.body.model.params.solver.method); }},
     {"sweeps", kCount, "sweeps", [](const P& p) -> Json { return p.body.model.params.solver.sweeps; }},
+    {"law", kNone, "law",
+     [](const P& p) -> Json {
+       return p.body.model.params.fabric.law == cloth::Law::kSheet ? "sheet" : "springs";
+     }},
+    {"largest_residual_relative", kNone, "most of the forces that was left, |b - W dv| / |b|",
+     [](const P& p) -> Json {
+       const double left = largest_residual(p.body);
+       return left >= 0 ? Json(left) : Json();
+     }},
     {"memory_bytes_per_vertex",
      {"", "bytes/vertex"},
      "memory",
@@ -169,7 +204,7 @@ Json report_body(const ReportInput& input, const ClothScene&, const ClothBody& b
   std::vector<ClothSample> measured;
   for (const ClothSample& s : body.samples) {
     part.seconds.push_back(s.seconds);
-    if (s.residual >= 0) measured.push_back(s);
+    if (s.is_snapshot) measured.push_back(s);
   }
   Json json = values_of(kCloth, part), obstacles = Json::array(), holds = Json::array();
   for (const ClothObstacle& o : body.obstacles) {
@@ -203,12 +238,14 @@ Section cloth_section() {
 
 std::vector<std::string> cloth_warnings(const World& world) {
   std::vector<std::string> warnings;
-  for (const ClothBody& body : world.cloth_bodies)
+  for (const ClothBody& body : world.cloth_bodies) {
+    if (const std::string left = unsettled(body); !left.empty()) warnings.push_back(left);
     for (const ClothHold& hold : body.holds)
       if (!hold.missed.empty())
         warnings.push_back(
             fmt::format("{}: hold.{}: no vertex of the cloth was in its ball at {} s: it holds nothing; {}",
                         body.name, hold.scene.name, hold.scene.start, hold.missed));
+  }
   return warnings;
 }
 

@@ -41,6 +41,7 @@ std::vector<Ring> rings_of(const ShownBody& surface) {
 
 double build_seconds(const SfemBody& body) { return body.facts.shape_seconds + body.facts.green_seconds; }
 double build_seconds(const RhombusBody& body) { return body.build_seconds; }
+double build_seconds(const ClothBody& body) { return body.build_seconds; }
 double build_seconds(const LatticeBody& body) { return body.read_seconds + body.build_seconds; }
 
 struct Cost {
@@ -87,7 +88,7 @@ Cost cost_of(const World& world, const Pressed& pressed, const Body& body) {
 }  // namespace
 
 double force_interval(const World& world, BodyId id) {
-  return id.kind == BodyKind::kLattice ? world.dt : kTick;
+  return id.kind == BodyKind::kLattice || id.kind == BodyKind::kCloth ? world.dt : kTick;
 }
 
 Json wall_time(const std::vector<double>& seconds, double part) {

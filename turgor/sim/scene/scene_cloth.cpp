@@ -33,23 +33,54 @@ cloth::Sheet read_sheet(SceneTable table) {
 }
 
 void read_fabric(SceneTable table, cloth::Fabric& fabric) {
+  using cloth::Law;
+  fabric.law = Law::kSprings;
+  table.read_choice<Law>("law", fabric.law, {{"sheet", Law::kSheet}, {"springs", Law::kSprings}},
+                         "`\"sheet\"`, the same cloth on any mesh; `\"springs\"`, those of the paper");
   table.read("density", fabric.density, positive("kg/m²"), "mass per area");
   table.read("warp", fabric.warp, positive("N/m"), "stiffness along the warp");
   table.read("weft", fabric.weft, positive("N/m"), "across it");
-  table.read("shear", fabric.shear, not_negative("N/m"), "on the bias");
-  table.read("bend", fabric.bend, not_negative("N/m"), "of the springs across edges, which resist folding");
+  table.read("shear", fabric.shear, not_negative("N/m"),
+             "of a sheet: force per width by the angle of shear; of springs: stiffness on the bias");
+  table.read("poisson", fabric.poisson, within(0, 10),
+             "of a sheet: how much it narrows when its warp is pulled");
+  table.read("rigidity_warp", fabric.rigidity_warp, within(0, 1, "N·m"),
+             "of a sheet: moment per width by the curvature of its warp");
+  table.read("rigidity_weft", fabric.rigidity_weft, within(0, 1, "N·m"), "and of its weft");
+  table.read("bend", fabric.bend, not_negative("N/m"),
+             "of springs alone: stiffness of those across edges, which resist folding");
+  for (const char* key : {"poisson", "rigidity_warp", "rigidity_weft"})
+    if (fabric.law == Law::kSprings && table.has(key))
+      table.fail(key, "only a sheet has it: law = \"sheet\"");
+  if (fabric.law == Law::kSheet && table.has("bend"))
+    table.fail("bend",
+               "only springs have it: law = \"springs\"; a sheet resists folding by rigidity_warp and "
+               "rigidity_weft [N·m]");
   table.read("direction", fabric.direction, any_number(""), "of the warp, where the mesh lies");
   table.finish();
 }
 
 void read_solver(SceneTable table, cloth::Solver& solver) {
+  using cloth::Integrator;
   using cloth::Method;
+  solver.method = Method::kChebyshev;
+  table.read_choice<Integrator>(
+      "integrator", solver.integrator, {{"euler", Integrator::kEuler}, {"bdf2", Integrator::kBdf2}},
+      "`\"euler\"`, whose every step damps; `\"bdf2\"`, two steps at once, for what swings "
+      "freely");
   table.read_choice<Method>("method", solver.method,
                             {{"jacobi", Method::kJacobi},
                              {"chebyshev", Method::kChebyshev},
-                             {"conjugate gradients", Method::kConjugateGradients}},
-                            "`\"chebyshev\"`, `\"jacobi\"` or `\"conjugate gradients\"`");
-  table.read("sweeps", solver.sweeps, within(1, 10000), "or iterations, a frame");
+                             {"conjugate gradients", Method::kConjugateGradients},
+                             {"blocks", Method::kBlocks}},
+                            "`\"blocks\"`: conjugate gradients that solve blocks of vertices at once; "
+                            "`\"chebyshev\"` or `\"jacobi\"` sweeps; `\"conjugate gradients\"`");
+  if (!cloth::uses_gradients(solver.method) && !table.has("sweeps")) solver.sweeps = 16;
+  table.read("sweeps", solver.sweeps, within(1, 10000),
+             "a frame, 16 if there is none here; of conjugate gradients: iterations at most");
+  table.read(
+      "tolerance", solver.tolerance, within(0, 1),
+      "of conjugate gradients: they stop when what is left of the forces is this part of them; 0 = never");
   table.read("strain_limit", solver.strain_limit, within(0, 10),
              "no spring is pulled longer than 1 + this times its length at rest; 0 = no limit");
   table.finish();

@@ -16,6 +16,8 @@
 #include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/cloth_scene.hpp"
 #include "turgor/sim/shown.hpp"
+#include "turgor/sim/tools/press_path.hpp"
+#include "turgor/sim/tools/touched_body.hpp"
 
 namespace turgor {
 
@@ -50,13 +52,14 @@ struct ClothSample {
   double seconds = 0;        // wall time of the step
   double largest_speed = 0;  // [m/s]
   double residual = -1;      // of the linear system; -1 = was not measured [1]
-  double energy = 0;         // elastic and kinetic, at snapshots [J]
-  double stretch = 0;        // longest spring, at snapshots [1]
+  int iterations = 0;        // of conjugate gradients
+  bool is_snapshot = false;  // what follows was measured
+  double energy = 0;         // elastic and kinetic [J]
+  double stretch = 0;        // longest spring [1]
   int contacts = 0;
 };
 
-struct ClothBody {
-  std::string name;
+struct ClothBody : TouchedBody {
   std::vector<Int3> triangles;  // of the mesh, as the scene gives it
   cloth::Model model;
   cloth::State state;
@@ -67,13 +70,29 @@ struct ClothBody {
   std::vector<ClothSample> samples;
   std::vector<std::string> notes;
   double build_seconds = 0;
+
+  // When tools touch it:
+  std::vector<Vec3d> rest;           // vertices of the mesh at rest [m]
+  std::vector<contact::Tool> tools;  // one for each of tool_indices, as the two below
+  std::vector<contact::Pose> poses;
+  std::vector<contact::ToolForce> forces;
 };
 
 /// Error: a file that cannot be read, a mesh that is no cloth, a held vertex that is not there.
 Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, const World& world);
 inline const std::vector<std::string>& notes(const ClothBody& body) { return body.notes; }
 
-/// One frame, after the bodies it lies on.
+void make_rest_surface(ClothBody& body);
+inline RestSurface rest_surface(const ClothBody& body) { return {body.rest, body.triangles}; }
+Status begin_body(const Exec& exec, ClothBody& body, const ClothScene& scene, const World& world);
+/// No cloth lies on it by its name.
+inline void press_body(const Exec&, ClothBody&, const ClothPush&, double) {}
+/// Tool `t` of its tool_indices.
+inline ToolNow tool_now(const ClothBody& body, std::size_t t, const World&) {
+  return {body.poses[t], body.forces[t].force, 0};
+}
+
+/// One frame, after the bodies it lies on. Every tool gets a sample.
 void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput& input, FrameReport& report);
 std::uint64_t state_hash(const ClothBody& body, std::uint64_t seed);
 

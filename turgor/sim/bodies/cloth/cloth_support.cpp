@@ -47,7 +47,7 @@ std::vector<Vec3> places_now(const Exec&, RhombusBody& body, ClothSupport& suppo
 /// Bodies that tools can touch can be lain on.
 std::vector<Vec3> places_now(const Exec& exec, ClothSupport& support, World& world) {
   return visit_body(world, support.body, [&](auto& body) -> std::vector<Vec3> {
-    if constexpr (is_touched<decltype(body)>) return places_now(exec, body, support);
+    if constexpr (requires { places_now(exec, body, support); }) return places_now(exec, body, support);
     return {};
   });
 }

@@ -7,6 +7,7 @@
 #include "turgor/io/surface_files.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
+#include "turgor/sim/world.hpp"
 
 namespace turgor {
 
@@ -128,8 +129,29 @@ Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, con
     body.obstacles.push_back(std::move(*obstacle));
   }
   body.triangles = std::move(mesh.triangles);
+  body.usual_force = 1e-3 * std::sqrt(body.model.params.fabric.warp * body.model.params.fabric.weft);
   body.build_seconds = timer.seconds();
   return body;
+}
+
+void make_rest_surface(ClothBody& body) {
+  body.rest.clear();
+  for (const int v : body.model.place) body.rest.emplace_back(body.model.x_rest[std::size_t(v)]);
+}
+
+Status begin_body(const Exec&, ClothBody& body, const ClothScene& scene, const World& world) {
+  for (const int t : body.tool_indices) {
+    const TouchingTool& tool = world.tools[std::size_t(t)];
+    if (tool.forceps)
+      return Error{
+          fmt::format("{}: {}: forceps do not grasp cloth: give the tool another shape, and let a hold "
+                      "with a ball seize the cloth",
+                      scene.place, tool.name)};
+    body.tools.push_back(tool.tool);
+    body.poses.push_back(command_at(tool, 0).pose);
+  }
+  body.forces.resize(body.tools.size());
+  return Done{};
 }
 
 }  // namespace turgor

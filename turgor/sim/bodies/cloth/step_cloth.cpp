@@ -4,6 +4,7 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/where_is.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
+#include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -55,6 +56,9 @@ void follow(ClothBody& body, ClothHold& hold, double end) {
   if (!wanted) hold.places.clear();
 }
 
+/// Layers of cloth keep a thickness apart: each has half of it around itself [m].
+double tool_gap(const ClothBody& body) { return body.model.params.collision.thickness / 2; }
+
 /// What the hold takes in this frame [N].
 Vec3d force_of(const ClothBody& body, const ClothHold& hold, const cloth::Vectors& v_before,
                const World& world) {
@@ -81,6 +85,47 @@ cloth::Obstacle made(const Exec& exec, ClothObstacle& obstacle, World& world) {
   return result;
 }
 
+/// The tools on their way through this frame, behind the scene's obstacles.
+void add_tools(const ClothBody& body, const World& world, const FrameInput& input, cloth::Inputs& inputs) {
+  for (std::size_t t = 0; t < body.tools.size(); t++) {
+    const TouchingTool& tool = world.tools[std::size_t(body.tool_indices[t])];
+    const contact::Pose to = command_at(tool, input.to).pose;
+    inputs.obstacles.push_back(contact::cloth_tool(body.tools[t].shape, body.poses[t], to, world.dt));
+    inputs.obstacles.back().friction = body.tools[t].friction;
+    inputs.obstacles.back().gap = tool_gap(body);
+  }
+}
+
+/// What the tools felt in this frame, and where they are now.
+void note_tools(ClothBody& body, World& world, double time, double seconds) {
+  for (std::size_t t = 0; t < body.tools.size(); t++) {
+    TouchingTool& tool = world.tools[std::size_t(body.tool_indices[t])];
+    const contact::ToolCommand command = command_at(tool, time);
+    const int obstacle = int(body.obstacles.size() + t);
+    const cloth::ObstacleLoad load = cloth::obstacle_load(body.state, obstacle, command.pose.position);
+    body.poses[t] = command.pose;
+    body.forces[t] = {.force = load.impulse / body.state.impulse_time,
+                      .torque = load.moment / body.state.impulse_time};
+    for (const cloth::Contact& c : body.state.contacts.list)
+      body.forces[t].contacts += c.obstacle == obstacle && c.impulse > 0;
+    const contact::ToolForce& felt = body.forces[t];
+    ForceSample sample =
+        sample_of(time, command, {.force = felt.force, .torque = felt.torque, .contacts = felt.contacts});
+    sample.tick_seconds = float(seconds);
+    tool.samples.append(sample);
+  }
+}
+
+/// What ticks feel until the next frame.
+void leave_planes(const ClothBody& body, const World& world) {
+  for (std::size_t t = 0; t < body.tools.size(); t++) {
+    LocalExchange& exchange = *world.felt->local[std::size_t(body.tool_indices[t])];
+    exchange.plane.write(contact::local_contact(body.model, body.state, int(body.obstacles.size() + t),
+                                                tool_gap(body), body.tools[t], body.poses[t],
+                                                body.state.impulse_time, exchange.memory));
+  }
+}
+
 }  // namespace
 
 void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput& input, FrameReport& frame) {
@@ -90,6 +135,8 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
     if (turn.time <= begin) body.air.velocity = turn.velocity;
   cloth::Inputs inputs{.gravity = world.gravity, .air = body.air, .measure_residual = measure};
   for (ClothObstacle& obstacle : body.obstacles) inputs.obstacles.push_back(made(exec, obstacle, world));
+  if (world.felt) take_commands(body.tool_indices, *world.felt, begin, end, world.tools);
+  add_tools(body, world, input, inputs);
 
   const cloth::Vectors v_before = body.state.v;
   const Timer timer;
@@ -97,17 +144,21 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
   ClothSample sample{.time = end,
                      .seconds = timer.seconds(),
                      .largest_speed = report.largest_speed,
+                     .residual = report.residual,
+                     .iterations = report.iterations,
+                     .is_snapshot = measure,
                      .contacts = report.contacts};
   for (std::size_t o = 0; o < body.obstacles.size(); o++) {
     ClothObstacle& obstacle = body.obstacles[o];
-    obstacle.force.push_back(cloth::obstacle_load(body.state, int(o), {}).impulse / world.dt);
-    if (obstacle.support) note_force(body.state, int(o), world.dt, *obstacle.support);
+    obstacle.force.push_back(cloth::obstacle_load(body.state, int(o), {}).impulse / body.state.impulse_time);
+    if (obstacle.support) note_force(body.state, int(o), body.state.impulse_time, *obstacle.support);
   }
+  note_tools(body, world, end, sample.seconds);
+  if (world.felt) leave_planes(body, world);
   for (ClothHold& hold : body.holds)
     hold.force.push_back(hold.is_held ? force_of(body, hold, v_before, world) : Vec3d{});
   if (measure) {
     const cloth::Energy energy = cloth::energy(body.model, body.state, world.gravity);
-    sample.residual = report.residual;
     sample.energy = energy.elastic + energy.kinetic;
     sample.stretch = cloth::largest_stretch(body.model, body.state);
   }

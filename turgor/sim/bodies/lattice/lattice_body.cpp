@@ -196,25 +196,6 @@ Status begin_body(const Exec&, LatticeBody& body, const LatticeScene&, const Wor
 
 namespace {
 
-/// The way of its tools in this frame: from where they were to where the haptic thread has them now.
-void take_commands(const LatticeBody& body, Exchanges& felt, double from, double to,
-                   std::vector<TouchingTool>& tools) {
-  constexpr int kRows = 16;
-  for (const int t : body.tool_indices) {
-    LocalExchange& exchange = *felt.local[std::size_t(t)];
-    const contact::ToolCommand before = exchange.before, now = exchange.command.read();
-    std::vector<HandRow>& hand = tools[std::size_t(t)].hand;
-    hand.resize(kRows + 1);
-    for (int row = 0; row <= kRows; row++) {
-      const double part = double(row) / kRows;
-      hand[std::size_t(row)] = {from + (to - from) * part, now};
-      hand[std::size_t(row)].command.pose.position =
-          before.pose.position * (1 - part) + now.pose.position * part;
-    }
-    exchange.before = now;
-  }
-}
-
 /// What ticks feel until the next frame.
 void leave_planes(const LatticeBody& body, Exchanges& felt) {
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
@@ -251,7 +232,7 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
   const lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
                                .measure_residual = input.measure_residual && has_forces,
                                .loads = loads};
-  if (world.felt) take_commands(body, *world.felt, input.from, input.to, world.tools);
+  if (world.felt) take_commands(body.tool_indices, *world.felt, input.from, input.to, world.tools);
   const lattice::StepReport done = step_lattice(exec, body, world.tools, inputs, input.from, input.to);
   body.row_steps += done.rows, body.row_steps_asleep += done.rows_asleep;
   if (world.felt) leave_planes(body, *world.felt);

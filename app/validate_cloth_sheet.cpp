@@ -1,0 +1,232 @@
+#include "app/validate_cloth_sheet.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/measure.hpp"
+#include "turgor/models/cloth/sheet.hpp"
+
+namespace turgor {
+
+namespace {
+
+using cloth::Model;
+using cloth::Params;
+using cloth::State;
+
+constexpr double kFrame = 1.0 / 60, kGravity = 9.81;
+
+/// A way to make triangles of a rectangle.
+struct Cells {
+  const char* name;
+  double long_by;  // cells along the strip, of those across it
+  bool is_random;  // vertices moved by up to 0.3 of a cell, diagonals by chance
+};
+constexpr Cells kCells[] = {{"squares", 1, false},
+                            {"cells 4 times as long", 4, false},
+                            {"cells 4 times as wide", 0.25, false},
+                            {"random triangles", 1, true}};
+
+/// From x0 to x1, with two straight columns of vertices at x0.
+TriMesh strip(const Cells& cells, double x0, double x1, double width, double size) {
+  const double long_cell = size * std::min(cells.long_by, 1.0),
+               wide_cell = size / std::max(cells.long_by, 1.0);
+  const int columns = int(std::lround((x1 - x0) / long_cell)), rows = int(std::lround(width / wide_cell));
+  TriMesh mesh = cloth::make_sheet(
+      {.corner = {x0, 0, 0}, .side = {x1 - x0, 0, 0}, .up = {0, width, 0}, .columns = columns, .rows = rows});
+  if (!cells.is_random) return mesh;
+  std::uint64_t bits = 11;
+  const auto next = [&bits] {
+    bits = bits * 6364136223846793005ull + 1442695040888963407ull;
+    return double(bits >> 40) / double(1 << 23) - 1;
+  };
+  for (int r = 1; r < rows; r++)
+    for (int c = 2; c < columns; c++) {
+      const double along = next(), up = next();
+      mesh.vertices[std::size_t(r * (columns + 1) + c)] +=
+          Vec3(Vec3d{along * long_cell, up * wide_cell, 0} * 0.3);
+    }
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += 2) {  // a, b, c and a, c, d: or with b, d
+    const auto [a, b, c] = mesh.triangles[t];
+    const int d = mesh.triangles[t + 1].z;
+    if (next() > 0) mesh.triangles[t] = {a, b, d}, mesh.triangles[t + 1] = {b, c, d};
+  }
+  return mesh;
+}
+
+struct Clamped {
+  Model model;
+  State state;
+};
+/// Held up to an x, in vacuum; the vertices of the mesh from another x on are returned in `end`.
+Clamped clamp(const Exec& exec, const TriMesh& mesh, const Params& params, double held, double from,
+              std::vector<int>& end) {
+  Clamped strip{.model = cloth::build(exec, mesh, params).value(), .state = {}};
+  strip.state = cloth::make_state(strip.model);
+  for (std::size_t v = 0; v < mesh.vertices.size(); v++) {
+    if (double(mesh.vertices[v].x) < held) (void)hold(strip.model, strip.state, int(v));
+    if (double(mesh.vertices[v].x) > from) end.push_back(int(v));
+  }
+  return strip;
+}
+
+/// Force per width and strain of a strip of 100 × 40 mm that is pulled by 2 %, of that of its fabric.
+double pulled(const Exec& exec, const Cells& cells, bool along_weft, double size) {
+  Params params = sheet_params({.warp = 1000, .weft = 400, .shear = 60});
+  if (along_weft) params.fabric.direction = {0, 1, 0};
+  params.damping.motion = 10;
+  params.collision.self = false;
+  const TriMesh mesh = strip(cells, 0, 0.1, 0.04, size);
+  std::vector<int> end;
+  auto [model, state] = clamp(exec, mesh, params, 1e-6, 0.1 - 1e-6, end);
+  for (const int v : end) {
+    Vec3 goal = mesh.vertices[std::size_t(v)];
+    goal.x += 0.002f;
+    (void)hold(model, state, v);
+    (void)move_hold(model, state, v, goal);
+  }
+  cloth::Inputs inputs;
+  inputs.air.density = 0;
+  for (int n = 0; n < 60; n++) cloth::step(exec, model, state, inputs, kFrame);
+  double force = 0;
+  for (const int v : end) force += cloth::hold_force(model, state, v, {}, {}, kFrame).x;
+  return force / (0.04 * 0.02 * (along_weft ? 400 : 1000));
+}
+
+/// Drop of the end of a heavy elastica, by shooting with Runge and Kutta's method [m].
+double elastica_drop(double length, double c3) {
+  constexpr int kSteps = 1000;
+  const double h = length / kSteps;
+  struct Point {
+    double angle, bend, drop;
+  };
+  const auto slope = [&](double s, Point p) {
+    return Point{p.bend, -(length - s) / c3 * std::cos(p.angle), std::sin(p.angle)};
+  };
+  const auto moved = [](Point p, Point d, double by) {
+    return Point{p.angle + by * d.angle, p.bend + by * d.bend, p.drop + by * d.drop};
+  };
+  const auto shot = [&](double bend) {
+    Point p{0, bend, 0};
+    for (int n = 0; n < kSteps; n++) {
+      const double s = n * h;
+      const Point a = slope(s, p), b = slope(s + h / 2, moved(p, a, h / 2)),
+                  c = slope(s + h / 2, moved(p, b, h / 2)), d = slope(s + h, moved(p, c, h));
+      p = moved(moved(moved(moved(p, a, h / 6), b, h / 3), c, h / 3), d, h / 6);
+    }
+    return p;
+  };
+  double low = 0, high = length * length / c3;
+  for (int n = 0; n < 60; n++) (shot((low + high) / 2).bend < 0 ? low : high) = (low + high) / 2;
+  return shot((low + high) / 2).drop;
+}
+
+/// Drop of the end of a strip that is clamped between its first two columns, of that of the elastica.
+double hanging(const Exec& exec, const Cells& cells, double c, double size) {
+  constexpr double kDensity = 0.2, kLength = 0.06;
+  Params params = sheet_params({.density = kDensity, .warp = 2000, .weft = 2000, .shear = 400});
+  params.fabric.rigidity_warp = kDensity * kGravity * c * c * c;
+  params.fabric.rigidity_weft = 4 * params.fabric.rigidity_warp;
+  params.damping = {10, 0};
+  params.solver.tolerance = 1e-3;
+  params.collision.self = false;
+  const double cell = size * std::min(cells.long_by, 1.0);
+  const TriMesh mesh = strip(cells, -cell / 2, kLength, 0.02, size);
+  std::vector<int> end;
+  auto [model, state] = clamp(exec, mesh, params, 0.6 * cell, kLength - 1e-6, end);
+  cloth::Inputs inputs{.gravity = {0, 0, -kGravity}};
+  inputs.air.density = 0;
+  for (int n = 0; n < 240; n++) cloth::step(exec, model, state, inputs, kFrame);
+  double drop = 0;
+  for (const int v : end)
+    drop -= double(state.x.z[std::size_t(model.place[std::size_t(v)])]) / double(end.size());
+  return drop / elastica_drop(kLength, c * c * c);
+}
+
+/// A disc of 30 cm on one of 18 cm (Cusick's drapemeter), as a square that was made round.
+TriMesh disc(const Cells& cells, double size) {
+  constexpr double kRadius = 0.15;
+  TriMesh mesh = strip(cells, -1, 1, 2, size / kRadius);
+  for (Vec3& x : mesh.vertices) {
+    const double a = double(x.x), b = double(x.y) - 1;
+    x = Vec3(Vec3d{a * std::sqrt(1 - b * b / 2), b * std::sqrt(1 - a * a / 2), 0} * kRadius);
+  }
+  return mesh;
+}
+
+/// Area of the shadow that a surface casts along z, in squares of a millimetre [m²].
+double shadow(const TriMesh& mesh) {
+  constexpr int kSide = 360;
+  constexpr double kPixel = 1e-3;
+  std::vector<bool> dark(std::size_t(kSide * kSide), false);
+  const auto place = [&mesh](int v) {
+    return Vec3d(mesh.vertices[std::size_t(v)]) / kPixel + Vec3d{1, 1, 0} * (kSide / 2.0);
+  };
+  for (const Int3 t : mesh.triangles) {
+    const Vec3d a = place(t.x), p = place(t.y) - a, q = place(t.z) - a, low = min(a, min(a + p, a + q)),
+                high = max(a, max(a + p, a + q));
+    const double area = p.x * q.y - p.y * q.x;
+    for (int y = std::max(0, int(low.y)); y <= std::min(kSide - 1, int(high.y)); y++)
+      for (int x = std::max(0, int(low.x)); x <= std::min(kSide - 1, int(high.x)); x++) {
+        const double dx = x + 0.5 - a.x, dy = y + 0.5 - a.y;
+        const double u = (dx * q.y - dy * q.x) / area, w = (p.x * dy - p.y * dx) / area;
+        if (u >= 0 && w >= 0 && u + w <= 1) dark[std::size_t(y * kSide + x)] = true;
+      }
+  }
+  return kPixel * kPixel * double(std::count(dark.begin(), dark.end(), true));
+}
+
+/// Part of the ring beyond the table that the fabric still covers.
+double drape_coefficient(const Exec& exec, const Cells& cells, double size) {
+  constexpr double kTable = 0.09, kRim = 0.15, kPi = 3.14159265358979;
+  Params params = sheet_params({.density = 0.15, .shear = 50});
+  params.damping.motion = 2;
+  params.collision.self = false;
+  const TriMesh mesh = disc(cells, size);
+  Model model = cloth::build(exec, mesh, params).value();
+  State state = cloth::make_state(model);
+  for (std::size_t v = 0; v < mesh.vertices.size(); v++) {
+    const Vec3 x = mesh.vertices[v];
+    if (std::hypot(double(x.x), double(x.y)) <= kTable)
+      (void)hold(model, state, int(v));
+    else  // no fold knows where to begin
+      state.x.z[std::size_t(model.place[v])] += Real(1e-4 * std::sin(37.0 * double(v)));
+  }
+  cloth::Inputs inputs{.gravity = {0, 0, -kGravity}};
+  inputs.air.density = 0;
+  for (int n = 0; n < 240; n++) cloth::step(exec, model, state, inputs, kFrame);
+  const double table = kPi * kTable * kTable, ring = kPi * kRim * kRim - table;
+  return (shadow(cloth::model_surface(model, state)) - table) / ring;
+}
+
+std::string millimetres(double size) { return std::to_string(int(std::lround(1000 * size))) + " mm"; }
+
+}  // namespace
+
+void add_sheet_figures(const Exec& exec, bool quick, std::vector<Figure>& figures) {
+  for (const Cells& cells : kCells) {
+    for (const double size : {0.02, 0.01, 0.005})
+      for (const bool along_weft : {false, true})
+        if (!quick || size == 0.01)
+          figures.push_back(near_figure(std::string("a strip pulled along its ") +
+                                            (along_weft ? "weft" : "warp") + ", " + cells.name + " of " +
+                                            millimetres(size) + ": stiffness",
+                                        "the fabric's", pulled(exec, cells, along_weft, size), 1, 0.02));
+    for (const double c : {0.015, 0.02})
+      figures.push_back(near_figure(std::string("a strip over an edge, c = ") + millimetres(c) + ", " +
+                                        cells.name + " of 4 mm: drop of its end",
+                                    "heavy elastica (Peirce)", hanging(exec, cells, c, 0.06 / 14.5), 1,
+                                    0.05));
+  }
+  if (quick) return;
+  const double squares = drape_coefficient(exec, kCells[0], 0.005),
+               random = drape_coefficient(exec, kCells[3], 0.005);
+  figures.push_back(near_figure("drape coefficient (Cusick's disc), squares of 5 mm",
+                                "mean with random triangles", squares, (squares + random) / 2, 0.05));
+}
+
+}  // namespace turgor

@@ -1,0 +1,234 @@
+#include "turgor/models/cloth/blocks.hpp"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "turgor/models/cloth/cloth.hpp"
+
+namespace turgor::cloth {
+
+namespace {
+
+constexpr int kRigid = 6;  // three ways, three turns
+
+/// Halves a list of vertices across its longer side until the pieces are small.
+void halve(const Vectors& x, std::vector<int>::iterator from, std::vector<int>::iterator to, int largest,
+           std::vector<std::vector<int>>& pieces) {
+  if (to - from <= largest) {
+    pieces.emplace_back(from, to);
+    return;
+  }
+  Vec3 low = x[std::size_t(*from)], high = low;
+  for (auto v = from; v != to; v++) low = min(low, x[std::size_t(*v)]), high = max(high, x[std::size_t(*v)]);
+  const Vec3 size = high - low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const auto middle = from + (to - from) / 2;
+  std::nth_element(from, middle, to, [&](int a, int b) {
+    const Real xa = x[std::size_t(a)][axis], xb = x[std::size_t(b)][axis];
+    return xa != xb ? xa < xb : a < b;
+  });
+  halve(x, from, middle, largest, pieces);
+  halve(x, middle, to, largest, pieces);
+}
+
+/// Both the blocks and what is in them grow with the square root of the cloth, and the iterations hardly.
+int block_size(int count) { return std::max(12, int(0.8 * std::sqrt(double(count)))); }
+
+using Block = std::array<double, kRigid * kRigid>;
+
+/// (I, −[r]×)ᵀ B (I, −[q]×), rows by the ways and turns of the first block.
+void add_coupling(const double (&b)[3][3], Vec3d r, Vec3d q, double sign, Block& sum) {
+  double left[kRigid][3];
+  for (int k = 0; k < 3; k++) {
+    const Vec3d column{b[0][k], b[1][k], b[2][k]};
+    const Vec3d turn = cross(r, column);
+    for (int d = 0; d < 3; d++) left[d][k] = column[d], left[3 + d][k] = turn[d];
+  }
+  for (int d = 0; d < kRigid; d++) {  // left · (I, −[q]×): the row's cross product
+    const Vec3d row{left[d][0], left[d][1], left[d][2]};
+    const Vec3d turn = cross(q, row);
+    double* out = &sum[std::size_t(d * kRigid)];
+    for (int k = 0; k < 3; k++) out[k] += sign * row[k], out[3 + k] += sign * turn[k];
+  }
+}
+
+}  // namespace
+
+Blocks make_blocks(const Model& model) {
+  Blocks blocks;
+  std::vector<std::vector<int>> pieces;
+  const int size = block_size(model.count);
+  for (std::size_t p = 0; p + 1 < model.part_begin.size(); p++) {
+    std::vector<int> part(std::size_t(model.part_begin[p + 1] - model.part_begin[p]));
+    std::iota(part.begin(), part.end(), model.part_begin[p]);
+    halve(model.x_rest, part.begin(), part.end(), size, pieces);
+  }
+  blocks.of.resize(std::size_t(model.count));
+  blocks.begin.push_back(0);
+  for (std::size_t n = 0; n < pieces.size(); n++) {
+    std::sort(pieces[n].begin(), pieces[n].end());
+    for (const int v : pieces[n]) blocks.of[std::size_t(v)] = int(n);
+    blocks.vertex.insert(blocks.vertex.end(), pieces[n].begin(), pieces[n].end());
+    blocks.begin.push_back(int(blocks.vertex.size()));
+  }
+  std::vector<std::set<int>> touched(pieces.size());
+  for (std::size_t n = 0; n < pieces.size(); n++) touched[n].insert(int(n));
+  for (const Int3 t : model.triangles)
+    for (int side = 0; side < 3; side++) {
+      const int a = blocks.of[std::size_t(t[side])], b = blocks.of[std::size_t(t[(side + 1) % 3])];
+      touched[std::size_t(std::max(a, b))].insert(std::min(a, b));
+    }
+  blocks.pair_begin.push_back(0);
+  for (const std::set<int>& list : touched) {
+    blocks.pair.insert(blocks.pair.end(), list.begin(), list.end());
+    blocks.pair_begin.push_back(int(blocks.pair.size()));
+  }
+  return blocks;
+}
+
+struct BlockSystem::Parts {
+  std::vector<Vec3d> centre;           // of each block's vertices [m]
+  std::vector<Block> coupling;         // by pair
+  Eigen::SparseMatrix<double> matrix;  // lower triangle
+  std::vector<int> entry;              // of each value: 36 · pair + place
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
+  Eigen::VectorXd load, answer;
+
+  void lay_out(const Blocks& blocks);
+  void couple(const Model& model, const State& state, int block);
+};
+
+void BlockSystem::Parts::lay_out(const Blocks& blocks) {
+  const int count = int(blocks.begin.size()) - 1;
+  std::vector<Eigen::Triplet<double>> places;
+  for (int a = 0; a < count; a++)
+    for (int n = blocks.pair_begin[std::size_t(a)]; n < blocks.pair_begin[std::size_t(a) + 1]; n++)
+      for (int r = 0; r < kRigid; r++)
+        for (int c = 0; c < kRigid; c++) {
+          const int row = kRigid * a + r, column = kRigid * blocks.pair[std::size_t(n)] + c;
+          if (row >= column) places.emplace_back(row, column, double(kRigid * kRigid * n + kRigid * r + c));
+        }
+  matrix.resize(kRigid * count, kRigid * count);
+  matrix.setFromTriplets(places.begin(), places.end());
+  for (int n = 0; n < matrix.nonZeros(); n++) entry.push_back(int(matrix.valuePtr()[n]));
+  for (int n = 0; n < matrix.nonZeros(); n++) matrix.valuePtr()[n] = 1;
+  factor.analyzePattern(matrix);
+  coupling.resize(blocks.pair.size());
+  centre.resize(std::size_t(count));
+  load.resize(kRigid * count), answer.resize(kRigid * count);
+}
+
+void BlockSystem::Parts::couple(const Model& model, const State& state, int block) {
+  const Blocks& blocks = model.blocks;
+  const Rows& rows = model.rows;
+  const System& system = state.system;
+  const auto a = std::size_t(block);
+  const int first = blocks.pair_begin[a], last = blocks.pair_begin[a + 1];
+  for (int n = first; n < last; n++) coupling[std::size_t(n)].fill(0);
+  Block& own = coupling[std::size_t(last - 1)];  // the block itself is the largest of its pairs
+  for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++) {
+    const auto i = std::size_t(blocks.vertex[std::size_t(m)]);
+    if (state.free_mass[i] == 0) continue;
+    const Vec3d x(state.x[i]), r = x - centre[a];
+    const double mass = double(state.free_mass[i]) * double(system.keep);
+    double d[3][3] = {{mass, 0, 0}, {0, mass, 0}, {0, 0, mass}};
+    for (int k = 0; k < 3; k++) d[k][k] += double(system.air[0][i][k]);
+    const Vec3d off(system.air[1][i]);
+    d[0][1] += off.x, d[1][0] += off.x, d[0][2] += off.y, d[2][0] += off.y, d[1][2] += off.z,
+        d[2][1] += off.z;
+    double turn[3][3] = {};  // by sides within the block
+    const std::size_t batch = i / std::size_t(kLanes), l = i % std::size_t(kLanes);
+    for (int s = rows.slot_begin[batch]; s < rows.slot_begin[batch + 1]; s++) {
+      const std::size_t e = std::size_t(s) * std::size_t(kLanes) + l;
+      if (!(rows.stiffness[e] > 0)) continue;
+      const auto j = std::size_t(neighbour(rows, s, int(l)));
+      const double along = double(system.along[e]), across = std::max(0.0, double(system.across[e]));
+      const Vec3d way = Vec3d(state.x[j]) - x;
+      if (blocks.of[j] == block && state.free_mass[j] > 0) {
+        const double half = across / 2, square = half * dot(way, way);
+        for (int p = 0; p < 3; p++)
+          for (int q = 0; q < 3; q++) turn[p][q] += (p == q ? square : 0) - half * way[p] * way[q];
+        continue;
+      }
+      double b[3][3];
+      for (int p = 0; p < 3; p++)
+        for (int q = 0; q < 3; q++) b[p][q] = along * way[p] * way[q] + (p == q ? across : 0);
+      for (int p = 0; p < 3; p++)
+        for (int q = 0; q < 3; q++) d[p][q] += b[p][q];
+      if (blocks.of[j] >= block || state.free_mass[j] == 0) continue;
+      const auto other = std::size_t(blocks.of[j]);
+      const auto pair = std::lower_bound(blocks.pair.begin() + first, blocks.pair.begin() + last, int(other));
+      add_coupling(b, r, Vec3d(state.x[j]) - centre[other], -1,
+                   coupling[std::size_t(pair - blocks.pair.begin())]);
+    }
+    add_coupling(d, r, r, 1, own);
+    for (int p = 0; p < 3; p++)
+      for (int q = 0; q < 3; q++) own[std::size_t(kRigid * (3 + p) + 3 + q)] += turn[p][q];
+  }
+  // What has no mass, and what cannot be turned, being on one line, stays.
+  double ways = 0, turns = 0;
+  for (int k = 0; k < 3; k++) ways += own[std::size_t(7 * k)], turns += own[std::size_t(7 * (3 + k))];
+  for (int k = 0; k < 3; k++) {
+    own[std::size_t(7 * k)] += ways > 0 ? 0 : 1;
+    own[std::size_t(7 * (3 + k))] += turns > 0 ? 1e-6 * turns : 1;
+  }
+}
+
+BlockSystem::BlockSystem() = default;
+BlockSystem::~BlockSystem() = default;
+BlockSystem::BlockSystem(const BlockSystem&) {}
+BlockSystem& BlockSystem::operator=(const BlockSystem&) { return parts.reset(), *this; }
+
+bool BlockSystem::factor(const Exec& exec, const Model& model, const State& state) {
+  const Blocks& blocks = model.blocks;
+  if (!parts) parts = std::make_unique<Parts>(), parts->lay_out(blocks);
+  const std::size_t count = blocks.begin.size() - 1;
+  parallel_for(exec, count, [&](std::size_t a) {
+    Vec3d sum;
+    for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++)
+      sum += Vec3d(state.x[std::size_t(blocks.vertex[std::size_t(m)])]);
+    parts->centre[a] = sum / double(blocks.begin[a + 1] - blocks.begin[a]);
+  });
+  parallel_for(exec, count, [&](std::size_t a) { parts->couple(model, state, int(a)); });
+  const double* values = parts->coupling.empty() ? nullptr : parts->coupling[0].data();
+  for (std::size_t n = 0; n < parts->entry.size(); n++) parts->matrix.valuePtr()[n] = values[parts->entry[n]];
+  parts->factor.factorize(parts->matrix);
+  return parts->factor.info() == Eigen::Success;
+}
+
+void BlockSystem::add_answer(const Exec& exec, const Model& model, const State& state, const Vectors& r,
+                             Vectors& z) {
+  const Blocks& blocks = model.blocks;
+  const std::size_t count = blocks.begin.size() - 1;
+  parallel_for(exec, count, [&](std::size_t a) {
+    Vec3d way, turn;
+    for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++) {
+      const auto i = std::size_t(blocks.vertex[std::size_t(m)]);
+      if (state.free_mass[i] == 0) continue;
+      const Vec3d f(r[i]);
+      way += f, turn += cross(Vec3d(state.x[i]) - parts->centre[a], f);
+    }
+    for (int k = 0; k < 3; k++)
+      parts->load[kRigid * int(a) + k] = way[k], parts->load[kRigid * int(a) + 3 + k] = turn[k];
+  });
+  parts->answer = parts->factor.solve(parts->load);
+  parallel_for(exec, count, [&](std::size_t a) {
+    const double* y = parts->answer.data() + kRigid * int(a);
+    const Vec3d way{y[0], y[1], y[2]}, turn{y[3], y[4], y[5]};
+    for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++) {
+      const auto i = std::size_t(blocks.vertex[std::size_t(m)]);
+      if (state.free_mass[i] > 0) z.add(i, Vec3(way + cross(turn, Vec3d(state.x[i]) - parts->centre[a])));
+    }
+  });
+}
+
+std::size_t BlockSystem::bytes() const {
+  if (!parts) return 0;
+  return parts->coupling.size() * sizeof(Block) + 12 * std::size_t(parts->matrix.nonZeros()) * 6;
+}
+
+}  // namespace turgor::cloth
