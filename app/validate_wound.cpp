@@ -192,7 +192,7 @@ double press_layer(const Exec& exec, double poisson, int layers, double step, do
   const std::vector<contact::Tool> tools = {{contact::Sphere{kRadius}, 0}};
   std::vector<contact::ToolPose> at = {{{{middle, middle, top + kRadius}, {}}, false}};
   std::vector<contact::ToolForce> forces(1);
-  contact::LatticeTouch touch = contact::make_lattice_touch(model, surface, at);
+  contact::LatticeTouch touch = contact::make_lattice_touch(model, state, surface, at);
   for (int n = 1; n <= 60; n++) {
     at[0].pose.position.z = top + kRadius - depth * std::min(1.0, n / 15.0);
     contact::step(exec, model, state, touch, tools, at, {}, 1.0 / 60, forces);

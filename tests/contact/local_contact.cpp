@@ -88,7 +88,7 @@ struct Tissue {
   }
   void begin(Vec3d at) {
     const std::vector<ToolPose> poses{{{at, {}}, false}};
-    touch = make_lattice_touch(model, surface, poses);
+    touch = make_lattice_touch(model, state, surface, poses);
   }
   LocalContact frame(const Pose& pose, LocalMemory& memory) {
     const std::vector<Tool> tools{tool()};

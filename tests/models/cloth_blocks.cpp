@@ -71,7 +71,7 @@ struct Hanging {
   double sag = 0, pull = 0;
 };
 Hanging hang(double cell) {
-  Params params;
+  Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kBlocks, .sweeps = 200}};
   params.damping.motion = 3;
   params.collision.self = false;
   const int cells = int(std::lround(1 / cell));

@@ -58,6 +58,7 @@ TEST(ClothStep, where_a_cloth_comes_to_rest_does_not_depend_on_the_number_of_swe
 TEST(ClothStep, momentum_stays_without_forces_from_outside) {
   Params params;
   params.damping.motion = 0;
+  params.solver = {.method = Method::kConjugateGradients, .sweeps = 200, .tolerance = 0};
   params.fabric.warp = params.fabric.weft = 100;
   const Model model = must_build(flat_sheet(15), params);
   State state = make_state(model);

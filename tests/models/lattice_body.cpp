@@ -91,7 +91,7 @@ TEST(lattice_body, a_ct_without_outside_air_has_no_skin_and_says_so) {
   EXPECT_NE(model.error().message.find("no skin"), std::string::npos);
 }
 
-TEST(lattice_body, memory_stays_below_64_bytes_a_node) {
+TEST(lattice_body, memory_stays_below_80_bytes_a_node) {
   CtVolume ct = body_on_table({64, 64, 64});
   CtVolume large{{.size = {256, 256, 128}, .spacing = {1e-3, 1e-3, 1e-3}}, {}};
   for (int k = 0; k < 128; k++)
@@ -101,7 +101,8 @@ TEST(lattice_body, memory_stays_below_64_bytes_a_node) {
   params.block = {2, 2, 2};
   const Model model = build(kExec, large, {}, params).value();
   const State state = make_state(model);
-  EXPECT_LE(double(memory_bytes(model, state)) / node_count(model.lattice), 64.0);
+  EXPECT_LE(double(memory_bytes(model, state)) / node_count(model.lattice), 80.0)
+      << "of which a quarter is skin, laid out for vectors";
 }
 
 }  // namespace

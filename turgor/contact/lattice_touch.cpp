@@ -1,53 +1,88 @@
 #include "turgor/contact/lattice_touch.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/neighbours.hpp"
 
 namespace turgor::contact {
 
 namespace {
 
-/// Which vertices lie in the flat caps where the scan ends.
-std::vector<std::uint8_t> cap_vertices(const lattice::Model& model, const lattice::BodySurface& surface) {
-  const Vec3 far = rest_position(model.lattice, model.lattice.size - Int3{1, 1, 1});
-  std::vector<std::uint8_t> cap(surface.rest.size());
-  for (const Int3 t : surface.triangles)
-    for (int axis = 0; axis < 3; axis++)
-      for (const Real end : {Real(0), far[axis]}) {
-        bool flat = true;
-        for (int n = 0; n < 3; n++)
-          flat = flat && std::abs(surface.rest[std::size_t(t[n])][axis] - end) < Real(1e-6);
-        for (int n = 0; flat && n < 3; n++) cap[std::size_t(t[n])] = 1;
-      }
-  return cap;
+/// How far from a node of body towards one of air the skin is, as their densities tell.
+double skin_fraction(const lattice::Model& model, std::size_t body, std::size_t air) {
+  const double threshold = model.params.tissue.air_max, a = model.hu[body], b = model.hu[air];
+  return a > threshold && b < threshold ? std::clamp((a - threshold) / (a - b), 0.05, 0.95) : 0.5;
 }
 
-/// A node holds at most one place of the skin and one of the walls of cuts: the means of what it carries of
-/// them; caps count where it carries nothing else.
-std::vector<LatticePlace> places_of(const lattice::Model& model, const lattice::BodySurface& surface) {
-  std::vector<std::uint8_t> wall(surface.rest.size());
-  for (auto t = std::size_t(surface.skin_triangles); t < surface.triangles.size(); t++)
-    for (int corner = 0; corner < 3; corner++) wall[std::size_t(surface.triangles[t][corner])] = 1;
-  const std::vector<std::uint8_t> cap = cap_vertices(model, surface);
-  std::vector<int> order(surface.rest.size());
-  for (std::size_t v = 0; v < order.size(); v++) order[v] = int(v);
-  const auto key = [&](int v) { return 2 * long(surface.slot[std::size_t(v)]) + wall[std::size_t(v)]; };
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
-  std::vector<LatticePlace> places;
-  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    Vec3d sums[2];
-    int counts[2] = {0, 0};
-    for (; end < order.size() && key(order[end]) == key(order[begin]); end++) {
-      const auto v = std::size_t(order[end]);
-      sums[cap[v]] += Vec3d(surface.rest[v]), counts[cap[v]]++;
+/// The place of a node in the skin: the mean of where its edges to air leave the body. Where the scan ends,
+/// the node itself. None inside.
+std::optional<Vec3d> skin_place(const lattice::Model& model, Int3 node) {
+  const Lattice& l = model.lattice;
+  const auto slot = std::size_t(node_slot(l, node));
+  const Vec3d rest(rest_position(l, node));
+  Vec3d sum;
+  int count = 0;
+  bool ends = false;
+  for (int n = 0; n < lattice::kNeighbourCount; n++) {
+    const Int3 other = node + lattice::neighbour_offset(n);
+    if (!contains(l, other)) {
+      ends = true;
+      continue;
     }
-    const std::size_t kind = counts[0] > 0 ? 0 : 1;
-    const auto first = std::size_t(order[begin]);
-    if (model.inverse_mass[std::size_t(surface.slot[first])] > 0)
-      places.push_back({surface.slot[first], sums[kind] / double(counts[kind]), wall[first] != 0});
+    const auto there = std::size_t(node_slot(l, other));
+    if (is_body(model.tissue[there])) continue;
+    sum += (Vec3d(rest_position(l, other)) - rest) * skin_fraction(model, slot, there), count++;
   }
+  if (count > 0) return rest + sum / double(count);
+  return ends ? std::optional(rest) : std::nullopt;
+}
+
+/// One for every node that has skin and can move.
+void add_skin_places(const lattice::Model& model, const lattice::State& state,
+                     std::vector<LatticePlace>& places) {
+  const Int3 size = model.lattice.size;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const int slot = node_slot(model.lattice, i, j, k);
+        if (!(model.inverse_mass[std::size_t(slot)] > 0) || state.removed[std::size_t(slot)]) continue;
+        if (const std::optional<Vec3d> place = skin_place(model, {i, j, k}))
+          places.push_back({slot, *place, false});
+      }
+}
+
+/// One for every node that carries walls of cuts: the mean of what it carries of them.
+void add_wall_places(const lattice::Model& model, const lattice::BodySurface& surface,
+                     std::vector<LatticePlace>& places) {
+  std::vector<int> walls;
+  for (auto t = std::size_t(surface.skin_triangles); t < surface.triangles.size(); t++)
+    for (int corner = 0; corner < 3; corner++) walls.push_back(surface.triangles[t][corner]);
+  std::sort(walls.begin(), walls.end());
+  walls.erase(std::unique(walls.begin(), walls.end()), walls.end());
+  const auto slot = [&](int v) { return surface.slot[std::size_t(v)]; };
+  std::stable_sort(walls.begin(), walls.end(), [&](int a, int b) { return slot(a) < slot(b); });
+  for (std::size_t begin = 0, end = 0; begin < walls.size(); begin = end) {
+    Vec3d sum;
+    for (; end < walls.size() && slot(walls[end]) == slot(walls[begin]); end++)
+      sum += Vec3d(surface.rest[std::size_t(walls[end])]);
+    if (model.inverse_mass[std::size_t(slot(walls[begin]))] > 0)
+      places.push_back({slot(walls[begin]), sum / double(end - begin), true});
+  }
+}
+
+/// A node holds at most one place of the skin and one of the walls of cuts. Those of the skin are the
+/// lattice's own: what is drawn of it is finer, and carried by the outermost nodes alone.
+std::vector<LatticePlace> places_of(const lattice::Model& model, const lattice::State& state,
+                                    const lattice::BodySurface& surface) {
+  std::vector<LatticePlace> places;
+  add_skin_places(model, state, places);
+  add_wall_places(model, surface, places);
+  std::stable_sort(places.begin(), places.end(), [](const LatticePlace& a, const LatticePlace& b) {
+    return std::pair(a.slot, a.wall) < std::pair(b.slot, b.wall);
+  });
   return places;
 }
 
@@ -149,16 +184,17 @@ void read_forces(const lattice::Model& model, const lattice::State& state, std::
 
 }  // namespace
 
-LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::BodySurface& surface,
-                                std::span<const ToolPose> poses) {
+LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::State& state,
+                                const lattice::BodySurface& surface, std::span<const ToolPose> poses) {
   LatticeTouch touch;
-  touch.places = places_of(model, surface);
+  touch.places = places_of(model, state, surface);
   for (const ToolPose& pose : poses) touch.poses.push_back(in_lattice(model.grid, pose));
   return touch;
 }
 
-void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattice::BodySurface& surface) {
-  const std::vector<LatticePlace> before = std::exchange(touch.places, places_of(model, surface));
+void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattice::State& state,
+                  const lattice::BodySurface& surface) {
+  const std::vector<LatticePlace> before = std::exchange(touch.places, places_of(model, state, surface));
   const auto key = [](const LatticePlace& p) { return std::pair(p.slot, p.wall); };
   std::erase_if(touch.contacts, [&](LatticeContact& contact) {
     const LatticePlace& was = before[std::size_t(contact.place)];

@@ -36,10 +36,11 @@ struct LatticeTouch {
 };
 
 /// Tools at their first poses [patient frame].
-LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::BodySurface& surface,
-                                std::span<const ToolPose> poses);
+LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::State& state,
+                                const lattice::BodySurface& surface, std::span<const ToolPose> poses);
 /// The surface was built anew: there are new cuts. What tools hold, they still hold.
-void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattice::BodySurface& surface);
+void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattice::State& state,
+                  const lattice::BodySurface& surface);
 
 /// A step of the body in which the tools go to `poses` [patient frame]; `inputs` without contacts. The
 /// model's solver must be descent. Forces: one a tool; its area stays 0.

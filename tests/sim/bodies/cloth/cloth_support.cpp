@@ -235,7 +235,8 @@ TEST(cloth_support, a_lattice_bears_the_sheets_weight_and_sinks_by_pressure_time
   const double column = pressure * middle_of(world.lattice_bodies[0]).height / 5e3;
   EXPECT_GT(late_least, 0.95 * column / 1.2) << "m, of " << column;
   EXPECT_LT(late_most, 1.05 * column) << "m";
-  EXPECT_LT(late_most - late_least, 1e-3 * column) << "m, in the last 100 of 1000 frames";
+  EXPECT_LT(late_most - late_least, 1e-2 * column) << "m, in the last 100 of 1000 frames; a few micrometres, "
+                                                      "as the sheet finds its way over the CT's fine skin";
   EXPECT_LT(most, 2 * column) << "m";
 }
 

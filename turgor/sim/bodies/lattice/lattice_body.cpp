@@ -180,7 +180,7 @@ void keep_surface(LatticeBody& body) {
   const bool made = !body.rest.empty();
   if (made && cut_version(body.state) == body.surface_cuts) return;
   make_surface(body);
-  if (made && !body.tools.empty()) contact::take_surface(body.touch, body.model, body.surface);
+  if (made && !body.tools.empty()) contact::take_surface(body.touch, body.model, body.state, body.surface);
 }
 
 Status begin_body(const Exec&, LatticeBody& body, const LatticeScene&, const World& world) {
@@ -190,7 +190,7 @@ Status begin_body(const Exec&, LatticeBody& body, const LatticeScene&, const Wor
   body.poses.resize(body.tools.size());
   body.forces.resize(body.tools.size());
   set_poses(body, tools, 0);
-  body.touch = contact::make_lattice_touch(body.model, body.surface, body.poses);
+  body.touch = contact::make_lattice_touch(body.model, body.state, body.surface, body.poses);
   return Done{};
 }
 
