@@ -69,10 +69,12 @@ void add_steps(const Exec& exec, TissueLaw law, double bound, bool quick, std::v
   const std::size_t last = steps.size() - 1;
   const double limit =
       gapes[last] + steps[last] * (gapes[last] - gapes[last - 1]) / (steps[last - 1] - steps[last]);
-  for (std::size_t s = 0; s < steps.size(); s++)
+  for (std::size_t s = 0; s < steps.size(); s++) {
     figures.push_back(near_figure(fmt::format("a wound in {}, step {:.1f} mm", name_of(law), 1e3 * steps[s]),
                                   fmt::format("the limit of its gape, {:.2f} mm", 1e3 * limit), gapes[s],
                                   limit, bound * std::max(1.0, steps[s] / 0.004)));
+    figures.back().known_limit = true;  // lips beyond the outermost nodes: docs/validation.md
+  }
 }
 
 void add_rates(const Exec& exec, TissueLaw law, bool quick, std::vector<Figure>& figures) {
