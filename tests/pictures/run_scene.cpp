@@ -29,7 +29,7 @@ Json physics(Json report) {
       for (const auto& [key, value] : one.items())
         if (is_time(key) || key.find("p50") != key.npos || key.find("p99") != key.npos ||
             key == "tick_max_us" || key == "patch" || key == "green" || key == "snapshots" ||
-            (list == std::string("bodies") && key == "series"))
+            key == "largest_residual_relative" || (list == std::string("bodies") && key == "series"))
           wall.push_back(key);
       for (const std::string& key : wall) one.erase(key);
     }
