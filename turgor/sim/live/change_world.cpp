@@ -57,8 +57,8 @@ void change_body(const Exec&, const ClothScene& scene, ClothBody& body) {
 }
 
 /// What haptic threads tick stays as it was made.
-void change_body(const Exec&, const SfemScene&, SfemBody&) {}
-void change_body(const Exec&, const RhombusScene&, RhombusBody&) {}
+template <class BodyScene, class Body>
+void change_body(const Exec&, const BodyScene&, Body&) {}
 
 }  // namespace
 
