@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -39,6 +40,15 @@ inline CLI::Validator number_within(double low, double high, const std::string& 
         return expected.str();
       },
       unit);
+}
+
+/// The option --set of a command that reads a scene; `overrides` outlives the program's parsing.
+inline void add_set_option(CLI::App& command, std::vector<std::string>& overrides) {
+  command
+      .add_option("--set", overrides,
+                  "key=value: overrides a key of the scene, key= removes it; may be repeated")
+      ->type_size(1)
+      ->allow_extra_args(false);
 }
 
 // `global` outlives the program's parsing; callbacks read it.
