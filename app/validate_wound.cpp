@@ -3,10 +3,10 @@
 #include "app/validate_wound.hpp"
 
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
+#include "app/hayes.hpp"
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/models/lattice/block_body.hpp"
 #include "turgor/models/lattice/incision.hpp"
@@ -108,73 +108,10 @@ void add_motion(const Exec& exec, std::vector<Figure>& figures) {
 
 // ---------------------------------------------------------------- a ball on a layer
 
-/// A frictionless ball on an elastic layer that is bonded to something rigid, by the integral equation of
-/// Lebedev and Ufliand (1958) that Hayes et al. (1972) tabulate: lengths in layer thicknesses.
-class Layer {
- public:
-  Layer(double poisson, double radius) : radius_(radius) {
-    const double k = 3 - 4 * poisson;
-    for (int n = 0; n < kWaves; n++) {
-      const double e = (n + 0.5) * kWave;
-      const double fade = std::exp(-2 * e);  // cosh 2e = (1 + fade²)/(2 fade)
-      rest_[n] = 1 - (k * (1 - fade * fade) - 4 * e * fade) /
-                         (k * (1 + fade * fade) + (4 * e * e + 1 + k * k) * fade);
-    }
-  }
-
-  struct Press {
-    double depth, force;  // force over 4 G/(1 − ν)
-  };
-  /// That touches a circle of radius a.
-  Press touch(double a) const {
-    // φ = depth · one − parabola, and both solve the same equation; where the ball lifts off, φ is zero.
-    const auto one = solve(a, [](double) { return 1.0; });
-    const auto parabola = solve(a, [&](double t) { return a * a * t * t / radius_; });
-    const double depth = parabola.back() / one.back();
-    double force = 0;
-    for (int n = 0; n < kPoints; n++)
-      force += a / kPoints * (depth * one[std::size_t(n)] - parabola[std::size_t(n)]);
-    return {depth, force};
-  }
-
- private:
-  static constexpr int kPoints = 60, kWaves = 400;
-  static constexpr double kWave = 0.05;
-  double radius_;
-  double rest_[kWaves];
-
-  /// φ(t) − 2a/π ∫₀¹ φ(s) ∫₀^∞ (1 − G(e)) cos(a e t) cos(a e s) de ds = f(t), at the middles of kPoints
-  /// intervals and at t = 1, by repeating.
-  template <class F>
-  std::vector<double> solve(double a, const F& f) const {
-    std::vector<double> phi(kPoints + 1, 0), t(kPoints + 1, 1);
-    for (int n = 0; n < kPoints; n++) t[std::size_t(n)] = (n + 0.5) / kPoints;
-    for (int turn = 0; turn < 200; turn++) {
-      std::vector<double> next(t.size());
-      for (std::size_t n = 0; n < t.size(); n++) next[n] = f(t[n]);
-      for (int w = 0; w < kWaves; w++) {
-        const double e = (w + 0.5) * kWave;
-        double along = 0;
-        for (int n = 0; n < kPoints; n++)
-          along += phi[std::size_t(n)] * std::cos(a * e * t[std::size_t(n)]) / kPoints;
-        for (std::size_t n = 0; n < t.size(); n++)
-          next[n] += 2 * a / std::numbers::pi * kWave * rest_[w] * along * std::cos(a * e * t[n]);
-      }
-      phi = std::move(next);
-    }
-    return phi;
-  }
-};
-
 /// Force of a ball on a layer of `layers` cells, of the formula's.
 double press_layer(const Exec& exec, double poisson, int layers, double step, double circle) {
   constexpr double kRadius = 0.04;
-  const double thickness = layers * step;
-  const Layer layer(poisson, kRadius / thickness);
-  const Layer::Press expected = layer.touch(circle / thickness);
-  const double shear = kYoung / (2 * (1 + poisson));
-  const double depth = expected.depth * thickness,
-               wanted = 4 * shear / (1 - poisson) * expected.force * thickness * thickness;
+  const auto [depth, wanted] = hayes_sphere({layers * step, {kYoung, poisson}}, kRadius, circle);
 
   const int side = 2 * (int(std::lround(circle / step)) + 3 * layers) + 1;
   Params params;
