@@ -390,7 +390,7 @@ TEST(Ct, CorruptNiftiHeadersAreRefusedBeforeMemoryIsTaken) {
   refused("bits", [](Nifti& f) { f.put<std::int16_t>(72, 8); });
   refused("byte", [](Nifti& f) { f.put<float>(108, 1e30f); });
   refused("two-file", [](Nifti& f) { std::memcpy(f.bytes.data() + 344, "ni1", 4); });
-  refused("NIfTI-2", [](Nifti& f) { f.put<std::int32_t>(0, 540); });
+  refused("NIfTI header has 544", [](Nifti& f) { f.put<std::int32_t>(0, 540); });
 }
 
 TEST(Ct, ShearedAxesAreRefused) {
