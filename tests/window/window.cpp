@@ -9,6 +9,7 @@
 
 #include "sim/four_kinds.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/view/video.hpp"
 #include "view/shapes.hpp"
 #include "window/screen.hpp"
 
@@ -212,6 +213,11 @@ TEST_F(WindowTest, space_pauses_dots_step_and_minus_slows) {
   EXPECT_TRUE(draw_until([&](const SessionNow& n) { return n.shown.frame == frame + 1; }));
   type("minus");
   EXPECT_TRUE(draw_until([&](const SessionNow& n) { return n.plays && n.pace == 0.5; }));
+  test::hand("keydown space");
+  draw_for(1.5);
+  test::hand("keyup space");
+  draw_for(0.1);
+  EXPECT_FALSE(now().plays) << "once, however long it is held";
 }
 
 TEST_F(WindowTest, beside_the_body_the_mouse_moves_the_camera_and_the_wheel_comes_nearer) {
@@ -286,22 +292,73 @@ TEST_F(WindowTest, a_scene_with_a_mistake_keeps_the_window_open_and_is_read_agai
   EXPECT_TRUE(wait_for_world());
 }
 
+/// A sheet of two metres that hangs around a place.
+fs::path sheet_around(const fs::path& folder, Vec3d place) {
+  std::ofstream(folder / "sheet.toml") << fmt::format(R"([world]
+duration = 1
+[body.sheet]
+model = "cloth"
+sheet = {{ corner = [{}, {}, {}], side = [2, 0, 0], up = [0, 2, 2], columns = 8, rows = 8 }}
+)",
+                                                      place.x - 1, place.y - 1, place.z - 1);
+  return folder / "sheet.toml";
+}
+
 TEST_F(WindowTest, another_file_is_opened_and_looked_at_as_a_whole) {
-  open(liver(folder_));
+  for (const bool around : {false, true}) {
+    open(liver(folder_));
+    ASSERT_TRUE(wait_for_world());
+    const Box before = box_of(now().shown);
+    open_file(window_->viewer(),  // what a drop on the window calls
+              around ? sheet_around(folder_, (before.low + before.high) * 0.5) : block(folder_));
+    ASSERT_TRUE(draw_until([&](const SessionNow& n) {
+      return n.phase == SessionNow::Phase::kReady && !n.shown.bodies.empty() &&
+             n.shown.bodies[0].name != "liver";
+    }));
+    draw_for(0.1);
+    const Box box = box_of(now().shown);
+    for (int i = 0; i < 8; i++) {
+      const auto seen = seen_at(window_->viewer().camera, corner(box, i), double(kWidth) / kHeight);
+      ASSERT_TRUE(seen) << "around " << around;
+      EXPECT_LE(std::max(std::abs(seen->x), std::abs(seen->y)), 1.01) << "around " << around;
+    }
+    window_.reset();
+  }
+}
+
+TEST_F(WindowTest, colours_that_the_next_scene_does_not_know_are_left_behind) {
+  const fs::path pad = folder_ / "pad.toml";
+  std::ofstream(pad) << R"([world]
+duration = 1
+[body.pad]
+model = "sfem"
+block = { size = [0.06, 0.06, 0.03], count = [6, 6, 3] }
+fixed = "bottom"
+cache = false
+)";
+  open(pad);
   ASSERT_TRUE(wait_for_world());
-  const int before = now().world;
-  open_file(window_->viewer(), block(folder_));  // what a drop on the window calls
-  ASSERT_TRUE(draw_until([&](const SessionNow& n) {
-    return n.world > before && n.phase == SessionNow::Phase::kReady && !n.shown.bodies.empty();
+  window_->viewer().display.color = SkinColor::kPressure;
+  draw_for(0.1);
+  EXPECT_EQ(window_->viewer().display.color, SkinColor::kPressure);
+  open_file(window_->viewer(), liver(folder_));
+  ASSERT_TRUE(draw_until([](const SessionNow& n) {
+    return n.phase == SessionNow::Phase::kReady && n.shown.bodies.size() == 1 &&
+           n.shown.bodies[0].name == "liver";
   }));
   draw_for(0.1);
-  EXPECT_EQ(now().shown.bodies[0].name, "block");
-  const Box box = box_of(now().shown);
-  for (int i = 0; i < 8; i++) {
-    const auto seen = seen_at(window_->viewer().camera, corner(box, i), double(kWidth) / kHeight);
-    ASSERT_TRUE(seen);
-    EXPECT_LE(std::max(std::abs(seen->x), std::abs(seen->y)), 1.01);
-  }
+  EXPECT_EQ(window_->viewer().display.color, SkinColor::kNone);
+}
+
+TEST_F(WindowTest, a_window_that_is_closed_ends_its_video_and_leaves_no_single_pictures) {
+  open(liver(folder_));
+  ASSERT_TRUE(wait_for_world());
+  type("v");
+  draw_for(0.5);
+  EXPECT_TRUE(fs::exists(folder_ / "out" / ".film-1"));
+  window_.reset();
+  EXPECT_FALSE(fs::exists(folder_ / "out" / ".film-1"));
+  EXPECT_EQ(fs::exists(folder_ / "out" / "liver-1.mp4"), has_ffmpeg());
 }
 
 TEST_F(WindowTest, it_may_be_resized_while_a_body_is_pressed_and_escape_closes_it) {

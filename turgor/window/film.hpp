@@ -23,6 +23,7 @@ struct Film {
 std::string save_picture(const Image& image, const std::filesystem::path& out, const std::string& name);
 /// Adds the picture when it is time for the next.
 std::string add_to_film(const Image& image, const std::filesystem::path& out, Film& film);
+/// Where no video can be made, the pictures stay, in a folder that is named.
 std::string end_film(const std::filesystem::path& out, const std::string& name, Film& film);
 /// Is it time for the next?
 bool is_due(const Film& film);

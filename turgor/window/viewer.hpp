@@ -56,7 +56,8 @@ struct Viewer {
   const SessionNow* now = nullptr;  // the newest; set once a picture
   double aspect = 4.0 / 3;
   Camera camera;
-  int framed = 0;  // the world that the camera was set for
+  int framed = 0;                     // the world that was met last
+  std::filesystem::path framed_file;  // and its scene, which the camera was set for
   MouseMode mode = MouseMode::kTouch;
   Display display;
   Panels panels;
@@ -66,8 +67,7 @@ struct Viewer {
   std::optional<Touching> touching;
   std::optional<Vec3d> touched;  // where the last touch or cut was, to look at
   std::optional<Drawn> cut, wind;
-  std::optional<int> camera_button;     // that moves the camera while it is held: 0 turns, 1 shifts
-  std::vector<lattice::Incision> cuts;  // that were made, with `name` of their body
+  std::optional<int> camera_button;  // that moves the camera while it is held: 0 turns, 1 shifts
   ParameterList parameters;
   std::string message;  // the last that happened
   bool wants_picture = false, wants_video = false, ends = false;
@@ -86,7 +86,7 @@ void open_file(Viewer& viewer, const std::filesystem::path& file);
 /// Once a picture: takes what the session shows, and leads the tool.
 void look(Viewer& viewer);
 
-/// A new world: the camera looks at all of it, and what was touched is no more.
+/// A new world: what was touched is no more, and the camera looks at all of it where it is another scene's.
 void meet_world(Viewer& viewer);
 
 /// Around all that is shown [m].

@@ -138,7 +138,7 @@ std::string save_scene(const Viewer& viewer) {
   const Scene& scene = *viewer.now->scene;
   Result<std::string> text = with_values(scene.text, scene.file, scene.overrides);
   if (!text) return text.error().message;
-  *text += incisions_text(scene, viewer.cuts);
+  *text += incisions_text(scene, viewer.now->cuts);
   std::filesystem::path path;
   for (int n = 1; path.empty() || std::filesystem::exists(path); n++)
     path = scene.file.parent_path() / fmt::format("{}-{}.toml", scene.file.stem().string(), n);

@@ -97,6 +97,7 @@ struct SceneWindow::Parts {
 
 SceneWindow::Parts::~Parts() {
   session.reset();  // ends its threads
+  if (!film.frames.empty()) (void)end_film(options.out, options.scene.stem().string(), film);
   if (window) glfwMakeContextCurrent(window);
   picture.reset(), volume.reset(), sections.reset();
   if (has_imgui) ImGui_ImplOpenGL3_Shutdown(), ImGui_ImplGlfw_Shutdown(), ImGui::DestroyContext();
@@ -166,7 +167,8 @@ void SceneWindow::Parts::listen() {
   });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
     Parts& p = parts_of(w);
-    if (action == GLFW_RELEASE) return;
+    const bool again = action == GLFW_REPEAT && key == GLFW_KEY_PERIOD;  // held, frame after frame
+    if (action != GLFW_PRESS && !again) return;
     p.events.push_back([&p, key, mods] {
       if (!ImGui::GetIO().WantTextInput) press_key(*p.viewer, key, mods & GLFW_MOD_SHIFT);
     });

@@ -130,6 +130,8 @@ TEST(Session, a_cut_that_is_asked_for_opens_a_wound_and_a_reset_closes_it) {
                                .duration = 0.1},
                      .body = 0});
   EXPECT_TRUE(wait_until(session, [&](const SessionNow& now) { return walls(now) > 50; }));
+  ASSERT_EQ(session.now().cuts.size(), 1u);
+  EXPECT_EQ(session.now().cuts[0].name, "block") << "the body's";
   session.ask(AskReset{});
   EXPECT_TRUE(wait_until(session, [&](const SessionNow& now) {
     return now.phase == Phase::kReady && now.world > world && walls(now) == 0 && now.shown.frame < 20;
@@ -143,6 +145,7 @@ TEST(Session, a_cut_beside_the_body_is_answered_by_a_sentence_and_the_world_goes
       AskCut{.blade = {.name = "cut", .from = {1, 1, 1}, .to = {1, 1, 1.1}, .depth = 0.01}, .body = 0});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.error.empty(); }));
   EXPECT_NE(session.now().error.find("no cut"), std::string::npos);
+  EXPECT_TRUE(session.now().cuts.empty()) << "nothing to save";
   const int frame = session.now().shown.frame;
   EXPECT_TRUE(wait_until(session, [frame](const SessionNow& now) { return now.shown.frame > frame + 3; }));
 }
@@ -212,6 +215,41 @@ TEST(Session, a_scene_with_a_mistake_is_told_and_another_can_be_opened_after_it)
   session.ask(AskReset{});  // again the same mistake, not a crash
   session.ask(AskOpen{.file = four_kinds_file(), .overrides = {}});
   EXPECT_TRUE(wait_for_world(session)) << session.now().error;
+}
+
+TEST(Session, a_file_that_was_mended_is_read_again_where_another_scene_was_before_it) {
+  Session session(four_kinds_file(), {}, kParams);
+  ASSERT_TRUE(wait_for_world(session)) << session.now().error;
+  const fs::path bad = written(fresh_folder(), "bad.toml", "[world]\nduration = -1\n");
+  session.ask(AskOpen{.file = bad, .overrides = {}});
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.phase == Phase::kFailed; }));
+  EXPECT_EQ(session.now().scene, nullptr) << "the scene before is none of this file";
+  fs::copy_file(four_kinds_file(), bad, fs::copy_options::overwrite_existing);
+  session.ask(AskReset{});
+  EXPECT_TRUE(
+      wait_until(session, [&](const SessionNow& now) { return now.scene && now.scene->file == bad; }));
+}
+
+TEST(Session, a_step_whose_numbers_are_not_finite_is_told_when_it_was_asked_for_alone) {
+  const fs::path file = written(fresh_folder(), "stiff.toml", R"([world]
+duration = 0.5
+frame_rate = 20
+[body.flag]
+model = "cloth"
+sheet = { corner = [0, 0, 1], side = [1.5, 0, 0], up = [0, 0, 1], columns = 10, rows = 8 }
+fabric = { density = 0.12, warp = 1e30, weft = 800, shear = 150, bend = 2 }
+wind = { velocity = [100, 0, 0] }
+)");
+  Session session(file, {}, kParams);
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.error.empty() && !now.plays; }));
+  const auto is_told = [](const SessionNow& now) {
+    return now.error.find("not finite") != std::string::npos;
+  };
+  EXPECT_TRUE(is_told(session.now())) << session.now().error;
+  session.ask(AskChange{"body.flag.wind.velocity", "[100, 0, 0]"});
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.error.empty(); }));
+  session.ask(AskStep{});
+  EXPECT_TRUE(wait_until(session, is_told));
 }
 
 TEST(Session, one_who_looks_away_for_a_second_costs_neither_ticks_nor_frames) {

@@ -318,6 +318,7 @@ int cut_region(const Model& model, State& state, const BladePath& path) {
               cut_edge(model, state, node_slot(l, lower), f);
       }
   state.removed_nodes += count;
+  state.sleep.still.clear();  // everybody is awake
   if (count > 0) cut_skin(model, state);
   if (count > 0) part_cells(model, state);
   return count;

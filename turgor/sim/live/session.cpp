@@ -20,6 +20,24 @@ namespace {
 /// A mean over some tens of samples.
 void average(double& mean, double sample) { mean += (mean > 0 ? 0.1 : 1.0) * (sample - mean); }
 
+/// Those behind the scene's own.
+std::vector<lattice::Incision> cuts_by_hand(const Scene& scene, const World& world) {
+  std::vector<lattice::Incision> cuts;
+  for (std::size_t c = scene.incisions.size(); c < world.cuts.size(); c++) {
+    cuts.push_back(world.cuts[c].blade);
+    cuts.back().name = world.lattice_bodies[std::size_t(world.cuts[c].body)].name;
+  }
+  return cuts;
+}
+
+/// What a person is told of a step that was undone.
+std::string not_finite(const World& world) {
+  return fmt::format(
+      "the numbers of the next step were not finite; the world stands still as it was "
+      "at {:.3f} s (a smaller skin tension or a higher frame rate may help)",
+      (world.frame - 1) * world.dt);
+}
+
 }  // namespace
 
 /// What the session's thread owns.
@@ -88,7 +106,10 @@ void Session::Thread::unload() {
 void Session::Thread::load() {
   unload();
   const SessionNow before = std::move(next);
-  next = {.world = before.world + 1, .scene = before.scene, .pace = before.pace, .plays = before.plays};
+  next = {.world = before.world + 1,
+          .scene = scene ? before.scene : nullptr,
+          .pace = before.pace,
+          .plays = before.plays};
   next.doing = "loading " + file.file.filename().string();
   publish();
   if (const Status status = try_load(); !status) {
@@ -138,11 +159,7 @@ void Session::Thread::frame() {
   const Result<FrameReport> report = step(exec, *world);
   average(next.frame_seconds, timer.seconds());
   if (!report) return stand_still(report.error().message);
-  if (!report->finite)
-    return stand_still(
-        fmt::format("the numbers of the next step were not finite; the world stands still as it was "
-                    "at {:.3f} s (a smaller skin tension or a higher frame rate may help)",
-                    time_of(*world)));
+  if (!report->finite) return stand_still(not_finite(*world));
   take_felt();
   const double late = wait_for_clock();
   constexpr double kForgotten = 0.25;  // what cannot be made up for [s]
@@ -184,6 +201,7 @@ void Session::Thread::take_felt() {
 /// All of it where the reader finds it; what is shown is made there, in memory of before.
 void Session::Thread::publish() {
   if (touch) next.haptics = touch->timing();
+  if (world) next.cuts = cuts_by_hand(*scene, *world);
   next.frames = touch ? touch->frames() : clock ? clock->timing() : FrameTiming();
   SessionNow& out = session.now_.writing();
   ShownWorld shown = out.world == next.world ? std::move(out.shown) : ShownWorld();
@@ -210,6 +228,7 @@ void Session::Thread::answer(const AskStep&) {
   const Result<FrameReport> report = step(exec, *world);
   next.error = report ? "" : report.error().message;
   take_felt();
+  if (report && !report->finite) next.error = not_finite(*world);
 }
 
 void Session::Thread::answer(const AskReset&) { load(); }

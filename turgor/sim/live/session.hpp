@@ -48,9 +48,10 @@ struct SessionNow {
   std::string doing;                   // while loading
   double done = 0;                     // of that, 0 … 1
   std::string error;                   // why there is no world, or why it stands still
-  std::shared_ptr<const Scene> scene;  // as it was loaded; null: none was yet
+  std::shared_ptr<const Scene> scene;  // as it was loaded; null: it could not be read
   ShownWorld shown;
   std::vector<MouseTool> mouse;
+  std::vector<lattice::Incision> cuts;       // that were asked for and made; `name` is that of their body
   std::vector<std::vector<FeltPoint>> felt;  // of every tool, the newest last, at most kMostFelt
   double pace = 1;                           // that is wished: seconds a second of the clock
   bool plays = true;

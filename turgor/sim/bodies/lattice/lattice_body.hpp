@@ -7,6 +7,7 @@
 
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/geometry/volume.hpp"
+#include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/surface.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
@@ -24,6 +25,7 @@ struct World;
 struct LatticeBody : TouchedBody {
   CtVolume ct;
   std::uint64_t ct_hash = 0;  // of the CT's samples and grid
+  DicomOrigin ct_origin;      // of a DICOM series
   lattice::Model model;
   lattice::State state;
   Box box;  // around its nodes in the CT, along the patient's axes [m]
