@@ -8,8 +8,6 @@
 
 namespace turgor {
 
-namespace {
-
 namespace fs = std::filesystem;
 
 fs::path free_name(const fs::path& out, const std::string& name, const char* ending) {
@@ -17,8 +15,6 @@ fs::path free_name(const fs::path& out, const std::string& name, const char* end
   for (int n = 1; path.empty() || fs::exists(path); n++) path = out / fmt::format("{}-{}{}", name, n, ending);
   return path;
 }
-
-}  // namespace
 
 bool is_due(const Film& film) {
   const auto passed = std::chrono::steady_clock::now() - film.latest;

@@ -19,6 +19,10 @@ struct Film {
   std::chrono::steady_clock::time_point latest;
 };
 
+/// NAME-1, NAME-2 … with an ending: the first that is not there.
+std::filesystem::path free_name(const std::filesystem::path& out, const std::string& name,
+                                const char* ending);
+
 /// All answer a sentence.
 std::string save_picture(const Image& image, const std::filesystem::path& out, const std::string& name);
 /// Adds the picture when it is time for the next.

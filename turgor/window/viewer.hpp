@@ -24,6 +24,7 @@ struct Display {
   SkinColor color = SkinColor::kNone;
   MeshStyle style = MeshStyle::kSurface;
   bool volume = false;                              // the deformed CT instead of surfaces
+  bool patch = false;                               // edges of the superposed patch over the surface
   std::string preset = "skin", window = "abdomen";  // of the CT's pictures
 };
 
@@ -70,7 +71,8 @@ struct Viewer {
   std::optional<int> camera_button;  // that moves the camera while it is held: 0 turns, 1 shifts
   ParameterList parameters;
   std::string message;  // the last that happened
-  bool wants_picture = false, wants_video = false, ends = false;
+  bool wants_picture = false, wants_video = false, wants_felt = false, ends = false;
+  std::string saved;                               // SessionNow::saved, as it was told last
   double drawn_per_second = 0;                     // of pictures [1/s]
   std::chrono::steady_clock::time_point asked_ct;  // latest
 };

@@ -206,6 +206,7 @@ void look(Viewer& viewer) {
   const SessionNow& now = viewer.session.now();
   const bool ready = now.phase == SessionNow::Phase::kReady;
   viewer.now = &now;
+  if (!now.saved.empty() && now.saved != viewer.saved) viewer.message = viewer.saved = now.saved;
   if (!ready || now.shown.bodies.empty()) {
     viewer.touching.reset(), viewer.cut.reset(), viewer.wind.reset();
     return;

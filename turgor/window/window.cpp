@@ -90,6 +90,7 @@ struct SceneWindow::Parts {
   void draw_picture();
   void draw_panels();
   void save_pictures();
+  void save_felt();
   void keep_rate();
   Seen seen(double x, double y) const;
   Image read() const;
@@ -246,8 +247,17 @@ void SceneWindow::Parts::save_pictures() {
   const std::string name = options.scene.stem().string();
   if (viewer->wants_picture) viewer->message = save_picture(read(), options.out, name);
   viewer->wants_picture = false;
+  if (viewer->wants_felt) save_felt();
   if (viewer->wants_video && is_due(film)) viewer->message = add_to_film(read(), options.out, film);
   if (!viewer->wants_video && !film.frames.empty()) viewer->message = end_film(options.out, name, film);
+}
+
+/// The session does it; its answer is told when it is there.
+void SceneWindow::Parts::save_felt() {
+  std::error_code ignored;
+  std::filesystem::create_directories(options.out, ignored);
+  session->ask(AskSave{free_name(options.out, options.scene.stem().string() + "-felt", ".h5")});
+  viewer->wants_felt = false;
 }
 
 /// No more than a screen shows, where swapping does not wait for one.

@@ -45,8 +45,9 @@ struct Session::Thread {
   Session& session;
   Exec exec;
   AskOpen file;
-  std::shared_ptr<const Scene> scene;
-  std::unique_ptr<World> world;  // stays where it is in memory
+  std::shared_ptr<const Scene> scene, original;  // with what was changed; as the world was made
+  std::vector<FeltAsk> granted;                  // since then
+  std::unique_ptr<World> world;                  // stays where it is in memory
   std::vector<MouseTool> mouse;
   std::unique_ptr<LiveTouch> touch;  // after the world and the devices, which it uses
   std::optional<FrameClock> clock;   // where nothing is felt
@@ -69,11 +70,13 @@ struct Session::Thread {
   void answer(const AskPace& ask);
   void answer(const AskStep&);
   void answer(const AskReset&);
+  void answer(const AskReload&);
   void answer(const AskOpen& ask);
-  void answer(const AskCut& ask);
-  void answer(const AskWind& ask);
   void answer(const AskCt&);
   void answer(const AskChange& ask);
+  void answer(const AskSave& ask);
+  template <class AnyAsk>
+  void answer(const AnyAsk& ask);
 };
 
 void Session::Thread::run() {
@@ -127,7 +130,8 @@ Status Session::Thread::try_load() {
     if (!read) return read.error();
     scene = std::make_shared<const Scene>(std::move(*read));
   }
-  next.scene = scene;
+  next.scene = original = scene;
+  granted.clear();
   const Scene with_tools = with_mouse_tools(*scene);
   const BeginWork begin = [this](const std::string& label, const std::string&) -> Progress {
     next.doing = label, next.done = 0;
@@ -158,6 +162,7 @@ void Session::Thread::frame() {
   const Timer timer;
   const Result<FrameReport> report = step(exec, *world);
   average(next.frame_seconds, timer.seconds());
+  if (touch && report) touch->note_frame();
   if (!report) return stand_still(report.error().message);
   if (!report->finite) return stand_still(not_finite(*world));
   take_felt();
@@ -190,11 +195,11 @@ void Session::Thread::set_pace() {
 
 void Session::Thread::take_felt() {
   if (!touch) return;
-  const std::vector<contact::ToolReading>& felt = touch->felt();
+  const std::vector<FeltNow>& felt = touch->felt();
   for (std::size_t t = 0; t < felt.size(); t++) {
     std::vector<FeltPoint>& points = next.felt[t];
     if (points.size() == SessionNow::kMostFelt) points.erase(points.begin());
-    points.push_back({time_of(*world), norm(felt[t].force), felt[t].depth});
+    points.push_back({time_of(*world), norm(felt[t].reading.force), felt[t].reading.depth, felt[t].work});
   }
 }
 
@@ -226,6 +231,7 @@ void Session::Thread::answer(const AskStep&) {
   if (touch) touch->allow(world->dt);
   if (touch) std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * world->dt / next.pace));
   const Result<FrameReport> report = step(exec, *world);
+  if (touch && report) touch->note_frame();
   next.error = report ? "" : report.error().message;
   take_felt();
   if (report && !report->finite) next.error = not_finite(*world);
@@ -233,31 +239,16 @@ void Session::Thread::answer(const AskStep&) {
 
 void Session::Thread::answer(const AskReset&) { load(); }
 
-void Session::Thread::answer(const AskOpen& ask) {
-  file = ask, scene.reset();
+/// After a file that could not be read: that file.
+void Session::Thread::answer(const AskReload&) {
+  if (scene) file.overrides = scene->overrides;
+  scene.reset();
   load();
 }
 
-void Session::Thread::answer(const AskCut& ask) {
-  if (!world || std::size_t(ask.body) >= world->lattice_bodies.size()) return;
-  Cut cut{.blade = ask.blade, .body = ask.body, .path = {}, .done = 0, .edges = 0};
-  cut.blade.start = time_of(*world);
-  const LatticeBody& body = world->lattice_bodies[std::size_t(ask.body)];
-  const Result<lattice::BladePath> trial = lattice::lay_blade(body.model, body.state, cut.blade);
-  constexpr std::size_t kMostCuts = 255;  // a cut edge remembers its incision in a byte
-  next.error.clear();
-  if (!trial)
-    next.error = "no cut: " + trial.error().message;
-  else if (world->cuts.size() == kMostCuts)
-    next.error = "no cut: a world holds at most 255";
-  else
-    world->cuts.push_back(std::move(cut));
-}
-
-void Session::Thread::answer(const AskWind& ask) {
-  if (!world || std::size_t(ask.body) >= world->cloth_bodies.size()) return;
-  ClothBody& body = world->cloth_bodies[std::size_t(ask.body)];
-  body.turns.clear(), body.air.velocity = ask.velocity;
+void Session::Thread::answer(const AskOpen& ask) {
+  file = ask, scene.reset();
+  load();
 }
 
 void Session::Thread::answer(const AskCt&) {
@@ -271,25 +262,45 @@ void Session::Thread::answer(const AskCt&) {
   next.ct = std::make_shared<const DeformedCt>(DeformedCt{world->frame, std::move(now.ct)});
 }
 
-void Session::Thread::answer(const AskChange& ask) {
-  if (!scene) return;
-  std::vector<std::string> overrides = scene->overrides;
-  const std::string prefix = ask.key + "=";
-  std::erase_if(overrides, [&prefix](const std::string& one) { return one.starts_with(prefix); });
-  overrides.push_back(prefix + ask.value);
-  Result<Scene> changed = parse_scene(scene->text, scene->file, overrides);
-  next.error = changed ? "" : changed.error().message;
-  if (!changed) return;
-  scene = std::make_shared<const Scene>(std::move(*changed));
+/// A cut, a wind, another value of a key: of a world, or a sentence why not.
+template <class AnyAsk>
+void Session::Thread::answer(const AnyAsk& ask) {
+  if (!world) return;
+  const Status status = grant(exec, ask, scene, *world);
+  next.error = status ? "" : status.error().message;
+  if (!status) return;
+  granted.push_back({world->frame, ask});
   next.scene = scene;
-  if (world) change_world(exec, *scene, *world);
+}
+
+/// Where there is no world, what another will be made of.
+void Session::Thread::answer(const AskChange& ask) {
+  if (world) return answer<AskChange>(ask);
+  if (!scene) return;
+  Result<Scene> changed = with_change(*scene, ask.key, ask.value);
+  next.error = changed ? "" : changed.error().message;
+  if (changed) next.scene = scene = std::make_shared<const Scene>(std::move(*changed));
+}
+
+void Session::Thread::answer(const AskSave& ask) {
+  if (!world) return;
+  Result<FeltRun> run =
+      touch ? touch->felt_run() : FeltRun{.frames = world->frame, .hash = state_hash(*world)};
+  Status status = run ? Status(Done{}) : run.error();
+  if (status) {
+    note_scene(*original, true, *run);
+    run->asks = granted;
+    status = write_felt_run(ask.file, *run);
+  }
+  next.saved = status ? fmt::format("saved {}: turgor replay does it again", ask.file.string())
+                      : status.error().message;
 }
 
 Session::Session(const std::filesystem::path& file, std::vector<std::string> overrides,
                  const SessionParams& params)
     : params_(params) {
   thread_ = std::thread([this, opened = AskOpen{file, std::move(overrides)}] {
-    Thread thread{*this, Exec(params_.threads), opened, {}, {}, {}, {}, {}, {}, {}, 0};
+    Thread thread{*this, Exec(params_.threads), opened, {}, {}, {}, {}, {}, {}, {}, {}, {}, 0};
     thread.run();
   });
 }

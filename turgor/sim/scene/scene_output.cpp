@@ -166,8 +166,9 @@ void read_output(SceneTable output, Scene& scene) {
   }
   output.read("conserve_mass", out.conserve_mass, "divide densities by the local change of volume");
   output.read("meshes", out.meshes,
-              "the surface at every snapshot as `.vtu`, and `meshes.pvd` for ParaView. Vertex i is vertex i "
-              "of the mesh that the scene names; of sfem bodies the array `mesh vertex` says which it is");
+              "the surface at every snapshot as `.vtu`, tools and the forces on them, and `meshes.pvd` for "
+              "ParaView. Vertex i is vertex i of the mesh that the scene names; of sfem bodies the array "
+              "`mesh vertex` says which it is");
   output.read(
       "obj", out.obj,
       "the final surface as OBJ, numbered likewise; of bodies that tools touch, under the largest force");
