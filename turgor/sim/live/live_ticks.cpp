@@ -61,13 +61,14 @@ void tell_felt(LiveTicks& ticks) {
   ticks.felt.publish();
 }
 
-/// The force on the tool against its way, by the mean of both ends.
+/// The force on the tool against its way, by the mean of both ends. Where a mouse puts it elsewhere is no
+/// way.
 void add_work(const contact::ToolCommand& command, const contact::ToolReading& felt, TickedTool& tool) {
   const contact::Pose& now = command.pose;
-  if (tool.seen) {
+  const double longest = haptics::SafetyParams().jump;
+  if (const Vec3d way = now.position - tool.pose.position; tool.seen && norm(way) < longest) {
     const Vec3d turn = haptics::rotation_vector(now.axes * transposed(tool.pose.axes));
-    tool.work -= 0.5 * (dot(felt.force + tool.force, now.position - tool.pose.position) +
-                        dot(felt.torque + tool.torque, turn));
+    tool.work -= 0.5 * (dot(felt.force + tool.force, way) + dot(felt.torque + tool.torque, turn));
   }
   tool.seen = true, tool.pose = now, tool.force = felt.force, tool.torque = felt.torque;
 }
