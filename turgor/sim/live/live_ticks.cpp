@@ -1,6 +1,7 @@
 #include "turgor/sim/live/live_ticks.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include "turgor/haptics/rotation.hpp"
 
@@ -42,12 +43,17 @@ void tick_body(LiveTicks& ticks, const TickedBody& ticked) {
   });
 }
 
+/// One of the ticks that are left; they may become others meanwhile, or end.
+bool take_tick(std::atomic<long>& left) {
+  for (long now = left; now != 0;)
+    if (now < 0 || left.compare_exchange_weak(now, now - 1)) return true;
+  return false;
+}
+
 /// Does the world's time pass in this tick? Begins to count anew where its pace is another.
 bool goes_on(LiveTicks& ticks) {
   const double step = ticks.period * ticks.pace;
-  const long left = ticks.left;
-  if (ticks.rests || left == 0) return false;
-  if (left > 0) ticks.left.fetch_sub(1);
+  if (ticks.rests || !take_tick(ticks.left)) return false;
   if (step != ticks.step) ticks.began = time_of(ticks), ticks.done = 0, ticks.step = step;
   ticks.done++;
   return true;
