@@ -185,7 +185,7 @@ std::uint64_t state_hash(const Model& model, const State& state) {
       for (int parity = 0; parity < 2; parity++)
         hash = hash_of_fields(state, std::size_t(row_slot(l, j, k) + parity * l.half),
                               std::size_t(half_count(l, parity)), hash);
-  hash = hash_values(std::span<const CopyShift>(state.copies), hash);
+  if (!state.copies.empty()) hash = hash_values(std::span<const CopyShift>(state.copies), hash);
   if (can_sleep(model)) hash = hash_values(std::span<const std::uint8_t>(state.sleep.still), hash);
   return hash;
 }
