@@ -136,5 +136,25 @@ TEST(ClothBlocks, a_strip_hangs_as_a_catenary_in_cells_of_any_size) {
   }
 }
 
+TEST(ClothBlocks, what_holds_a_hanging_sheet_takes_its_weight_to_a_thousandth) {
+  for (const Pattern pattern : {Pattern::kDiagonal, Pattern::kRandom})
+    for (const double cell : {0.02, 0.01}) {
+      Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kBlocks, .sweeps = 200}};
+      params.damping.motion = 2;
+      params.collision.self = false;
+      const TriMesh mesh = rectangle(pattern, 0, 0.2, 0.2, cell);
+      const Model model = must_build(mesh, params);
+      State state = make_state(model);
+      const std::vector<int> held = vertices_between(mesh, -1, 1e-6);
+      for (const int v : held) EXPECT_TRUE(hold(model, state, v));
+      for (int n = 0; n < 300; n++) step(Exec(1), model, state, in_vacuum(), kFrame);
+      Vec3d force;
+      for (const int v : held) force += hold_force(model, state, v, {0, 0, -9.81}, {}, kFrame);
+      const double weight = model.total_mass * 9.81;
+      EXPECT_NEAR(force.z / weight, 1, 1e-3) << name(pattern) << ", " << cell << " m";
+      EXPECT_LT(std::hypot(force.x, force.y), 1e-3 * weight) << name(pattern) << ", " << cell << " m";
+    }
+}
+
 }  // namespace
 }  // namespace turgor::cloth

@@ -67,6 +67,22 @@ void add_coupling(const double (&b)[3][3], Vec3d r, Vec3d q, double sign, Block&
   }
 }
 
+/// What the contacts of a vertex with obstacles add to its block on the diagonal.
+void add_bearing(const State& state, std::size_t v, double (&d)[3][3]) {
+  const Contacts& contacts = state.bearing.contacts;
+  if (contacts.begin.empty()) return;
+  for (int m = contacts.begin[v]; m < contacts.begin[v + 1]; m++) {
+    const auto item = std::size_t(contacts.item[std::size_t(m)]);
+    const Contact& c = contacts.list[item / 4];
+    const Answer& a = state.bearing.answer[item / 4];
+    const double square = double(c.weight[item % 4]) * double(c.weight[item % 4]);
+    const Vec3d n(c.normal);
+    for (int p = 0; p < 3; p++)
+      for (int q = 0; q < 3; q++)
+        d[p][q] += square * (double(a.firm - a.grip) * n[p] * n[q] + (p == q ? double(a.grip) : 0));
+  }
+}
+
 }  // namespace
 
 Blocks make_blocks(const Model& model) {
@@ -150,6 +166,7 @@ void BlockSystem::Parts::couple(const Model& model, const State& state, int bloc
     const Vec3d off(system.air[1][i]);
     d[0][1] += off.x, d[1][0] += off.x, d[0][2] += off.y, d[2][0] += off.y, d[1][2] += off.z,
         d[2][1] += off.z;
+    add_bearing(state, i, d);
     double turn[3][3] = {};  // by sides within the block
     const std::size_t batch = i / std::size_t(kLanes), l = i % std::size_t(kLanes);
     for (int s = rows.slot_begin[batch]; s < rows.slot_begin[batch + 1]; s++) {

@@ -19,6 +19,7 @@
 #include "turgor/core/exec.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
+#include "turgor/models/cloth/bearing.hpp"
 #include "turgor/models/cloth/blocks.hpp"
 #include "turgor/models/cloth/contact.hpp"
 #include "turgor/models/cloth/crossing.hpp"
@@ -151,6 +152,7 @@ struct State {
   std::vector<Hold> holds;         // ascending by vertex
   System system;
   Contacts contacts;
+  Bearing bearing;  // of conjugate gradients
   NearPoints near_points;
   Crossing crossing;
   Real largest_speed = 0;  // after the latest step [m/s]

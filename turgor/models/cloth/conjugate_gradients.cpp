@@ -35,7 +35,8 @@ double sum_batches(const Exec& exec, const Model& model, const Visit& visit) {
 
 /// force − W a, of the vertices from i on; 0 for held ones. Differences of neighbours keep what a stiff
 /// matrix with a light mass on its diagonal would round away.
-Lanes3 left_over(const Model& model, const State& state, const Vectors& a, Lanes3 force, std::size_t i) {
+Lanes3 left_over(const Model& model, const State& state, const Vectors& a, Lanes3 force, std::size_t i,
+                 bool with_loads = true) {
   const System& system = state.system;
   const Rows& rows = model.rows;
   const Lanes3 x = load(state.x, i), mine = load(a, i);
@@ -54,15 +55,21 @@ Lanes3 left_over(const Model& model, const State& state, const Vectors& a, Lanes
     for (int s = far.slot_begin[batch]; s < far.slot_begin[batch + 1]; s++)
       bend = bend + (load_neighbours(far, a, s) - mine) *
                         load_lanes(&far.bend[std::size_t(s) * std::size_t(kLanes)]);
+  if (state.bearing.touches(i)) sum = sum + bearing_of(state, a, with_loads, i);
   return (sum + bend * all_lanes(system.square)) * (mass > 0 ? all_lanes(1) : all_lanes(0));
 }
 
-/// |force|² of the free vertices.
+/// The square of a residual at the vertices from i on. Where obstacles bear the sheet it is weighed by what
+/// the diagonal makes of it, so that stiff directions count for as little as they move.
+Lanes square(const State& state, Lanes3 r, std::size_t i) {
+  return dot(r, state.bearing.contacts.list.empty() ? r : inverse_diagonal(state.system, i) * r);
+}
+
+/// The same of the force on the free vertices.
 double square_of_force(const Exec& exec, const Model& model, const State& state) {
   return sum_batches(exec, model, [&](std::size_t i) {
     const Lanes is_free = load_lanes(&state.free_mass[i]) > 0 ? all_lanes(1) : all_lanes(0);
-    const Lanes3 f = load(state.system.force, i) * is_free;
-    return dot(f, f);
+    return square(state, load(state.system.force, i) * is_free, i);
   });
 }
 
@@ -73,8 +80,7 @@ double residual(const Exec& exec, const Model& model, const State& state) {
   TURGOR_ASSERT(system.air[0].size() > 0, "assemble was not told to measure the residual");
   const double force2 = square_of_force(exec, model, state);
   const double left2 = sum_batches(exec, model, [&](std::size_t i) {
-    const Lanes3 r = left_over(model, state, system.change, load(system.force, i), i);
-    return dot(r, r);
+    return square(state, left_over(model, state, system.change, load(system.force, i), i), i);
   });
   return force2 > 0 ? std::sqrt(left2 / force2) : 0;
 }
@@ -105,7 +111,7 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
   double left2 = sum_batches(exec, model, [&](std::size_t i) {
     const Lanes3 left = left_over(model, state, system.change, load(system.force, i), i);
     store(r, i, left);
-    return dot(left, left);
+    return square(state, left, i);
   });
   const double force2 = square_of_force(exec, model, state);
   const double enough = stop.residual * stop.residual * force2;
@@ -122,7 +128,7 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
         kPiece);
     const double pq = sum_batches(exec, model, [&](std::size_t i) {
       const Lanes3 zero{};
-      const Lanes3 image = zero - left_over(model, state, p, zero, i);
+      const Lanes3 image = zero - left_over(model, state, p, zero, i, false);
       store(q, i, image);
       return dot(load(p, i), image);
     });
@@ -132,7 +138,7 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
       const Lanes3 left = load(r, i) - load(q, i) * alpha;
       store(system.change, i, load(system.change, i) + load(p, i) * alpha);
       store(r, i, left);
-      return dot(left, left);
+      return square(state, left, i);
     });
     if (!(left2 > enough)) continue;
     const double next = precondition(exec, model, state, by_blocks);

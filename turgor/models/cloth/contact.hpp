@@ -76,6 +76,9 @@ struct Contacts {
 /// had.
 void find_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
 
+/// Those with obstacles, by pieces of the cloth; impulses are those of Contacts::list.
+void find_obstacle_contacts(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
+                            double dt, std::vector<std::vector<Contact>>& found);
 /// Those of a vertex and a large triangle and of two large edges, in as many pieces as coarse_pieces says.
 void find_coarse_contacts(const Exec& exec, const Model& model, State& state, Real reach, double dt,
                           std::span<std::vector<Contact>> found);
@@ -101,7 +104,7 @@ inline Real approach(const Group& a, const Group& b, Vec3 normal, Real dt) {
 const Contact* find_old(const Contacts& contacts, const Contact& wanted);
 
 /// Makes the lists of each vertex, and the masses, of Contacts::list.
-void link_contacts(const Model& model, State& state);
+void link_contacts(const Model& model, const State& state, Contacts& contacts);
 
 /// Changes velocities until nothing approaches further than it has room. Returns the iterations it took.
 int solve_velocities(const Exec& exec, const Model& model, State& state, double dt);

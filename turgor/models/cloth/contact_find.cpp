@@ -103,6 +103,23 @@ struct FindObstacles {
   }
 };
 
+/// Is anything so small that it could pass between vertices?
+bool finds_between(const Inputs& inputs) {
+  return std::any_of(inputs.obstacles.begin(), inputs.obstacles.end(),
+                     [](const Obstacle& o) { return bool(o.nearest_in); });
+}
+
+/// Contacts with obstacles, as they were solved with the sheet, that press or would with the velocities now.
+void add_borne(State& state, Real dt) {
+  for (const Contact& c : state.bearing.contacts.list) {
+    Vec3 v;
+    for (std::size_t k = 0; k < 4; k++)
+      if (c.vertex[k] >= 0) v += state.v[std::size_t(c.vertex[k])] * c.weight[k];
+    const Real closing = -dt * dot(v - c.drift, c.normal);
+    if (c.impulse > 0 || c.room < closing) state.contacts.list.push_back(c);
+  }
+}
+
 }  // namespace
 
 const Contact* find_old(const Contacts& contacts, const Contact& wanted) {
@@ -113,6 +130,25 @@ const Contact* find_old(const Contacts& contacts, const Contact& wanted) {
     if (old.vertex == wanted.vertex && old.obstacle == wanted.obstacle) return &old;
   }
   return nullptr;
+}
+
+void find_obstacle_contacts(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
+                            double dt, std::vector<std::vector<Contact>>& found) {
+  const FindObstacles find{model, state, inputs.obstacles, Real(dt)};
+  const bool between = finds_between(inputs);
+  found.resize((std::size_t(model.count) + kChunk - 1) / kChunk);
+  parallel_for(
+      exec, found.size(),
+      [&](std::size_t chunk) {
+        found[chunk].clear();
+        if (inputs.obstacles.empty()) return;
+        const int end = std::min(int((chunk + 1) * kChunk), model.count);
+        for (int i = int(chunk * kChunk); i < end; i++) {
+          find(i, found[chunk]);
+          if (between) find.in_triangles(i, found[chunk]);
+        }
+      },
+      kGrain);
 }
 
 void find_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
@@ -126,9 +162,9 @@ void find_contacts(const Exec& exec, const Model& model, State& state, const Inp
   const Real reach =
       thickness * std::clamp(1 + 2 * Real(dt) * state.largest_speed / thickness, Real(1.1), Real(2));
   const FindPairs pairs{model, state, reach, Real(dt)};
+  const bool are_borne = uses_gradients(model.params.solver.method);
   const FindObstacles obstacles{model, state, inputs.obstacles, Real(dt)};
-  const bool between = std::any_of(inputs.obstacles.begin(), inputs.obstacles.end(),
-                                   [](const Obstacle& o) { return bool(o.nearest_in); });
+  const bool between = finds_between(inputs);
   if (params.self) {
     const Real coarse = model.coarse.triangles.empty() ? 0 : model.coarse.longest / 2;
     sort_points(exec, state.x, model.count, std::max(Real(2.02) * reach, coarse), state.near_points);
@@ -141,8 +177,8 @@ void find_contacts(const Exec& exec, const Model& model, State& state, const Inp
         const int end = std::min(int((chunk + 1) * kChunk), model.count);
         for (int i = int(chunk * kChunk); i < end; i++) {
           if (params.self) pairs(i, found);
-          if (!inputs.obstacles.empty()) obstacles(i, found);
-          if (between) obstacles.in_triangles(i, found);
+          if (!inputs.obstacles.empty() && !are_borne) obstacles(i, found);
+          if (between && !are_borne) obstacles.in_triangles(i, found);
         }
       },
       kGrain);
@@ -150,9 +186,10 @@ void find_contacts(const Exec& exec, const Model& model, State& state, const Inp
     find_coarse_contacts(exec, model, state, reach, dt, std::span(contacts.found).subspan(chunks, pieces));
   if (params.self) find_met_contacts(model, state, dt, contacts.found.back());
   contacts.list.clear();
+  if (are_borne) add_borne(state, Real(dt));
   for (const auto& found : contacts.found)
     contacts.list.insert(contacts.list.end(), found.begin(), found.end());
-  link_contacts(model, state);
+  link_contacts(model, state, contacts);
 }
 
 }  // namespace turgor::cloth

@@ -31,6 +31,13 @@ void visit_fields(S& s, const Visit& visit) {
   visit(Field{"contact_item", ""}, s.contacts.item);
   visit(Field{"contact_touched", ""}, s.contacts.touched);
   visit(Field{"contact_found", ""}, s.contacts.found);
+  visit(Field{"bearing", ""}, s.bearing.contacts.list);
+  visit(Field{"bearing_begin", "", Axis::kVertex}, s.bearing.contacts.begin);
+  visit(Field{"bearing_item", ""}, s.bearing.contacts.item);
+  visit(Field{"bearing_touched", ""}, s.bearing.contacts.touched);
+  visit(Field{"bearing_found", ""}, s.bearing.contacts.found);
+  visit(Field{"bearing_answer", ""}, s.bearing.answer);
+  visit(Field{"bearing_inverse", "1/kg"}, s.bearing.inverse);
   visit(Field{"middles", "m"}, s.contacts.middles);
   visit(Field{"midpoints", "m"}, s.contacts.midpoints);
   visit(Field{"near_points", "m"}, s.near_points);

@@ -94,6 +94,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   const bool two_steps = model.params.solver.integrator == Integrator::kBdf2;
   const double dt = state.impulse_time = two_steps ? lead_on(exec, state, frame) : frame;
   assemble(exec, model, state, inputs, dt);
+  if (uses_gradients(model.params.solver.method)) find_bearing(exec, model, state, inputs, dt);
   solve_change(exec, model, state, dt);
   if (uses_gradients(model.params.solver.method))
     report.iterations = state.system.iterations, report.residual = state.system.residual;

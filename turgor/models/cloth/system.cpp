@@ -101,9 +101,10 @@ struct AssembleBatch {
 };
 
 /// Impulses of contacts: known from the step before, so that what lies still need not find them again.
-void add_contact_impulses(State& state) {
+/// Those with obstacles that bear the sheet are solved with it instead.
+void add_contact_impulses(State& state, bool are_borne) {
   for (const Contact& c : state.contacts.list) {
-    if (!(c.impulse > 0)) continue;
+    if (!(c.impulse > 0) || (c.obstacle >= 0 && are_borne)) continue;
     for (std::size_t k = 0; k < 4; k++) {
       if (c.vertex[k] < 0) continue;
       const auto v = std::size_t(c.vertex[k]);
@@ -169,7 +170,7 @@ void assemble(const Exec& exec, const Model& model, State& state, const Inputs& 
                AssembleBatch{model, state, Vec3(inputs.gravity), Real(dt), system.square,
                              Real(dt * damping.motion), has_air, keeps_air},
                kGrain);
-  add_contact_impulses(state);
+  add_contact_impulses(state, uses_gradients(model.params.solver.method));
   aim_holds(state, Real(dt));
 }
 
@@ -233,13 +234,33 @@ void solve_by_sweeps(const Exec& exec, const Model& model, State& state, Method 
   }
 }
 
+namespace {
+
+/// The sheet and what bears it: solved until no contact opens, closes or gives way any more. What is left of
+/// stiff forces would be much of the force of a contact: there is less left of them.
+void solve_with_bearing(const Exec& exec, const Model& model, State& state, double dt) {
+  constexpr int kRounds = 4;
+  constexpr double kCare = 0.1;
+  const Solver& solver = model.params.solver;
+  const bool is_borne = !state.bearing.contacts.list.empty();
+  const Stop stop{solver.sweeps, solver.tolerance * (is_borne ? kCare : 1), solver.method == Method::kBlocks};
+  int iterations = 0;
+  for (int round = 0; round < kRounds; round++) {
+    solve_by_conjugate_gradients(exec, model, state, stop);
+    iterations += state.system.iterations;
+    if (!is_borne || !settle_bearing(model, state, dt)) break;
+  }
+  state.system.iterations = iterations;
+  if (!is_borne) move_free_parts(exec, model, state, state.system.left, dt);
+}
+
+}  // namespace
+
 void solve_change(const Exec& exec, const Model& model, State& state, double dt) {
   const Solver& solver = model.params.solver;
   start_change(exec, model, state, dt);
   if (uses_gradients(solver.method)) {
-    solve_by_conjugate_gradients(exec, model, state,
-                                 {solver.sweeps, solver.tolerance, solver.method == Method::kBlocks});
-    move_free_parts(exec, model, state, state.system.left, dt);
+    solve_with_bearing(exec, model, state, dt);
   } else {
     solve_by_sweeps(exec, model, state, solver.method, solver.sweeps);
   }

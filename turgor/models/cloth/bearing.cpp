@@ -1,0 +1,179 @@
+#include "turgor/models/cloth/bearing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/models/cloth/cloth.hpp"
+
+namespace turgor::cloth {
+
+namespace {
+
+constexpr double kFirmness = 50;  // of a contact, in multiples of what resists it in its vertices alone
+constexpr double kWrong = 0.01;     // of all friction, that a step may have too much or too little
+constexpr Real kGive = Real(0.02);  // of the thickness, that a closed contact may give way in a step
+
+/// Σ of weights times a field.
+Vec3 weighted(const Contact& c, const Vectors& field) {
+  Vec3 sum;
+  for (std::size_t k = 0; k < 4; k++)
+    if (c.vertex[k] >= 0) sum += field[std::size_t(c.vertex[k])] * c.weight[k];
+  return sum;
+}
+
+/// Symmetric: xx yy zz xy xz yz.
+Vec3d times(const std::array<double, 6>& m, Vec3d a) {
+  return {m[0] * a.x + m[3] * a.y + m[4] * a.z, m[3] * a.x + m[1] * a.y + m[5] * a.z,
+          m[4] * a.x + m[5] * a.y + m[2] * a.z};
+}
+
+/// The inverse of M + k n nᵀ, from that of M [Sherman, Morrison].
+void stiffen(std::array<double, 6>& inverse, Vec3d n, double k) {
+  const Vec3d a = times(inverse, n);
+  const double s = k / (1 + k * dot(a, n));
+  inverse[0] -= s * a.x * a.x, inverse[1] -= s * a.y * a.y, inverse[2] -= s * a.z * a.z;
+  inverse[3] -= s * a.x * a.y, inverse[4] -= s * a.x * a.z, inverse[5] -= s * a.y * a.z;
+}
+
+std::array<double, 6> diagonal_inverse(const System& system, std::size_t v) {
+  const Vec3d d(system.inverse[0][v]), o(system.inverse[1][v]);
+  return {d.x, d.y, d.z, o.x, o.y, o.z};
+}
+
+/// Normal velocity that uses up the room of a contact in the step.
+Real least_speed(const Contact& c, double dt) {
+  return dot(c.drift, c.normal) - std::max(c.room, Real(0)) / Real(dt);
+}
+
+Vec3 across(const Contact& c, Vec3 u) { return u - c.drift - c.normal * dot(u - c.drift, c.normal); }
+
+/// What rubs while it slides is as large as Coulomb says at the speed it slides with, and falls with it
+/// [lagged diffusivity: Kačanov]; what sticks begins with what it had. `u` is the latest known velocity.
+void set_answer(const Contact& c, const State& state, double dt, bool is_closed, bool slips, Vec3 u,
+                Answer& a) {
+  a.firm = a.grip = 0, a.load = {};
+  if (!is_closed) return;
+  const Vec3 aside = across(c, u);
+  const Real limit = c.friction * c.impulse, speed = norm(aside);
+  const bool moves = a.stiff * speed > limit;
+  a.firm = a.stiff, a.held = moves ? Vec3{} : c.rub;
+  a.grip = limit == 0 ? 0 : moves ? limit / speed : slips && dot(aside, c.rub) <= 0 ? 0 : a.stiff;
+  const Vec3 before = weighted(c, state.v);
+  a.load = c.normal * (c.impulse + a.firm * (least_speed(c, dt) - dot(before, c.normal))) + a.held -
+           across(c, before) * a.grip;
+}
+
+/// Diagonal blocks with what contacts add to them.
+void stiffen_diagonal(State& state) {
+  const Contacts& contacts = state.bearing.contacts;
+  for (std::size_t n = 0; n < contacts.touched.size(); n++) {
+    const auto v = std::size_t(contacts.touched[n]);
+    if (state.free_mass[v] == 0) continue;
+    std::array<double, 6> inverse = state.bearing.inverse[n];
+    for (int m = contacts.begin[v]; m < contacts.begin[v + 1]; m++) {
+      const auto item = std::size_t(contacts.item[std::size_t(m)]);
+      const Contact& c = contacts.list[item / 4];
+      const Answer& a = state.bearing.answer[item / 4];
+      const double w = double(c.weight[item % 4]);
+      const Vec3d normal(c.normal);
+      if (a.firm > 0) stiffen(inverse, normal, w * w * double(a.firm));
+      if (!(a.grip > 0)) continue;
+      const Vec3d aside = std::abs(normal.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+      const Vec3d t = normalized(cross(normal, aside));
+      for (const Vec3d aside_too : {t, cross(normal, t)}) stiffen(inverse, aside_too, w * w * double(a.grip));
+    }
+    state.system.inverse[0].set(v, Vec3(Vec3d{inverse[0], inverse[1], inverse[2]}));
+    state.system.inverse[1].set(v, Vec3(Vec3d{inverse[3], inverse[4], inverse[5]}));
+  }
+}
+
+/// What a contact's vertices alone have against its normal, by their blocks on the diagonal [kg].
+double resistance(const Contact& c, const State& state) {
+  double mobility = 0;
+  for (std::size_t k = 0; k < 4; k++) {
+    if (c.vertex[k] < 0 || state.free_mass[std::size_t(c.vertex[k])] == 0) continue;
+    const double w = double(c.weight[k]);
+    const Vec3d n(c.normal);
+    mobility += w * w * dot(n, times(diagonal_inverse(state.system, std::size_t(c.vertex[k])), n));
+  }
+  return mobility > 0 ? 1 / mobility : 0;
+}
+
+}  // namespace
+
+void find_bearing(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  Bearing& bearing = state.bearing;
+  find_obstacle_contacts(exec, model, state, inputs, dt, bearing.contacts.found);
+  std::vector<Contact>& list = bearing.contacts.list;
+  list.clear();
+  for (const auto& found : bearing.contacts.found) list.insert(list.end(), found.begin(), found.end());
+  link_contacts(model, state, bearing.contacts);
+  bearing.answer.assign(list.size(), {});
+  bearing.inverse.clear();
+  for (const int v : bearing.contacts.touched)
+    bearing.inverse.push_back(diagonal_inverse(state.system, std::size_t(v)));
+  for (std::size_t n = 0; n < list.size(); n++) {
+    const Contact& c = list[n];
+    Answer& answer = bearing.answer[n];
+    answer.stiff = Real(kFirmness * resistance(c, state));
+    const Vec3 u = weighted(c, state.v);
+    const bool closes = dot(u, c.normal) < least_speed(c, dt);
+    const bool slips = norm(c.rub) >= Real(0.999) * c.friction * c.impulse;
+    set_answer(c, state, dt, c.impulse > 0 || closes, slips, u, answer);
+  }
+  if (!list.empty()) stiffen_diagonal(state);
+}
+
+bool settle_bearing(const Model& model, State& state, double dt) {
+  Bearing& bearing = state.bearing;
+  const Real give = kGive * Real(model.params.collision.thickness / dt);
+  bool is_other = false;
+  double wrong = 0, all = 0;  // friction [N·s]
+  for (std::size_t n = 0; n < bearing.answer.size(); n++) {
+    Contact& c = bearing.contacts.list[n];
+    Answer& a = bearing.answer[n];
+    const bool was_closed = a.firm > 0;
+    const Vec3 u = weighted(c, state.v) + weighted(c, state.system.change);
+    const Real lack = least_speed(c, dt) - dot(u, c.normal);
+    bool is_closed = lack > give, slips = false;
+    if (was_closed) {
+      c.impulse += a.firm * lack;
+      is_closed = c.impulse > 0;
+      c.rub = a.held - across(c, u) * a.grip;
+      const Real limit = c.friction * std::max(c.impulse, Real(0)), size = norm(c.rub);
+      slips = size > Real(0.999) * limit;
+      const bool moves = a.grip < a.stiff;
+      wrong += double(moves ? std::abs(size - limit) : std::max(Real(0), size - limit)), all += double(limit);
+      if (size > limit) c.rub *= limit / size;
+      is_other = is_other || lack > give;
+    }
+    if (!is_closed) c.impulse = 0, c.rub = {};
+    is_other = is_other || is_closed != was_closed;
+    set_answer(c, state, dt, is_closed, slips, u, a);
+  }
+  is_other = is_other || wrong > kWrong * all;
+  if (is_other) stiffen_diagonal(state);
+  return is_other;
+}
+
+Lanes3 bearing_of(const State& state, const Vectors& a, bool with_loads, std::size_t i) {
+  const Contacts& contacts = state.bearing.contacts;
+  Lanes3 sum{};
+  const std::size_t end = std::min(i + std::size_t(kLanes), contacts.begin.size() - 1);
+  for (std::size_t v = i; v < end; v++)
+    for (int m = contacts.begin[v]; m < contacts.begin[v + 1]; m++) {
+      const auto item = std::size_t(contacts.item[std::size_t(m)]);
+      const Contact& c = contacts.list[item / 4];
+      const Answer& answer = state.bearing.answer[item / 4];
+      if (!(answer.firm > 0)) continue;
+      const Vec3 u = weighted(c, a);
+      Vec3 impulse = -u * answer.grip - c.normal * ((answer.firm - answer.grip) * dot(u, c.normal));
+      if (with_loads) impulse += answer.load;
+      impulse *= c.weight[item % 4];
+      const std::size_t l = v - i;
+      sum.x[l] += impulse.x, sum.y[l] += impulse.y, sum.z[l] += impulse.z;
+    }
+  return sum;
+}
+
+}  // namespace turgor::cloth
