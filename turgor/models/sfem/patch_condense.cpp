@@ -64,7 +64,7 @@ struct Eliminated {
 
 template <class T>
 Eliminated<T> eliminate(const Model& model, const PatchUnknowns& unknowns, const PatchMatrices<T>& matrices,
-                         const std::vector<int>& wanted) {
+                        const std::vector<int>& wanted) {
   const Eigen::Index local = 3 * unknowns.local_count, coarse = 3 * Eigen::Index(unknowns.coarse.size());
   Eliminated<T> e;
   e.green = coarse_green(model, unknowns, matrices.change);
