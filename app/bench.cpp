@@ -182,24 +182,40 @@ void add_rhombus_bench(CLI::App& bench) {
   });
 }
 
+void soak(double minutes, const std::string& json) {
+  Result<HapticSoak> done = [minutes] {
+    ProgressBar bar("soaking");
+    return soak_haptics(minutes, bar.callback());
+  }();
+  if (!done) throw Failure{2, done.error().message};
+  print(*done);
+  write_text(json, to_json_text(*done));
+}
+
 void add_haptics_bench(CLI::App& bench, Global& global) {
   CLI::App* haptics =
       bench.add_subcommand("haptics", "The haptic loop's time, and how stiff a wall it can make felt");
   struct Options {
-    double seconds = 1.5;
+    double seconds = 1.5, minutes = 0;
     std::string json, picture;
   };
   auto options = std::make_shared<Options>();
-  haptics->add_option("--seconds", options->seconds, "Of each of the four loops; 0: none")
+  haptics->add_option("--seconds", options->seconds, "Of each of the six loops; 0: none")
       ->check(number_within(0, 3600, "s"));
+  CLI::Option* minutes =
+      haptics->add_option("--minutes", options->minutes,
+                          "Instead of all that: a felt liver for so long, an empty loop beside it");
+  minutes->check(number_within(0.01, 1440, "min"));
   haptics->add_option("--json", options->json, "Write the figures to a file too");
   haptics->add_option("--picture", options->picture, "Write the map of walls to this file (.svg)");
-  haptics->footer("Example:\n  turgor bench haptics --picture z-width.svg");
+  haptics->footer(
+      "Examples:\n  turgor bench haptics --picture z-width.svg\n  turgor bench haptics --minutes 10");
   haptics->callback([options, &global] {
     check_file(options->json);
     check_file(options->picture);
     if (!options->json.empty() && options->json == options->picture)
       throw Failure{2, options->json + ": --json and --picture name the same file"};
+    if (options->minutes > 0) return soak(options->minutes, options->json);
     HapticsBench result;
     {
       ProgressBar bar("measuring");

@@ -1,15 +1,10 @@
 #include "app/bench_haptics.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <numbers>
-#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-
-#include "turgor/haptics/loop.hpp"
 
 namespace turgor {
 
@@ -19,31 +14,6 @@ using haptics::TimingReport;
 using haptics::WallAnswer;
 using haptics::WallTrial;
 using haptics::WallVerdict;
-
-/// A wall at z = 0, of 500 N/m.
-void wall_tick(void* /*context*/, std::span<const contact::ToolCommand> commands, double,
-               std::span<contact::ToolReading> readings) {
-  for (std::size_t i = 0; i < commands.size(); i++)
-    readings[i].force.z = 500 * std::max(0.0, -commands[i].pose.position.z);
-}
-void empty_tick(void* /*context*/, std::span<const contact::ToolCommand>, double,
-                std::span<contact::ToolReading>) {}
-
-/// Up and down through the wall, once a second.
-haptics::HandTarget tapping(double time) {
-  return {.pose = {.position = {0, 0, 0.005 * std::cos(2 * std::numbers::pi * time)}, .axes = {}}};
-}
-
-HapticLoopRow measure_loop(double rate, bool wall, double seconds, std::vector<std::string>& notes) {
-  haptics::VirtualDevice device({.rate = rate}, haptics::light_hand(tapping), haptics::VirtualTime::kClock);
-  (void)device.open();
-  auto loop =
-      haptics::Loop::start({{.device = &device}}, wall ? wall_tick : empty_tick, nullptr, {.rate = rate});
-  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-  (*loop)->stop();
-  notes = (*loop)->notes();
-  return {wall, (*loop)->report()};
-}
 
 std::vector<double> powers(double low, double high, int count) {
   std::vector<double> values;
@@ -83,13 +53,15 @@ nlohmann::ordered_json to_json(const haptics::Spread& s) {
 
 nlohmann::ordered_json to_json(const HapticLoopRow& row) {
   const TimingReport& r = row.report;
-  return {{"model", row.wall ? "wall" : "none"},
+  return {{"model", name_of(row.model)},
           {"rate_asked_hz", r.rate_asked},
           {"rate_hz", r.rate},
           {"ticks", r.ticks},
           {"missed", r.missed},
+          {"missed_empty", row.empty.missed},
           {"period", to_json(r.period)},
           {"jitter", to_json(r.jitter)},
+          {"jitter_empty", to_json(row.empty.jitter)},
           {"compute", to_json(r.compute)},
           {"latency", to_json(r.latency)}};
 }
@@ -122,14 +94,15 @@ HapticsBench bench_haptics(const Exec& exec, double seconds, const Progress& pro
                                              {"30 Hz, force held", WallAnswer::kHeld, 30.0},
                                              {"30 Hz, local contact model", WallAnswer::kLocal, 30.0}})
       bench.maps.push_back({name, answer, rate, controller, {}});
-  const std::size_t steps = bench.maps.size() + 4;
+  constexpr LoopModel kModels[] = {LoopModel::kNone, LoopModel::kWall, LoopModel::kRhombus};
+  const std::size_t steps = bench.maps.size() + 2 * std::size(kModels);
   std::size_t done = 0;
   const auto step = [&] {
     if (progress) progress(double(++done) / double(steps));
   };
   for (const double rate : {1000.0, 4000.0})
-    for (const bool wall : {false, true}) {
-      if (seconds > 0) bench.loops.push_back(measure_loop(rate, wall, seconds, bench.notes));
+    for (const LoopModel model : kModels) {
+      if (seconds > 0) bench.loops.push_back(measure_loop(rate, model, seconds));
       step();
     }
   for (ZWidthMap& map : bench.maps) measure_map(exec, bench, map), step();
@@ -140,20 +113,22 @@ void print(const HapticsBench& bench) {
   if (!bench.loops.empty())
     fmt::print(
         "A loop with a computed arm, times in microseconds; jitter: how far a period is from what was "
-        "asked.\n\n"
-        "{:>9}{:>7}{:>10}{:>8} |{:>8}{:>7}{:>8}{:>8} |{:>9}{:>7}{:>8} |{:>9}{:>7}\n",
-        "asked[Hz]", "model", "rate[Hz]", "missed", "jitter", "99 %", "99.9 %", "max", "compute", "99 %",
-        "max", "latency", "99 %");
+        "asked, and beside\nit that of an empty loop at the same time.\n\n"
+        "{:>9}{:>9}{:>10}{:>8}{:>7} |{:>8}{:>7}{:>8}{:>8} |{:>9}{:>7}{:>8}{:>8} |{:>9}{:>7}{:>8} |{:>9}\n",
+        "asked[Hz]", "model", "rate[Hz]", "missed", "empty", "jitter", "99 %", "99.9 %", "max",
+        "empty:", "99 %", "99.9 %", "max", "compute", "99 %", "max", "latency");
   for (const HapticLoopRow& row : bench.loops) {
-    const TimingReport& r = row.report;
+    const TimingReport &r = row.report, &e = row.empty;
     fmt::print(
-        "{:>9.0f}{:>7}{:>10.1f}{:>8} |{:>8.1f}{:>7.0f}{:>8.0f}{:>8.0f} |{:>9.2f}{:>7.2f}{:>8.1f} "
-        "|{:>9.0f}{:>7.0f}\n",
-        r.rate_asked, row.wall ? "wall" : "-", r.rate, r.missed, 1e6 * r.jitter.p50, 1e6 * r.jitter.p99,
-        1e6 * r.jitter.p999, 1e6 * r.jitter.largest, 1e6 * r.compute.p50, 1e6 * r.compute.p99,
-        1e6 * r.compute.largest, 1e6 * r.latency.p50, 1e6 * r.latency.p99);
+        "{:>9.0f}{:>9}{:>10.1f}{:>8}{:>7} |{:>8.1f}{:>7.0f}{:>8.0f}{:>8.0f} |{:>9.1f}{:>7.0f}{:>8.0f}"
+        "{:>8.0f} |{:>9.2f}{:>7.2f}{:>8.1f} |{:>9.0f}\n",
+        r.rate_asked, name_of(row.model), r.rate, r.missed, e.missed, 1e6 * r.jitter.p50, 1e6 * r.jitter.p99,
+        1e6 * r.jitter.p999, 1e6 * r.jitter.largest, 1e6 * e.jitter.p50, 1e6 * e.jitter.p99,
+        1e6 * e.jitter.p999, 1e6 * e.jitter.largest, 1e6 * r.compute.p50, 1e6 * r.compute.p99,
+        1e6 * r.compute.largest, 1e6 * r.latency.p50);
   }
-  for (const std::string& note : bench.notes) fmt::print("  {}\n", note);
+  if (!bench.loops.empty())
+    for (const std::string& note : bench.loops.back().notes) fmt::print("  {}\n", note);
 
   const haptics::VirtualArm& arm = bench.trial.arm;
   fmt::print(
@@ -181,8 +156,7 @@ void print(const HapticsBench& bench) {
 
 std::string to_json_text(const HapticsBench& bench) {
   const haptics::VirtualArm& arm = bench.trial.arm;
-  nlohmann::ordered_json json{
-      {"bench", "haptics"}, {"loops", nlohmann::ordered_json::array()}, {"notes", bench.notes}};
+  nlohmann::ordered_json json{{"bench", "haptics"}, {"loops", nlohmann::ordered_json::array()}};
   for (const HapticLoopRow& row : bench.loops) json["loops"].push_back(to_json(row));
   json["arm"] = {{"mass_kg", arm.mass},
                  {"viscous_n_s_per_m", arm.viscous},

@@ -6,18 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "app/haptic_loops.hpp"
 #include "turgor/core/exec.hpp"
 #include "turgor/core/progress.hpp"
-#include "turgor/haptics/timing_report.hpp"
 #include "turgor/haptics/z_width.hpp"
 
 namespace turgor {
-
-/// A loop with a computed arm, for some seconds.
-struct HapticLoopRow {
-  bool wall = false;  // a wall answers; else nothing does
-  haptics::TimingReport report;
-};
 
 /// Which walls of a grid come to rest.
 struct ZWidthMap {
@@ -30,7 +24,6 @@ struct ZWidthMap {
 
 struct HapticsBench {
   std::vector<HapticLoopRow> loops;
-  std::vector<std::string> notes;          // what the system did not allow
   haptics::WallTrial trial;                // arm and hand of all maps
   std::vector<double> stiffness, damping;  // of the walls [N/m] [N·s/m]
   std::vector<ZWidthMap> maps;

@@ -221,9 +221,7 @@ void add_calibrate_command(CLI::App& program, Global& global) {
       ->check(number_within(0.01, 100, "1"));
   command->add_option("-o,--out", options->out, "Folder for the curves (default: out/INPUT)");
   add_force_option(*command, options->force);
-  command->add_option("--set", options->overrides, "key=value: overrides a key of the scene; may be repeated")
-      ->type_size(1)
-      ->allow_extra_args(false);
+  add_set_option(*command, options->overrides);
   command->footer(
       "Examples:\n  turgor calibrate scenes/calibrate-liver.toml\n  turgor calibrate measured.csv --side 4");
   command->callback([options, &global] { calibrate(Exec(global.threads), *options); });

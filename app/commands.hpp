@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -41,6 +42,15 @@ inline CLI::Validator number_within(double low, double high, const std::string& 
       unit);
 }
 
+/// The option --set of a command that reads a scene; `overrides` outlives the program's parsing.
+inline void add_set_option(CLI::App& command, std::vector<std::string>& overrides) {
+  command
+      .add_option("--set", overrides,
+                  "key=value: overrides a key of the scene, key= removes it; may be repeated")
+      ->type_size(1)
+      ->allow_extra_args(false);
+}
+
 // `global` outlives the program's parsing; callbacks read it.
 void add_info_command(CLI::App& program, Global& global);
 void add_import_command(CLI::App& program, Global& global);
@@ -52,6 +62,7 @@ void add_validate_command(CLI::App& program, Global& global);
 void add_calibrate_command(CLI::App& program, Global& global);
 void add_cache_command(CLI::App& program);
 void add_devices_command(CLI::App& program);
+void add_replay_command(CLI::App& program, Global& global);
 void add_view_command(CLI::App& program, Global& global);
 
 }  // namespace turgor

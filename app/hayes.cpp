@@ -51,8 +51,8 @@ struct Pressure {
 template <class Shape>
 Pressure solve(const BondedLayer& layer, double radius, const Shape& shape) {
   constexpr int kPoints = 24;
-  const auto [young, poisson] = layer.material;
-  const double modulus = young / (2 * (1 + poisson)) / (1 - poisson), h = layer.thickness;
+  const double poisson = layer.material.poisson, h = layer.thickness;
+  const double modulus = layer.material.young / (2 * (1 + poisson)) / (1 - poisson);
   const GaussRule rule = gauss_rule(kPoints);
   const auto coupling = [&](double x, int j) {
     const double t = radius * rule.place[j];

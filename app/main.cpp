@@ -82,6 +82,7 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(0, 1024));
   program.fallthrough();
   turgor::add_run_command(program, global);
+  turgor::add_replay_command(program, global);
   turgor::add_view_command(program, global);
   turgor::add_info_command(program, global);
   turgor::add_import_command(program, global);

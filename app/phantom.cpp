@@ -65,7 +65,7 @@ Status check_goals(const PhantomOptions& options) {
 Status write_phantom(const PhantomOptions& options, const CtVolume& ct, const Exec& exec) {
   if (is_file_name(options.output)) return write_ct(options.output, ct);
   ProgressBar bar("writing");
-  return write_dicom(exec, options.output, ct, "Phantom^" + options.kind, bar.callback());
+  return write_dicom(exec, options.output, ct, patient_alone("Phantom^" + options.kind), bar.callback());
 }
 
 CtVolume make_with_bar(const PhantomParams& params, const Exec& exec, LabelVolume* labels) {

@@ -94,11 +94,7 @@ void add_run_command(CLI::App& program, Global& global) {
       "All keys of a scene are listed in docs/scene.md.");
   command->add_option("scene", options->scene, "The scene, a TOML file");
   command->add_option("-o,--out", options->out, "Folder for the results (default: out/SCENE)");
-  command
-      ->add_option("--set", options->overrides,
-                   "key=value: overrides a key of the scene, key= removes it; may be repeated")
-      ->type_size(1)
-      ->allow_extra_args(false);
+  add_set_option(*command, options->overrides);
   command->add_option("--replay", options->replay, "Draw this recording.h5 again instead of simulating");
   CLI::Option* check =
       command->add_flag("--check", options->check,

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "app/hayes.hpp"
+#include "app/wound_elements.hpp"
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/models/lattice/block_body.hpp"
 #include "turgor/models/lattice/incision.hpp"
@@ -27,25 +29,35 @@ const char* name_of(TissueLaw law) { return law == TissueLaw::kSolid ? "solid" :
 // ---------------------------------------------------------------- wounds
 
 /// 96 × 96 × 24 mm, held at its sides and below, a cut of 36 mm in the middle of its skin, 10 mm deep.
+constexpr double kSide = 0.096, kHeight = 0.024, kLength = 0.036, kDepth = 0.01;
+
+/// Where the cut lies: its middle, from the lattice's node in the middle, and its direction. Langer's lines
+/// go with it.
+struct Place {
+  double along = 0.5, across = 0.5;  // [steps]
+  double degrees = 0;
+};
+
 struct Wounded {
-  static constexpr double kSide = 0.096, kHeight = 0.024, kLength = 0.036, kDepth = 0.01;
   Model model;
   State state;
   lattice::BladePath path;
 
-  Wounded(TissueLaw law, double step, int sweeps, double damping) {
+  Wounded(TissueLaw law, double step, int sweeps, double damping, const Place& place = {}) {
     const int n = int(std::lround(kSide / step)) + 1, layers = int(std::lround(kHeight / step)) + 1;
     Block block{.size = {n, n, layers}, .step = step, .young = kYoung};
     block.is_fixed = [n](Int3 p) { return p.x == 0 || p.y == 0 || p.z == 0 || p.x == n - 1 || p.y == n - 1; };
+    const double angle = place.degrees * std::numbers::pi / 180;
+    const Vec3d line{std::cos(angle), std::sin(angle), 0};
     Params params;
     params.tissue.law = law;
+    params.skin.direction = line;
     params.solver = {.sweeps = sweeps, .damping = damping};
     model = lattice::block_model(block, params);
     state = lattice::make_state(model);
-    const double x = 0.5 * (kSide - kLength + step), y = 0.5 * (kSide + step);  // between nodes
-    path =
-        lay_blade(model, state, {.from = {x, y, kHeight}, .to = {x + kLength, y, kHeight}, .depth = kDepth})
-            .value();
+    const Vec3d middle{(n / 2 + place.along) * step, (n / 2 + place.across) * step, kHeight};
+    const Vec3d half = line * (0.5 * kLength);
+    path = lay_blade(model, state, {.from = middle - half, .to = middle + half, .depth = kDepth}).value();
     cut_edges(model, state, path, 0, 1, 0);
   }
 
@@ -55,26 +67,54 @@ struct Wounded {
   }
 };
 
-double settled_gape(const Exec& exec, TissueLaw law, double step, double rate, int sweeps) {
-  Wounded wounded(law, step, sweeps, 4);
+double settled_gape(const Exec& exec, TissueLaw law, double step, double rate, int sweeps,
+                    const Place& place = {}) {
+  Wounded wounded(law, step, sweeps, 4, place);
   wounded.run(exec, 4, 1 / rate);
   return wounded.gape();
 }
 
-/// Gapes on finer and finer lattices, of what a line through the two finest says of a step of nothing.
-void add_steps(const Exec& exec, TissueLaw law, double bound, bool quick, std::vector<Figure>& figures) {
-  std::vector<double> steps = {0.006, 0.004, 0.003}, gapes;
+/// What elements that fit the blade say, on a line through two meshes to a mesh of no size.
+double limit_of_elements(bool quick) {
+  const lattice::SkinParams skin;
+  const CutBlock block{.side = kSide,
+                       .height = kHeight,
+                       .length = kLength,
+                       .depth = kDepth,
+                       .young = kYoung,
+                       .poisson = lattice::TissueParams{}.poisson,
+                       .tension = skin.tension_along,
+                       .stiffness = skin.stiffness,
+                       .shear = skin.shear,
+                       .amplification = skin.amplification};
+  const int coarse = quick ? 4 : 6, fine = quick ? 6 : 8;
+  const double a = gape_of_elements(block, coarse), b = gape_of_elements(block, fine);
+  return b + (b - a) * coarse / (fine - coarse);
+}
+
+/// Gapes on finer and finer lattices, and of blades that lie otherwise in the cells. Springs, whose cells are
+/// not parted but give way, are farther from the limit.
+void add_steps(const Exec& exec, bool quick, std::vector<Figure>& figures) {
+  const double limit = limit_of_elements(quick);
+  const auto add = [&](TissueLaw law, double step, const Place& place, double bound) {
+    const bool other = place.degrees != 0 || place.across != 0.5;
+    figures.push_back(near_figure(
+        fmt::format("a wound in {}, step {:.1f} mm{}", name_of(law), 1e3 * step,
+                    other ? fmt::format(", {:.1f} steps aside, {:.0f} degrees", place.across, place.degrees)
+                          : std::string()),
+        fmt::format("finite elements, {:.2f} mm", 1e3 * limit), settled_gape(exec, law, step, 30, 20, place),
+        limit, bound));
+  };
+  std::vector<double> steps = {0.006, 0.004, 0.003};
   if (!quick) steps.insert(steps.end(), {0.002, 0.0015});
-  for (const double step : steps) gapes.push_back(settled_gape(exec, law, step, 30, 20));
-  const std::size_t last = steps.size() - 1;
-  const double limit =
-      gapes[last] + steps[last] * (gapes[last] - gapes[last - 1]) / (steps[last - 1] - steps[last]);
-  for (std::size_t s = 0; s < steps.size(); s++) {
-    figures.push_back(near_figure(fmt::format("a wound in {}, step {:.1f} mm", name_of(law), 1e3 * steps[s]),
-                                  fmt::format("the limit of its gape, {:.2f} mm", 1e3 * limit), gapes[s],
-                                  limit, bound * std::max(1.0, steps[s] / 0.004)));
-    figures.back().known_limit = true;  // lips beyond the outermost nodes: docs/validation.md
+  for (const double step : steps) {
+    add(TissueLaw::kSolid, step, {}, 0.05);
+    add(TissueLaw::kSprings, step, {}, 0.08 * std::max(1.0, step / 0.004));
+    figures.back().known_limit = step > 0.005;
   }
+  for (const Place& place :
+       {Place{0.25, 0.1, 0}, {0, 0.3, 90}, {0.5, 0.5, 30}, {0.5, 0.2, 110}, {0.5, 0.3, 45}})
+    add(TissueLaw::kSolid, 0.004, place, 0.05);
 }
 
 void add_rates(const Exec& exec, TissueLaw law, bool quick, std::vector<Figure>& figures) {
@@ -108,73 +148,10 @@ void add_motion(const Exec& exec, std::vector<Figure>& figures) {
 
 // ---------------------------------------------------------------- a ball on a layer
 
-/// A frictionless ball on an elastic layer that is bonded to something rigid, by the integral equation of
-/// Lebedev and Ufliand (1958) that Hayes et al. (1972) tabulate: lengths in layer thicknesses.
-class Layer {
- public:
-  Layer(double poisson, double radius) : radius_(radius) {
-    const double k = 3 - 4 * poisson;
-    for (int n = 0; n < kWaves; n++) {
-      const double e = (n + 0.5) * kWave;
-      const double fade = std::exp(-2 * e);  // cosh 2e = (1 + fade²)/(2 fade)
-      rest_[n] = 1 - (k * (1 - fade * fade) - 4 * e * fade) /
-                         (k * (1 + fade * fade) + (4 * e * e + 1 + k * k) * fade);
-    }
-  }
-
-  struct Press {
-    double depth, force;  // force over 4 G/(1 − ν)
-  };
-  /// That touches a circle of radius a.
-  Press touch(double a) const {
-    // φ = depth · one − parabola, and both solve the same equation; where the ball lifts off, φ is zero.
-    const auto one = solve(a, [](double) { return 1.0; });
-    const auto parabola = solve(a, [&](double t) { return a * a * t * t / radius_; });
-    const double depth = parabola.back() / one.back();
-    double force = 0;
-    for (int n = 0; n < kPoints; n++)
-      force += a / kPoints * (depth * one[std::size_t(n)] - parabola[std::size_t(n)]);
-    return {depth, force};
-  }
-
- private:
-  static constexpr int kPoints = 60, kWaves = 400;
-  static constexpr double kWave = 0.05;
-  double radius_;
-  double rest_[kWaves];
-
-  /// φ(t) − 2a/π ∫₀¹ φ(s) ∫₀^∞ (1 − G(e)) cos(a e t) cos(a e s) de ds = f(t), at the middles of kPoints
-  /// intervals and at t = 1, by repeating.
-  template <class F>
-  std::vector<double> solve(double a, const F& f) const {
-    std::vector<double> phi(kPoints + 1, 0), t(kPoints + 1, 1);
-    for (int n = 0; n < kPoints; n++) t[std::size_t(n)] = (n + 0.5) / kPoints;
-    for (int turn = 0; turn < 200; turn++) {
-      std::vector<double> next(t.size());
-      for (std::size_t n = 0; n < t.size(); n++) next[n] = f(t[n]);
-      for (int w = 0; w < kWaves; w++) {
-        const double e = (w + 0.5) * kWave;
-        double along = 0;
-        for (int n = 0; n < kPoints; n++)
-          along += phi[std::size_t(n)] * std::cos(a * e * t[std::size_t(n)]) / kPoints;
-        for (std::size_t n = 0; n < t.size(); n++)
-          next[n] += 2 * a / std::numbers::pi * kWave * rest_[w] * along * std::cos(a * e * t[n]);
-      }
-      phi = std::move(next);
-    }
-    return phi;
-  }
-};
-
 /// Force of a ball on a layer of `layers` cells, of the formula's.
 double press_layer(const Exec& exec, double poisson, int layers, double step, double circle) {
   constexpr double kRadius = 0.04;
-  const double thickness = layers * step;
-  const Layer layer(poisson, kRadius / thickness);
-  const Layer::Press expected = layer.touch(circle / thickness);
-  const double shear = kYoung / (2 * (1 + poisson));
-  const double depth = expected.depth * thickness,
-               wanted = 4 * shear / (1 - poisson) * expected.force * thickness * thickness;
+  const auto [depth, wanted] = hayes_sphere({layers * step, {kYoung, poisson}}, kRadius, circle);
 
   const int side = 2 * (int(std::lround(circle / step)) + 3 * layers) + 1;
   Params params;
@@ -205,8 +182,7 @@ double press_layer(const Exec& exec, double poisson, int layers, double step, do
 }  // namespace
 
 void add_wounds(const Exec& exec, bool quick, std::vector<Figure>& figures) {
-  add_steps(exec, TissueLaw::kSolid, 0.05, quick, figures);
-  add_steps(exec, TissueLaw::kSprings, 0.08, quick, figures);
+  add_steps(exec, quick, figures);
   for (const TissueLaw law : {TissueLaw::kSolid, TissueLaw::kSprings}) add_rates(exec, law, quick, figures);
   add_motion(exec, figures);
 }

@@ -44,11 +44,7 @@ void add_view_command(CLI::App& program, Global& global) {
       "  turgor view scenes/incision.toml --set body.torso.ct=patient.nii.gz\n"
       "In the window, ? tells what mouse and keys do; docs/window.md is a tour.");
   command->add_option("scene", options->scene, "The scene, a TOML file")->required();
-  command
-      ->add_option("--set", options->overrides,
-                   "key=value: overrides a key of the scene, key= removes it; may be repeated")
-      ->type_size(1)
-      ->allow_extra_args(false);
+  add_set_option(*command, options->overrides);
   command->add_option("-o,--out", options->out, "Folder for pictures and videos (default: out/view)");
   command->callback([options, &global] {
     options->session.threads = global.threads;

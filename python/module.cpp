@@ -75,31 +75,31 @@ class PyWorld {
     show(exec_, *world_, shown_);
   }
 
-  double time() const { return time_of(*world_); }
-  int frame() const { return world_->frame; }
+  double time() const { return time_of(world()); }
+  int frame() const { return world().frame; }
   double dt() const { return world_->dt; }
   double duration() const { return scene_.duration; }
-  std::string hash() const { return hash_text(state_hash(*world_)); }
-  std::vector<std::string> notes() const { return notes_of(*world_); }
+  std::string hash() const { return hash_text(state_hash(world())); }
+  std::vector<std::string> notes() const { return notes_of(world()); }
 
   std::vector<std::string> bodies() const {
     std::vector<std::string> names;
-    for (const ShownBody& body : shown_.bodies) names.push_back(body.name);
+    for (const ShownBody& body : shown().bodies) names.push_back(body.name);
     return names;
   }
   std::vector<std::string> tools() const {
     std::vector<std::string> names;
-    for (const TouchingTool& tool : world_->tools) names.push_back(tool.name);
+    for (const TouchingTool& tool : world().tools) names.push_back(tool.name);
     return names;
   }
 
   const ShownBody& body(const std::string& name) const {
-    for (const ShownBody& body : shown_.bodies)
+    for (const ShownBody& body : shown().bodies)
       if (body.name == name) return body;
     throw nb::key_error(("the scene has no body " + name).c_str());
   }
   TouchingTool& tool(const std::string& name) const {
-    for (TouchingTool& tool : world_->tools)
+    for (TouchingTool& tool : world().tools)
       if (tool.name == name) return tool;
     throw nb::key_error(("the scene has no tool " + name).c_str());
   }
@@ -144,15 +144,26 @@ class PyWorld {
   }
 
  private:
+  static std::runtime_error entered_twice() {
+    return std::runtime_error("this world is being stepped by another thread");
+  }
   /// One caller at a time.
   struct Entered {
     PyWorld& world;
     explicit Entered(PyWorld& w) : world(w) {
-      if (world.busy_.exchange(true))
-        throw std::runtime_error("this world is being stepped by another thread");
+      if (world.busy_.exchange(true)) throw entered_twice();
     }
     ~Entered() { world.busy_ = false; }
   };
+  /// For those who look without letting other Python threads run: none of them can begin a step meanwhile.
+  World& world() const {
+    if (busy_) throw entered_twice();
+    return *world_;
+  }
+  const ShownWorld& shown() const {
+    if (busy_) throw entered_twice();
+    return shown_;
+  }
 
   Exec exec_;
   Scene scene_;

@@ -33,6 +33,36 @@ TEST(BenchHaptics, AContactThatPhysicsTellsThirtyTimesASecondIsAsStiffAsAWallOfT
   EXPECT_TRUE(svg.starts_with("<?xml") && svg.ends_with("</svg>\n"));
 }
 
+TEST(BenchHaptics, a_soak_tells_drift_growth_and_misses_beside_those_of_an_empty_loop) {
+  const fs::path folder = fresh_folder();
+  const Ended ended = run_program("bench haptics --minutes 0.05 --json s.json", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_NE(ended.printed.find("empty loop beside"), std::string::npos) << ended.printed;
+  const json soak = read_json(folder / "s.json");
+  for (const char* loop : {"felt", "empty"}) {
+    const json& one = soak[loop];
+    EXPECT_NEAR(one["ticks"].get<double>() + one["missed"].get<double>(), 3000, 300) << loop;
+  }
+  EXPECT_LT(std::abs(soak["drift_ms"].get<double>()), 5) << "ticks are counted by an absolute clock";
+  EXPECT_GT(soak["force_max_n"].get<double>(), 0.01) << "the liver was felt";
+  EXPECT_NEAR(soak["frames"].get<double>(), 180, 20);
+}
+
+TEST(BenchHaptics, every_loop_is_timed_beside_an_empty_one_with_rhombi_at_four_kilohertz_too) {
+  const fs::path folder = fresh_folder();
+  const Ended ended = run_program("bench haptics --seconds 0.2 --json l.json", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  const json loops = read_json(folder / "l.json")["loops"];
+  ASSERT_EQ(loops.size(), 6u);
+  for (const json& loop : loops) {
+    EXPECT_GT(loop["ticks"].get<double>() + loop["missed"].get<double>(),
+              0.15 * loop["rate_asked_hz"].get<double>());
+    EXPECT_GT(loop["jitter_empty"]["max_us"].get<double>(), 0);
+  }
+  EXPECT_EQ(loops[5]["model"], "rhombus");
+  EXPECT_EQ(loops[5]["rate_asked_hz"], 4000);
+}
+
 TEST(BenchHaptics, TwoOutputsOfOneNameAreRefused) {
   const Ended ended = run_program("bench haptics --json a --picture a", fresh_folder());
   EXPECT_EQ(ended.code, 2);

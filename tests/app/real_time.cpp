@@ -39,6 +39,23 @@ TEST(RealTime, a_run_in_a_hand_tells_how_its_loop_went) {
   EXPECT_FALSE(fs::exists(folder / "o" / "video.mp4"));
 }
 
+TEST(RealTime, a_felt_run_is_done_again_to_the_same_bits_without_the_clock) {
+  const fs::path folder = fresh_folder();
+  write(folder / "pad.toml", kPad);
+  const Ended felt = run_program("run pad.toml --real-time -q --out o", folder);
+  ASSERT_EQ(felt.code, 0) << felt.printed;
+  const Ended again = run_program("--threads 1 replay o/felt.h5 --out again", folder);
+  EXPECT_EQ(again.code, 0) << again.printed;
+  EXPECT_NE(again.printed.find("came to the same state"), std::string::npos) << again.printed;
+  const nlohmann::json report = report_in(folder / "again");
+  EXPECT_TRUE(report["felt"]["same_bits"].get<bool>());
+  EXPECT_EQ(report["state_hash"], report_in(folder / "o")["state_hash"]);
+  EXPECT_GT(report["tools"][0]["force_max_N"].get<double>(), 0);
+  const Ended none = run_program("replay pad.toml", folder);
+  EXPECT_EQ(none.code, 2) << none.printed;
+  EXPECT_NE(none.printed.find("pad.toml"), std::string::npos) << none.printed;
+}
+
 TEST(RealTime, a_number_out_of_bounds_ends_with_exit_code_3_and_keeps_the_results) {
   const fs::path folder = fresh_folder();
   write(folder / "pad.toml", kPad);

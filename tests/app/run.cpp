@@ -30,6 +30,26 @@ TEST(Run, LeavesPicturesMeshesTheCtARecordingAndAReport) {
     EXPECT_TRUE(fs::exists(out / picture["file"].get<std::string>()));
 }
 
+TEST(Run, AFolderForTheDeformedCtBecomesADicomSeriesOfTheSamePatient) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(run_program("phantom torso --size 64 48 40 --spacing 6.5 6.5 6.5 -o ct", folder).code, 0);
+  std::string scene = small_scene();
+  const std::string phantom =
+      "ct = { phantom = \"torso\", size = [64, 48, 40], spacing_mm = [6.5, 6.5, 6.5] }";
+  scene.replace(scene.find(phantom), phantom.size(), "ct = \"ct\"");
+  write(folder / "s.toml", scene);
+  const Ended ended = run_program("run s.toml -q --out out --set output.deformed_ct=deformed", folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  EXPECT_EQ(names_in(folder / "out" / "deformed").size(), 40u);
+  const Ended info = run_program("info out/deformed", folder);
+  EXPECT_EQ(info.code, 0) << info.printed;
+  for (const char* word : {"Phantom^torso", "64 x 48 x 40"})
+    EXPECT_NE(info.printed.find(word), std::string::npos) << info.printed;
+  for (const char* name : {"frames", "a/b", "deformed.png"})
+    EXPECT_EQ(run_program(std::string("run s.toml --out o --set output.deformed_ct=") + name, folder).code,
+              2);
+}
+
 TEST(Run, TheStateHashIsTheSameOnOneTwoAndEightThreads) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", small_scene());

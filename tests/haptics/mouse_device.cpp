@@ -24,12 +24,17 @@ MouseHand at(Vec3d place, int put, bool hold = false) {
   return {.pose = {place, {}}, .hold = hold, .put = put, .put_at = place};
 }
 
-TEST(mouse_device, it_is_not_led_before_the_mouse_says_where) {
+TEST(mouse_device, it_is_led_from_the_exchange_on_that_says_where_the_mouse_is) {
   MouseDevice device(kReach);
   ASSERT_TRUE(device.open());
+  DeviceInput input;
+  ASSERT_TRUE(device.exchange({}, input));
   EXPECT_FALSE(device.is_led());
-  device.lead(at({}, 1));
+  device.lead(at({0.3, 0, 0}, 1));
+  EXPECT_FALSE(device.is_led()) << "a tick that is on its way still has the place of before";
+  ASSERT_TRUE(device.exchange({}, input));
   EXPECT_TRUE(device.is_led());
+  EXPECT_LT(norm(input.pose.position - Vec3d{0.3, 0, 0}), 1e-6);
 }
 
 TEST(mouse_device, it_is_put_at_once_and_led_from_there_within_a_quarter_of_a_second) {

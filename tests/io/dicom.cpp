@@ -76,7 +76,7 @@ TEST(Dicom, EmptySeriesIdentifiersAreOneSeries) {
 
 TEST(Dicom, SeveralSeriesAreListedAndChosen) {
   const Series s;
-  ASSERT_TRUE(write_dicom(kExec, s.path / "second", make_ct(3), "Test^Patient"));
+  ASSERT_TRUE(write_dicom(kExec, s.path / "second", make_ct(3), patient_alone("Test^Patient")));
   EXPECT_REFUSED(s.read(), "2 series", "--series", "6 slices of 9 x 7", "3 slices of 9 x 7", "Turgor volume",
                  "2.25.");
   EXPECT_EQ(s.read("1")->files + s.read("2")->files, 9);
@@ -300,10 +300,10 @@ TEST(Dicom, OtherFilesBesideTheSlicesDoNotMatter) {
 
 TEST(Dicom, AFolderThatIsNotEmptyIsNotWrittenInto) {
   const Series s;
-  EXPECT_REFUSED(write_dicom(kExec, s.path, s.ct, ""), "not an empty folder");
+  EXPECT_REFUSED(write_dicom(kExec, s.path, s.ct, {}), "not an empty folder");
   fs::create_directory(s.folder / "empty");
-  EXPECT_TRUE(write_dicom(kExec, s.folder / "empty", s.ct, ""));
-  EXPECT_REFUSED(write_dicom(kExec, s.folder / "a" / "b", s.ct, ""), "does not exist");
+  EXPECT_TRUE(write_dicom(kExec, s.folder / "empty", s.ct, {}));
+  EXPECT_REFUSED(write_dicom(kExec, s.folder / "a" / "b", s.ct, {}), "does not exist");
   EXPECT_FALSE(fs::exists(s.folder / "a"));
 }
 

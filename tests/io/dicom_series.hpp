@@ -45,7 +45,7 @@ struct Series {
   fs::path path = folder / "ct";
 
   explicit Series(int slices = 6) : ct(make_ct(slices)) {
-    const Status written = write_dicom(Exec(2), path, ct, "Test^Patient");
+    const Status written = write_dicom(Exec(2), path, ct, patient_alone("Test^Patient"));
     EXPECT_TRUE(written) << written.error().message;
   }
   fs::path slice(int number) const { return path / ("slice-0000" + std::to_string(number) + ".dcm"); }

@@ -69,7 +69,7 @@ TEST(File, OnAFullDiskEveryWriterSaysSoAndLeavesTheEarlierFileAlone) {
 TEST(File, OnAFullDiskADicomFolderIsRefusedWithASentenceAndNothingIsLeft) {
   const fs::path folder = fresh_folder();
   EXPECT_TRUE(on_a_small_disk(kFew, [&] {
-    const Status status = write_dicom(Exec(1), folder / "ct", noise(), "Nobody");
+    const Status status = write_dicom(Exec(1), folder / "ct", noise(), patient_alone("Nobody"));
     return !status &&
            status.error().message.find("cannot write the file: File too large") != std::string::npos;
   }));

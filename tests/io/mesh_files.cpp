@@ -131,6 +131,22 @@ TEST(MeshFiles, EmptyMeshesAreWritten) {
   EXPECT_TRUE(appended<float>(text, "points").empty());
 }
 
+TEST(MeshFiles, PointsAreVertexCellsWithDirectionsAlongTheFilesAxes) {
+  const std::filesystem::path file = test::fresh_folder() / "a.vtu";
+  const std::vector<Vec3> places{{0.001f, 0.002f, 0.003f}, {0, 0, 0}}, forces{{4, 5, 6}, {0, 0, 1}};
+  VertexField force = vertex_field("force [N]", forces);
+  force.is_direction = true;
+  ASSERT_TRUE(write_points(file, places, {force}, {.is_mm = true, .is_ras = true}));
+  const std::string text = test::bytes_of(file);
+  EXPECT_NE(text.find("NumberOfPoints=\"2\" NumberOfCells=\"2\""), text.npos);
+  const auto holds = [&](std::vector<float> values) {
+    return text.find(std::string(reinterpret_cast<const char*>(values.data()), 4 * values.size())) !=
+           text.npos;
+  };
+  EXPECT_TRUE(holds({-4, -5, 6, 0, 0, 1}));  // newtons stay newtons
+  EXPECT_TRUE(holds({-1, -2, 3}));           // places in millimetres
+}
+
 TEST(MeshFiles, PvdListsTimesAndFiles) {
   const std::string text = written("series.pvd", [](const auto& path) {
     return write_pvd(path, {{0, "a.vtu", "torso"}, {0.5, "b.vtu", "torso"}}, {.is_mm = true});

@@ -66,6 +66,34 @@ TEST(ClothBlocks, they_solve_the_same_system_as_conjugate_gradients_alone) {
   EXPECT_LT(off / size, 1e-4);
 }
 
+bool are_a_pair(const Blocks& blocks, int a, int b) {
+  const auto larger = std::size_t(std::max(a, b));
+  const auto begin = blocks.pair.begin() + blocks.pair_begin[larger],
+             end = blocks.pair.begin() + blocks.pair_begin[larger + 1];
+  return std::binary_search(begin, end, std::min(a, b));
+}
+
+TEST(ClothBlocks, springs_of_folds_join_blocks_that_no_edge_joins) {
+  Params params{.fabric = {.law = Law::kSprings, .bend = 1}, .solver = {.method = Method::kBlocks}};
+  params.collision.self = false;
+  const Model folds = must_build(make_sheet({.columns = 60, .rows = 60}), params);
+  params.fabric.bend = 0;
+  const Model edges = must_build(make_sheet({.columns = 60, .rows = 60}), params);
+  EXPECT_GT(folds.blocks.pair.size(), edges.blocks.pair.size());
+  for (const Model* model : {&folds, &edges}) {
+    const Rows& rows = model->rows;
+    for (int slot = 0; slot < rows.slot_begin.back(); slot++) {
+      const auto batch = std::upper_bound(rows.slot_begin.begin(), rows.slot_begin.end(), slot) - 1;
+      for (int l = 0; l < kLanes; l++) {
+        if (!(rows.stiffness[std::size_t(slot * kLanes + l)] > 0)) continue;
+        const int v = int(batch - rows.slot_begin.begin()) * kLanes + l;
+        EXPECT_TRUE(are_a_pair(model->blocks, model->blocks.of[std::size_t(v)],
+                               model->blocks.of[std::size_t(neighbour(rows, slot, l))]));
+      }
+    }
+  }
+}
+
 /// Sag of a strip of a metre whose ends hang 0.8 m apart, of a catenary's, and the pull at an end.
 struct Hanging {
   double sag = 0, pull = 0;

@@ -112,6 +112,24 @@ TEST(lattice_sleep, new_gravity_wakes_all) {
   EXPECT_GT(awake_after(model, state, 0.2, {.gravity = {0, 0, -9.81}}), 0);
 }
 
+TEST(lattice_sleep, tissue_that_leaves_the_body_wakes_what_it_held) {
+  double gape[2];
+  for (const bool sleeps : {false, true}) {
+    const Model model = tense_block({21, 21, 8}, sleeps ? kSleep : 0);
+    State state = make_state(model);
+    awake_after(model, state, 1);
+    const Vec3d from{6 * kStep, 10 * kStep, 6 * kStep};
+    const Incision blade{
+        .from = from, .to = from + Vec3d{8 * kStep, 0, 0}, .depth = 0.01, .width = 1.5 * kStep};
+    const BladePath path = lay_blade(model, state, blade).value();
+    EXPECT_GT(cut_region(model, state, path), 10);
+    awake_after(model, state, 5);
+    gape[sleeps] = measure_wound(model, state, path, 0).gape_max;
+  }
+  EXPECT_GT(gape[0], 0.2e-3);
+  EXPECT_NEAR(gape[1], gape[0], 1e-2 * gape[0]);
+}
+
 TEST(lattice_sleep, what_swings_does_not_fall_asleep_where_it_turns) {
   Block block{.size = {5, 5, 25}, .step = kStep, .young = 2e4, .skin_on_top = false};
   block.is_fixed = [](Int3 p) { return p.z == 0; };

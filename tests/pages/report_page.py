@@ -5,9 +5,12 @@ it, the mouse reads a plot, and the page has nothing to complain about.
     report_page.py TURGOR FOLDER     makes its own run in FOLDER; ends with 77 where there is no browser
 """
 import base64
+import contextlib
 import json
+import os
 import pathlib
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -48,8 +51,9 @@ class Browser:
                      "--enable-unsafe-swiftshader", "--window-size=1200,1400"]
         options = {"binary": program, "args": arguments}
         wanted = {"browserName": "chrome", "goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}}
-        self.session = "/session/" + self.patient(lambda: request("POST", "/session",
-                                                  {"capabilities": {"alwaysMatch": wanted}}))["sessionId"]
+        self.patient(lambda: request("GET", "/status"))
+        session = request("POST", "/session", {"capabilities": {"alwaysMatch": wanted}})
+        self.session, self.browser = "/session/" + session["sessionId"], session["capabilities"]["goog:processID"]
 
     @staticmethod
     def patient(ask, seconds=30):
@@ -98,6 +102,8 @@ class Browser:
             request("DELETE", self.session)
         finally:
             self.process.terminate()
+            with contextlib.suppress(ProcessLookupError):  # it may outlive its driver
+                os.kill(self.browser, signal.SIGKILL)
 
 
 def pixels(png):

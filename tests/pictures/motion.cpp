@@ -1,5 +1,7 @@
 #include "turgor/pictures/motion.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "turgor/sim/report/json_numbers.hpp"
@@ -72,6 +74,29 @@ TEST(Motion, TakesNoMoreMemoryThanItsLimitAndKeepsTheFirstAndTheLastMoment) {
   EXPECT_EQ(motion.frames.front().time, 0);
   EXPECT_DOUBLE_EQ(motion.frames.back().time, 0.05 * 199);
   EXPECT_GT(motion.frames.size(), 5u);
+}
+
+TEST(Motion, SurfacesThatNoKeptMomentShowsTakeNoMemory) {
+  Motion motion;
+  for (int f = 0; f < 60; f++) {  // a cut that grows: other triangles each time
+    ShownWorld shown = at_time(0.05 * f, 0);
+    shown.bodies[0].triangles.resize(shown.bodies[0].triangles.size() - std::size_t(f));
+    shown.bodies[0].wall_begin = shown.bodies[0].triangles.size();
+    add_moment(shown, motion, {.triangles = 40'000, .numbers = 400'000});
+  }
+  const std::vector<MovingSurface>& surfaces = motion.things.at(0).surfaces;
+  const auto kept = std::count_if(surfaces.begin(), surfaces.end(),
+                                  [](const MovingSurface& s) { return !s.triangles.empty(); });
+  EXPECT_EQ(surfaces.size(), 60u);
+  EXPECT_EQ(std::size_t(kept), motion.frames.size());
+  EXPECT_GT(kept, 2);
+  std::size_t numbers = 0;
+  for (const MovingSurface& s : surfaces) numbers += 4 * s.rest.size() + 3 * s.triangles.size();
+  for (const MotionFrame& frame : motion.frames) numbers += 3 * frame.moved[0].size();
+  EXPECT_EQ(motion.numbers, numbers);
+  EXPECT_LE(numbers, 400'000u);
+  const Json page = Json::parse(motion_json(motion, 10'000'000));
+  EXPECT_EQ(page["things"][0]["surfaces"].size(), 60u);
 }
 
 TEST(Motion, OnePageHoldsAsManyMomentsAsFit) {

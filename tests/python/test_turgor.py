@@ -12,10 +12,15 @@ import numpy as np
 import turgor
 
 PROGRAM = os.environ["TURGOR"]
-FORCEPS = """
-[world]
-duration = 0.4
-frame_rate = 50
+
+
+def scene(duration, text, every=0.1):
+    """What is in `text`, with few pictures and small ones; it may begin with more of [world]."""
+    return (f"[world]\nduration = {duration}\nframe_rate = 50\n{text}"
+            f"[output]\nvideo = false\nsnapshots = {{ every = {every}, size = [160, 120] }}\n")
+
+
+FORCEPS = scene(0.4, """
 [body.liver]
 model = "rhombus"
 surface = { phantom = "liver", detail = 0.3 }
@@ -23,14 +28,8 @@ surface = { phantom = "liver", detail = 0.3 }
 body = "liver"
 shape = { forceps = "phantom" }
 grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.004, pull = 0.006, start = 0, duration = 0.1 }
-[output]
-video = false
-snapshots = { every = 0.2, size = [160, 120] }
-"""
-PAD = """
-[world]
-duration = 0.2
-frame_rate = 50
+""", every=0.2)
+PAD = scene(0.2, """
 [body.pad]
 model = "sfem"
 block = { size = [0.06, 0.06, 0.03], count = [6, 6, 3] }
@@ -42,28 +41,15 @@ cache = false
 body = "pad"
 shape = { sphere = 0.006 }
 path = [[0, 0.03, 0.03, 0.05]]
-[output]
-video = false
-snapshots = { every = 0.1, size = [160, 120] }
-"""
-CLOTH = """
-[world]
-duration = 0.2
-frame_rate = 50
-gravity = [0, 0, -9.81]
+""")
+CLOTH = scene(0.2, """gravity = [0, 0, -9.81]
 [body.sheet]
 model = "cloth"
 sheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0.2, 0], columns = 12, rows = 12 }
 [body.sheet.hold.edge]
 box = [[-1, 0.19, -1], [1, 1, 1]]
-[output]
-video = false
-snapshots = { every = 0.1, size = [160, 120] }
-"""
-TORSO = """
-[world]
-duration = 0.2
-frame_rate = 50
+""")
+TORSO = scene(0.2, """
 [body.torso]
 model = "lattice"
 ct = { phantom = "torso", size = [64, 48, 40], spacing_mm = [6.5, 6.5, 6.5] }
@@ -76,10 +62,7 @@ to_fraction = [0.5, 0.0, 0.3]
 depth = 0.02
 start = 0.02
 duration = 0.05
-[output]
-video = false
-snapshots = { every = 0.1, size = [160, 120] }
-"""
+""")
 
 
 def hash_of_program(text, *arguments):
@@ -180,6 +163,27 @@ class Turgor(unittest.TestCase):
         for thread in threads:
             thread.join()
         self.assertTrue(refused and "another thread" in refused[0])
+
+    def test_a_world_that_is_being_stepped_is_not_looked_at(self):
+        world = turgor.World(text=TORSO, threads=1)
+        looks = [lambda: world["torso"], lambda: world.state_hash, lambda: world.time, lambda: world.notes,
+                 lambda: world.tools, lambda: world.bodies]
+        stepping = threading.Thread(target=world.step, args=(300,))
+        stepping.start()
+        refused = 0
+        while stepping.is_alive() and refused < len(looks):
+            try:
+                looks[refused]()
+            except RuntimeError as error:
+                self.assertIn("another thread", str(error))
+                refused += 1
+        stepping.join()
+        self.assertEqual(refused, len(looks))
+        self.assertEqual(world.frame, 300)
+
+    def test_a_text_is_any_text(self):
+        with self.assertRaisesRegex(turgor.Error, "\U0001d6d1.nii"):
+            turgor.World(text=TORSO, set={"body.torso.ct": "/no-such-folder/\U0001d6d1.nii"})
 
 
 if __name__ == "__main__":

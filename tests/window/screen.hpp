@@ -53,11 +53,18 @@ class Screen {
       _exit(127);
     }
     close(ends[1]);
-    char text[16] = {};
-    const ssize_t count = read(ends[0], text, sizeof text - 1);
+    const std::string display = line_of(ends[0]);
     close(ends[0]);
-    if (count < 1) return void(missing = "Xvfb did not start");
-    setenv("DISPLAY", fmt::format(":{}", std::atoi(text)).c_str(), 1);
+    if (display.empty()) return void(missing = "Xvfb did not start");
+    setenv("DISPLAY", (":" + display).c_str(), 1);
+  }
+
+  /// To its end: the server writes the end of the line by itself, and dies when nobody is left to read it.
+  static std::string line_of(int pipe) {
+    std::string line;
+    char letter = 0;
+    while (read(pipe, &letter, 1) == 1 && letter != '\n') line += letter;
+    return line;
   }
 
   pid_t server_ = 0;

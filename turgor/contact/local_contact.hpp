@@ -30,6 +30,7 @@ struct LocalContact {
   double shear_stiffness = 0;  // across it [N/m]
   double friction = 0;         // Coulomb's μ [1]
   double reach = 0;            // the plane is known for the tissue so far from `origin` [m]
+  long number = 0;             // of the planes of this tool so far
 };
 
 struct LocalTouchParams {

@@ -67,6 +67,7 @@ void tick(const rhombus::Model& model, RhombusTouch& touch, std::span<const Tool
   rhombus::touch(model, touch.touches, touch.inputs, dt, touch.forces);
   for (std::size_t t = 0; t < commands.size(); t++)
     readings[t] = reading_of(touch.forces[t], touch.inputs[t].position - commands[t].pose.position);
+  touch.ticks++;
 }
 
 void publish(const RhombusTouch& touch, RhombusTouchedNow& now) {
@@ -74,6 +75,7 @@ void publish(const RhombusTouch& touch, RhombusTouchedNow& now) {
   now.poses = touch.poses;
   now.inputs = touch.inputs;
   now.forces = touch.forces;
+  now.ticks = touch.ticks;
 }
 
 void tick(const rhombus::Model& model, RhombusTouch& touch, latest<RhombusTouchedNow>& touched,

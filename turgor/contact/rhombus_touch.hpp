@@ -30,6 +30,7 @@ struct RhombusTouch {
   std::vector<Pose> poses;                 // of the last tick, as the two below
   std::vector<rhombus::TouchInput> inputs;
   std::vector<rhombus::TouchForce> forces;  // in more detail than ToolReading
+  long ticks = 0;                           // so far
 };
 RhombusTouch make_rhombus_touch(std::vector<RhombusTip> tips, std::span<const Pose> poses);
 
@@ -44,6 +45,7 @@ struct RhombusTouchedNow {
   std::vector<Pose> poses;
   std::vector<rhombus::TouchInput> inputs;
   std::vector<rhombus::TouchForce> forces;
+  long ticks = 0;  // so far
 };
 /// Allocates nothing from the second time on.
 void publish(const RhombusTouch& touch, RhombusTouchedNow& now);

@@ -34,8 +34,8 @@ void set_offsets(SfemTouch& touch) {
 
 ToolReading reading_of(const SfemTouch& touch, std::size_t tool) {
   const ToolForce& felt = touch.forces[tool];
-  ToolReading reading{.force = felt.force,
-                      .torque = felt.torque,
+  ToolReading reading{.force = felt.force * touch.stiffer,
+                      .torque = felt.torque * touch.stiffer,
                       .contacts = felt.contacts,
                       .beyond_patch = felt.beyond_patch};
   if (felt.contacts > 0)
@@ -69,6 +69,7 @@ void tick(SfemTouch& touch, std::span<const ToolCommand> commands, double dt,
   contact::touch(*touch.patch, touch.state, touch.tools, touch.poses, dt, touch.forces);
   blend(touch.follow, touch.state, dt, touch.forces);
   for (std::size_t t = 0; t < commands.size(); t++) readings[t] = reading_of(touch, t);
+  touch.ticks++;
 }
 
 void take_frame(SfemTouch& touch, std::span<const Vec3d> to, long ticks) {
@@ -94,13 +95,16 @@ Handover take_patch(SfemTouch& touch, const PatchOffer& offer) {
 void publish(const SfemTouch& touch, TouchedNow& now) {
   now.patch = touch.patch;
   now.taken = touch.taken;
+  now.ticks = touch.ticks;
   now.force_jump = touch.handover.force_jump;
   now.x = touch.state.x;
   now.force = touch.state.force;
   now.history = touch.state.history;
   now.stiffening = touch.state.params.viscosity.stiffening;
+  now.stiffer = touch.stiffer;
   now.poses = touch.poses;
   now.forces = touch.forces;
+  for (ToolForce& felt : now.forces) felt.force *= touch.stiffer, felt.torque *= touch.stiffer;
   now.middles.resize(touch.tools.size());
   find_middles(*touch.patch, touch.state, now.middles);
 }
@@ -126,6 +130,8 @@ void tick(SfemTouch& touch, SfemExchange& exchange, std::span<const ToolCommand>
   if (exchange.motion.has_news()) {
     const FreeMotion& motion = exchange.motion.read();
     take_frame(touch, motion.to, motion.ticks);
+    touch.frame = motion.number, touch.stiffer = motion.stiffer;
+    for (std::size_t t = 0; t < motion.friction.size(); t++) touch.tools[t].friction = motion.friction[t];
   }
   if (exchange.patches.has_news()) take_patch(touch, exchange.patches.read());
   tick(touch, commands, dt, readings);

@@ -34,9 +34,12 @@ struct SfemTouch {
   std::shared_ptr<const sfem::Patch> patch;
   std::vector<Tool> tools;
   FollowParams follow;
+  double stiffer = 1;  // than its patch, at any place: so many times as large is every force
   TouchState state;
   FreeWay free;
   long taken = 0;                 // PatchOffer::number of the patch
+  long frame = 0;                 // FreeMotion::number of the way
+  long ticks = 0;                 // so far
   Handover handover;              // when it was taken
   std::vector<ToolPose> poses;    // of the last tick
   std::vector<ToolForce> forces;  // likewise, in more detail than ToolReading
@@ -73,10 +76,12 @@ Handover take_patch(SfemTouch& touch, const PatchOffer& offer);
 struct TouchedNow {
   std::shared_ptr<const sfem::Patch> patch = std::make_shared<const sfem::Patch>();  // empty without tools
   long taken = 0;               // PatchOffer::number of it
+  long ticks = 0;               // so far
   double force_jump = 0;        // that taking it made, before blending [N]
-  std::vector<Vec3d> x, force;  // of its points [m] [N]
+  std::vector<Vec3d> x, force;  // of its points [m]; as if `stiffer` were 1 [N]
   ViscousHistory history;
   double stiffening = 0;  // Viscosity::stiffening
+  double stiffer = 1;     // see SfemTouch
   std::vector<ToolPose> poses;
   std::vector<ToolForce> forces;
   std::vector<ContactMiddle> middles;
@@ -85,10 +90,13 @@ struct TouchedNow {
 void publish(const SfemTouch& touch, TouchedNow& now);
 void reserve_like(const SfemTouch& touch, TouchedNow& now);
 
-/// Where the vertices go by themselves in the next frame: every one, or none.
+/// Where the vertices go by themselves in the next frame: every one, or none; and what changed meanwhile.
 struct FreeMotion {
-  std::vector<Vec3d> to;  // [m]
-  long ticks = 1;         // of that frame
+  std::vector<Vec3d> to;         // [m]
+  long ticks = 1;                // of that frame
+  double stiffer = 1;            // see SfemTouch
+  std::vector<double> friction;  // of every tool; empty: as it was
+  long number = 0;               // of the motions so far
 };
 
 /// What passes between a haptic thread and the thread that makes frames and has patches built.

@@ -2,6 +2,7 @@
 // fit a CT stored right to left. No sample changes its value or its place in the patient.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -78,6 +79,30 @@ std::optional<Volume<T>> on_grid(const Volume<T>& volume, const Grid& grid) {
   if (!order || !same_grid(reordered(volume.grid, *order), grid)) return std::nullopt;
   Volume<T> out = reordered(volume, *order);
   out.grid = grid;
+  return out;
+}
+
+/// The same where the volume covers a part of `grid`, sample on sample: 0 elsewhere.
+template <class T>
+std::optional<Volume<T>> part_on_grid(const Volume<T>& volume, const Grid& grid) {
+  const std::optional<AxisOrder> order = axis_order(volume.grid.axes, grid.axes);
+  if (!order) return std::nullopt;
+  const Volume<T> part = reordered(volume, *order);
+  const Vec3d at = index_at(grid, part.grid.origin);
+  const Int3 first{int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z))};
+  Grid covered = grid;
+  covered.size = part.grid.size;
+  covered.origin = point_at(grid, Vec3d(first));
+  const Int3 last = first + part.grid.size;
+  for (int axis = 0; axis < 3; axis++)
+    if (first[axis] < 0 || last[axis] > grid.size[axis]) return std::nullopt;
+  if (!same_grid(part.grid, covered)) return std::nullopt;
+  Volume<T> out{grid, std::vector<T>(sample_count(grid))};
+  for (int k = 0; k < covered.size.z; k++)
+    for (int j = 0; j < covered.size.y; j++)
+      std::copy_n(
+          part.samples.begin() + std::ptrdiff_t(sample_index(part.grid, 0, j, k)), covered.size.x,
+          out.samples.begin() + std::ptrdiff_t(sample_index(grid, first.x, first.y + j, first.z + k)));
   return out;
 }
 

@@ -30,13 +30,11 @@ MouseDevice::MouseDevice(const Box& reach)
   spec_.name = "mouse";
 }
 
-void MouseDevice::lead(const MouseHand& hand) {
-  said_.write(hand);
-  is_led_ = true;
-}
+void MouseDevice::lead(const MouseHand& hand) { said_.write(hand); }
 
 bool MouseDevice::exchange(const DeviceOutput& output, DeviceInput& input) noexcept {
   constexpr double kShare = 0.06;  // of the way, a tick: a jump of the mouse takes some 20 ms
+  is_led_ = is_led_ || said_.has_news();
   const MouseHand& said = said_.read();
   const bool is_put = said.put != put_;
   Vec3d& goal = goal_.pose.position;

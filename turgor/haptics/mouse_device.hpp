@@ -27,8 +27,10 @@ class MouseDevice final : public Device {
   /// `reach`: where the tool can go [m].
   explicit MouseDevice(const Box& reach);
 
-  /// By one thread, which is not the loop's. From the first time on the tool is the mouse's.
+  /// By one thread, which is not the loop's. From the exchange after the first time on the tool is the
+  /// mouse's.
   void lead(const MouseHand& hand);
+  /// Did the newest exchange say where the mouse is?
   const std::atomic<bool>& is_led() const { return is_led_; }
 
   Status open() override { return arm_.open(); }

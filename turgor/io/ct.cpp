@@ -106,12 +106,16 @@ Result<CtFile> read_ct(const Exec& exec, const fs::path& path, const ReadOptions
   return file;
 }
 
-LabelNames read_label_names(const fs::path& path) { return io::read_header_names(path); }
+LabelNames read_label_names(const fs::path& path) {
+  if (!io::check_input(path)) return {};
+  return io::is_dicom(path) ? io::read_segment_names(path) : io::read_header_names(path);
+}
 
 Result<LabelFile> read_labels_of(const fs::path& path, const Grid& ct) {
   Result<LabelFile> read = read_labels(path);
   if (!read) return read;
-  std::optional<LabelVolume> placed = on_grid(read->labels, ct);
+  std::optional<LabelVolume> placed =
+      read->is_part ? part_on_grid(read->labels, ct) : on_grid(read->labels, ct);
   if (!placed)
     return Error{fmt::format("{}: its grid is not the CT's: {}; expected a segmentation of this CT",
                              path.string(), grid_difference(read->labels.grid, ct))};
@@ -120,6 +124,8 @@ Result<LabelFile> read_labels_of(const fs::path& path, const Grid& ct) {
 }
 
 Result<LabelFile> read_labels(const fs::path& path) {
+  if (Status input = io::check_input(path); !input) return input.error();
+  if (io::is_dicom(path)) return io::read_segmentation(path);
   const Result<RawVolume> raw = read_raw(path, 1);
   if (!raw) return raw.error();
   if (const auto at = first_without_label(*raw)) return no_label(path, *raw, *at);

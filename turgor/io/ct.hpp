@@ -4,7 +4,9 @@
 // was expected and what was found.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -22,9 +24,24 @@ struct ReadOptions {
   Progress progress;   // may be empty
 };
 
+/// What a DICOM series that is made of another takes over: patient, study and frame of reference, so that
+/// viewers open both beside each other, and which image lies where.
+struct DicomOrigin {
+  struct Image {
+    std::string uid, class_uid;  // SOPInstanceUID, SOPClassUID
+    int frame = 0;               // of an enhanced image, from 1
+    Vec3d position;              // of its first pixel, LPS [m]
+  };
+  std::map<std::uint32_t, std::string> elements;  // group · 65536 + element → value as stored
+  std::vector<Image> images;                      // in no order
+};
+/// The origin of what was never scanned.
+DicomOrigin patient_alone(const std::string& name);
+
 /// What a file says about its volume besides the voxels.
 struct CtFile {
   CtVolume ct;
+  DicomOrigin origin;                            // DICOM only
   std::string format;                            // "DICOM", "NIfTI", "NRRD", "MetaImage"
   std::string patient, study, series, modality;  // DICOM only; may be empty
   int files = 1;
@@ -43,8 +60,10 @@ struct LabelFile {
   LabelVolume labels;
   LabelNames names;        // the file's own, else the usual tool's
   bool has_names = false;  // are they the file's own?
+  bool is_part = false;    // it says nothing beyond its grid: no label is there (DICOM)
 };
-/// A segmentation: .nii, .nii.gz, .nrrd, .seg.nrrd, .mha, .mhd with whole numbers in 0…65535.
+/// A segmentation: .nii, .nii.gz, .nrrd, .seg.nrrd, .mha, .mhd with whole numbers in 0…65535, or a DICOM
+/// segmentation of segments that do not overlap.
 Result<LabelFile> read_labels(const std::filesystem::path& path);
 /// The same, laid along the axes of a CT. Error: its samples do not lie where those of the CT do.
 Result<LabelFile> read_labels_of(const std::filesystem::path& path, const Grid& ct);
@@ -62,8 +81,9 @@ Status write_labels(const std::filesystem::path& path, const LabelVolume& labels
 Status write_scalars(const std::filesystem::path& path, const ScalarVolume& volume);
 /// Components in mm, LPS.
 Status write_displacement(const std::filesystem::path& path, const VectorVolume& displacement);
-/// One file a slice, into a new folder.
+/// One file a slice, into a new folder: a series of its own. Of an origin with images it is derived: it keeps
+/// their patient, study and frame of reference, and each slice names the image that it was made of.
 Status write_dicom(const Exec& exec, const std::filesystem::path& folder, const CtVolume& ct,
-                   const std::string& patient, const Progress& progress = {});
+                   const DicomOrigin& origin, const Progress& progress = {});
 
 }  // namespace turgor

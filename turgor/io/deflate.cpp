@@ -54,9 +54,9 @@ class PackedBytes {
 
 struct InflateStream {
   z_stream z{};
-  InflateStream() {
-    constexpr int kZlibOrGzip = 15 + 32;
-    if (inflateInit2(&z, kZlibOrGzip) != Z_OK) throw std::bad_alloc();
+  static constexpr int kZlibOrGzip = 15 + 32, kBare = -15;  // zlib's windowBits
+  explicit InflateStream(int format) {
+    if (inflateInit2(&z, format) != Z_OK) throw std::bad_alloc();
   }
   InflateStream(const InflateStream&) = delete;
   InflateStream& operator=(const InflateStream&) = delete;
@@ -105,7 +105,7 @@ bool next_member(PackedBytes& packed, z_stream& z) {
 Inflated inflate(const FileRange& range, std::int64_t skip, std::span<std::byte> out) {
   using End = Inflated::End;
   PackedBytes packed(range);
-  InflateStream stream;
+  InflateStream stream(InflateStream::kZlibOrGzip);
   Unpacked unpacked{.skip = skip, .out = out};
   for (;;) {
     const bool has_input = packed.feed(stream.z);
@@ -117,6 +117,25 @@ Inflated inflate(const FileRange& range, std::int64_t skip, std::span<std::byte>
     }
     if (state == Z_BUF_ERROR && !has_input) return {End::kTooShort, unpacked.done};
     if (state != Z_OK) return {End::kDamaged, unpacked.done};
+  }
+}
+
+std::optional<std::string> inflate_bare(const FileRange& range, std::size_t most) {
+  constexpr std::size_t kBlock = std::size_t{1} << 18;
+  PackedBytes packed(range);
+  InflateStream stream(InflateStream::kBare);
+  std::string out;
+  for (;;) {
+    const bool has_input = packed.feed(stream.z);
+    const std::size_t done = out.size();
+    if (done > most) return std::nullopt;
+    out.resize(done + kBlock);
+    stream.z.next_out = reinterpret_cast<Bytef*>(out.data() + done);
+    stream.z.avail_out = uInt(kBlock);
+    const int state = ::inflate(&stream.z, Z_NO_FLUSH);
+    out.resize(out.size() - stream.z.avail_out);
+    if (state == Z_STREAM_END) return out;
+    if (state != Z_OK || (!has_input && out.size() == done)) return std::nullopt;
   }
 }
 

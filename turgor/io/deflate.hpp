@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace turgor::io {
@@ -31,5 +33,9 @@ struct Inflated {
 /// the first `skip` bytes of what comes out and fills `out`. kExact: every stream ended where it should,
 /// with the right checksum, when `out` was full. What follows the last stream is passed over.
 Inflated inflate(const FileRange& packed, std::int64_t skip, std::span<std::byte> out);
+
+/// Unpacks a range that holds one stream without a header or a checksum, as in DICOM. Nothing: damaged, cut
+/// short, or more than `most` bytes.
+std::optional<std::string> inflate_bare(const FileRange& packed, std::size_t most);
 
 }  // namespace turgor::io

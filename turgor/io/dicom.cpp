@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -117,6 +118,19 @@ void note_changes(const std::vector<DicomSlice>& slices, const ChangedSamples& c
                     slices.front().slope, slices.front().intercept));
 }
 
+int file_count(const std::vector<DicomSlice>& slices) {
+  std::set<fs::path> files;
+  for (const DicomSlice& slice : slices) files.insert(slice.file);
+  return int(files.size());
+}
+
+DicomOrigin origin_of(const std::vector<DicomSlice>& slices) {
+  DicomOrigin origin{slices.front().of_study, {}};
+  for (const DicomSlice& slice : slices)
+    origin.images.push_back({slice.image, slice.image_class, slice.frame, *slice.position * 1e-3});
+  return origin;
+}
+
 }  // namespace
 
 }  // namespace io
@@ -150,11 +164,12 @@ Result<CtFile> read_dicom(const Exec& exec, const fs::path& path, const ReadOpti
   if (!changed) return changed.error();
   const DicomSlice& first = volume->slices.front();
   file.format = "DICOM";
+  file.origin = origin_of(volume->slices);
   file.patient = first.patient;
   file.study = first.study;
   file.series = first.description.empty() ? first.series : first.description;
   file.modality = first.modality;
-  file.files = int(volume->slices.size());
+  file.files = file_count(volume->slices);
   file.notes = std::move(chosen->notes);
   file.notes.insert(file.notes.end(), volume->notes.begin(), volume->notes.end());
   note_changes(volume->slices, *changed, file.notes);

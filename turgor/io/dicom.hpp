@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,12 +15,18 @@
 
 namespace turgor::io {
 
-/// The header of one image file.
+/// The header of one image file, or of a frame of an enhanced one.
 struct DicomSlice {
   std::filesystem::path file;
   std::string series, description, modality, patient, study, image_type, photometric, transfer_syntax;
-  std::vector<DicomFragment> fragments;  // of compressed pixels
+  std::string image, image_class;                 // SOPInstanceUID, SOPClassUID
+  std::map<std::uint32_t, std::string> of_study;  // what a derived series takes over: DicomOrigin::elements
+  std::vector<DicomFragment> fragments;           // of compressed pixels
   int rows = 0, columns = 0, frames = 1, samples_per_pixel = 1;
+  int frame = 0;                     // of an enhanced image, from 1; 0 where each file is a slice
+  bool is_big_endian = false;        // pixels
+  bool is_deflated = false;          // pixel_offset is in what the file inflates to
+  std::uint64_t dataset_offset = 0;  // where that begins in the file [bytes]
   int bits_allocated = 16, bits_stored = 16, high_bit = 15;
   bool is_signed = false, is_compressed = false;
   std::uint64_t file_size = 0, pixel_offset = 0, pixel_length = 0;  // [bytes]
@@ -35,6 +42,7 @@ struct DicomSlice {
 struct DicomFile {
   std::filesystem::path file;
   std::optional<DicomSlice> slice;
+  std::vector<DicomSlice> frames;     // of an enhanced image: what to take instead of the slice
   std::string problem;                // without a slice: "is empty", "truncated or corrupt DICOM file: …"
   std::optional<std::string> series;  // of a damaged file, if that much could be read
   enum class Kind {
@@ -61,6 +69,14 @@ struct DicomVolume {
 /// Whether a file begins as DICOM files do.
 bool is_dicom(const std::filesystem::path& file);
 DicomFile read_dicom_header(const std::filesystem::path& file);
+/// The frames of an enhanced image, each as a slice; empty if its header does not say where they lie.
+std::vector<DicomSlice> frames_of(const DicomSlice& image, const DicomElements& set);
+/// Decimal strings: "1.5\\2\\-3e1". Words that are no numbers become NaN.
+std::vector<double> decimal_numbers(std::string_view text);
+/// Position, directions, spacing and thickness, as far as the values say.
+void read_place(const DicomValues& values, DicomSlice& slice);
+/// A signed or unsigned number of two bytes.
+std::optional<int> short_integer(std::string_view value, bool is_signed, bool is_big_endian);
 Result<DicomFolder> scan_dicom(const Exec& exec, const std::filesystem::path& folder, bool recursive,
                                const Progress& progress);
 /// Files beside a series that was chosen: an error if one of them is a damaged slice of it, or looks like one
@@ -90,6 +106,12 @@ Result<ChangedSamples> decode_dicom_samples(const Exec& exec, std::span<const Di
 Status check_frame(const DicomSlice& slice);
 /// Stored values, as the slice's header describes them, as Hounsfield units.
 ChangedSamples convert_to_hu(const DicomSlice& slice, const char* stored, std::span<std::int16_t> hu);
+
+/// A DICOM segmentation: one bit a sample and segment. Its grid goes from the first to the last slice that
+/// has a segment; labels are the segments' numbers.
+Result<LabelFile> read_segmentation(const std::filesystem::path& file);
+/// What its segments are called; empty if that cannot be read.
+LabelNames read_segment_names(const std::filesystem::path& file);
 
 Result<CtFile> read_dicom(const Exec& exec, const std::filesystem::path& path, const ReadOptions& options);
 

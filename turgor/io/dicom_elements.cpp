@@ -1,10 +1,12 @@
-// [DICOM PS3.5, 7 and annex A] Little endian only; big endian and deflated files are named and refused.
+// [DICOM PS3.5, 7 and annex A]
 #include "turgor/io/dicom_elements.hpp"
 
 #include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
+
+#include "turgor/io/deflate.hpp"
 
 namespace turgor::io {
 
@@ -16,6 +18,14 @@ constexpr std::uint32_t kItem = 0xfffee000, kItemEnd = 0xfffee00d, kSequenceEnd 
 constexpr int kDeepest = 12;
 constexpr std::size_t kMostElements = 4'000'000;
 constexpr std::size_t kLongestValue = 4096;  // of those that are kept [bytes]
+
+// Sequences of which something is kept, and what of them.
+constexpr std::uint32_t kShared = 0x52009229, kPerFrame = 0x52009230, kSegments = 0x00620002;
+constexpr std::uint32_t kKept[] = {
+    0x00180050, 0x00180088,               // SliceThickness, SpacingBetweenSlices
+    0x00200032, 0x00200037, 0x00280030,   // ImagePositionPatient, ImageOrientationPatient, PixelSpacing
+    0x00281052, 0x00281053,               // RescaleIntercept, RescaleSlope
+    0x00620004, 0x00620005, 0x0062000b};  // SegmentNumber, SegmentLabel, ReferencedSegmentNumber
 
 struct Header {
   std::uint32_t tag = 0, length = 0;
@@ -29,12 +39,14 @@ class Walk {
 
   std::uint64_t at = 0;
   std::string problem;
+  bool is_big_endian = false;
 
   std::uint32_t number(std::size_t size) {
     const std::string_view bytes = view(at, size);
     if (bytes.empty()) return fail("the file ends within an element"), 0;
     std::uint32_t value = 0;
-    for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[i]);
+    for (std::size_t i = 0; i < size; i++)
+      value = value << 8 | static_cast<unsigned char>(bytes[is_big_endian ? i : size - 1 - i]);
     at += size;
     return value;
   }
@@ -68,13 +80,16 @@ class Walk {
   }
   std::string_view view(std::uint64_t from, std::size_t length) const { return file_.view(from, length); }
 
-  /// The items of a sequence, up to `end` or, if that is not known, to the sequence's delimiter.
-  void sequence(bool is_explicit, std::optional<std::uint64_t> end, int depth) {
+  /// The items of a sequence, up to `end` or, if that is not known, to the sequence's delimiter. What is kept
+  /// of each goes into `items`, if there are any.
+  void sequence(bool is_explicit, std::optional<std::uint64_t> end, int depth,
+                std::vector<DicomValues>* items = nullptr) {
     if (depth > kDeepest) return fail("sequences are nested too deep");
     while (problem.empty() && !(end && at >= *end)) {
       const Header item = header(is_explicit);
       if (!problem.empty() || (item.tag == kSequenceEnd && !end)) return;
       if (item.tag != kItem) return fail_at(item.tag, "stands where an item of a sequence was expected");
+      if (items) kept_ = &items->emplace_back();
       if (item.length == kUndefined)
         dataset(is_explicit, std::nullopt, depth + 1);
       else if (item.length > file_size_ - at)
@@ -85,14 +100,21 @@ class Walk {
     if (problem.empty() && end && at != *end) fail("a sequence and its items differ in length");
   }
 
-  void value(const Header& h, bool is_explicit, int depth) {
+  void value(const Header& h, bool is_explicit, int depth, std::vector<DicomValues>* items = nullptr) {
     if (h.length == kUndefined) {
       if (is_explicit && h.vr != "SQ" && h.vr != "UN") return fail_at(h.tag, "has no length");
-      return sequence(is_explicit && h.vr != "UN", std::nullopt, depth);
+      return sequence(is_explicit && h.vr != "UN", std::nullopt, depth, items);
     }
-    if (h.vr != "SQ") return void(skip(h));
-    if (h.length > file_size_ - at) return void(skip(h));
-    sequence(is_explicit, at + h.length, depth);
+    const bool is_sequence = h.vr == "SQ" || (h.vr.empty() && is_sequence_of_frames(h.tag));
+    if (!is_sequence || h.length > file_size_ - at) return keep(h);
+    sequence(is_explicit, at + h.length, depth, items);
+  }
+
+  /// A sequence of which something is kept.
+  void value_with_items(const Header& h, bool is_explicit, std::vector<DicomValues>& items) {
+    items.clear();
+    value(h, is_explicit, 0, &items);
+    kept_ = nullptr;
   }
 
   void dataset(bool is_explicit, std::optional<std::uint64_t> end, int depth) {
@@ -129,6 +151,18 @@ class Walk {
   bool is_at_end() const { return at >= file_size_; }
 
  private:
+  /// Where no value representation says so: the sequences that places of frames and segments are nested in.
+  static bool is_sequence_of_frames(std::uint32_t tag) {
+    return tag == kShared || tag == kPerFrame || tag == kSegments || tag == 0x00209113 || tag == 0x00209116 ||
+           tag == 0x00289110 || tag == 0x00289145 || tag == 0x0062000a;
+  }
+  /// Moves behind a value; the first of its kind in an item is kept.
+  void keep(const Header& h) {
+    const std::uint64_t from = at;
+    if (!skip(h) || !kept_ || h.length > kLongestValue) return;
+    if (std::find(std::begin(kKept), std::end(kKept), h.tag) != std::end(kKept))
+      kept_->emplace(h.tag, view(from, h.length));
+  }
   static bool has_long_length(std::string_view vr) {
     for (const std::string_view known :
          {"OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV"})
@@ -138,6 +172,7 @@ class Walk {
   FileWindow& file_;
   std::uint64_t file_size_;
   std::size_t headers_ = 0;
+  DicomValues* kept_ = nullptr;  // of the item that is walked through
 };
 
 std::string uid(std::string_view value) {
@@ -145,12 +180,19 @@ std::string uid(std::string_view value) {
   return std::string(value.substr(0, end == value.npos ? 0 : end + 1));
 }
 
-/// The elements of group 2, which are always explicit.
+/// The elements of group 2, which are always explicit, up to the end that the first one says.
 void read_meta(Walk& walk, DicomElements& found) {
+  std::optional<std::uint64_t> end;
   while (walk.problem.empty()) {
-    if (walk.view(walk.at, 2) != std::string_view("\2\0", 2)) return;
+    found.dataset_offset = walk.at;
+    if ((end && walk.at >= *end) || walk.view(walk.at, 2) != std::string_view("\2\0", 2)) return;
     const Header h = walk.header(true);
     const std::uint64_t from = walk.at;
+    if (h.tag == 0x00020000 && h.length == 4) {
+      const std::uint32_t length = walk.number(4);
+      end = walk.at + length;
+      continue;
+    }
     if (!walk.problem.empty() || h.length == kUndefined || !walk.skip(h))
       return walk.fail("the file's meta information is corrupt");
     if (h.length > kLongestValue) continue;
@@ -177,20 +219,56 @@ void read_pixels(Walk& walk, const Header& h, bool is_encapsulated, DicomElement
   for (const DicomFragment& fragment : found.fragments) found.pixel_length += fragment.length;
 }
 
+std::vector<DicomValues>* items_of(std::uint32_t tag, DicomElements& found) {
+  return tag == kShared     ? &found.shared
+         : tag == kPerFrame ? &found.frames
+         : tag == kSegments ? &found.segments
+                            : nullptr;
+}
+
 void read_dataset(Walk& walk, bool is_explicit, bool is_encapsulated, DicomElements& found) {
   while (walk.problem.empty() && !walk.is_at_end()) {
     const Header h = walk.header(is_explicit);
     if (!walk.problem.empty()) return;
     if (h.tag == kPixels) return read_pixels(walk, h, is_encapsulated, found);
+    if (std::vector<DicomValues>* items = items_of(h.tag, found)) {
+      walk.value_with_items(h, is_explicit, *items);
+      continue;
+    }
     const std::uint64_t from = walk.at;
     walk.value(h, is_explicit, 0);
     if (walk.problem.empty() && h.length <= kLongestValue) found.values[h.tag] = walk.view(from, h.length);
   }
 }
 
+// Transfer syntaxes. All that are read begin as the first one.
+constexpr std::string_view kStandard = "1.2.840.10008.1.2", kLittleEndian = "1.2.840.10008.1.2.1",
+                           kBigEndian = "1.2.840.10008.1.2.2", kDeflated = "1.2.840.10008.1.2.1.99";
+
+Status find_deflated(const std::filesystem::path& file, DicomElements& found) {
+  found.is_deflated = true;
+  Result<std::string> bytes = inflate_dataset(file, found.dataset_offset);
+  if (!bytes) return bytes.error();
+  FileWindow window(std::move(*bytes));
+  Walk walk(window);
+  read_dataset(walk, true, false, found);
+  if (!walk.problem.empty()) return Error{"truncated or corrupt DICOM file: " + walk.problem};
+  return Done{};
+}
+
 }  // namespace
 
-FileWindow::FileWindow(const std::filesystem::path& file) : stream_(file, std::ios::binary) {
+Result<std::string> inflate_dataset(const std::filesystem::path& file, std::uint64_t dataset_offset) {
+  constexpr std::size_t kMost = std::size_t{1} << 31;
+  std::error_code failed;
+  const std::uintmax_t size = std::filesystem::file_size(file, failed);
+  const FileRange range{file, std::int64_t(dataset_offset), failed ? 0 : std::int64_t(size)};
+  std::optional<std::string> bytes = inflate_bare(range, kMost);
+  if (!bytes) return Error{"truncated or corrupt DICOM file: its deflated part is damaged"};
+  return std::move(*bytes);
+}
+
+FileWindow::FileWindow(const std::filesystem::path& file) : file_(file), stream_(file, std::ios::binary) {
   std::error_code failed;
   const std::uintmax_t size = std::filesystem::file_size(file, failed);
   size_ = failed ? 0 : size;
@@ -217,16 +295,14 @@ Status find_elements(FileWindow& file, DicomElements& found) {
   if (found.has_magic) walk.at = 132;
   read_meta(walk, found);
   const std::string& syntax = found.transfer_syntax;
-  constexpr std::string_view kStandard = "1.2.840.10008.1.2";
-  if (syntax == "1.2.840.10008.1.2.2")
-    return Error{"a DICOM file in big endian byte order (a retired transfer syntax), which is not read"};
-  if (syntax == "1.2.840.10008.1.2.1.99")
-    return Error{"a deflated DICOM file (a transfer syntax), which is not read"};
   if (!syntax.empty() && !syntax.starts_with(kStandard))
     return Error{fmt::format("a DICOM file of transfer syntax {}, which is not read", syntax)};
+  if (syntax == kDeflated && walk.problem.empty()) return find_deflated(file.file(), found);
   const bool is_explicit = syntax.empty() ? looks_explicit(walk) : syntax != kStandard;
-  const bool is_encapsulated = !syntax.empty() && syntax != kStandard && syntax != "1.2.840.10008.1.2.1";
-  read_dataset(walk, is_explicit, is_encapsulated, found);
+  walk.is_big_endian = found.is_big_endian = syntax == kBigEndian;
+  const bool is_plain =
+      syntax.empty() || syntax == kStandard || syntax == kLittleEndian || syntax == kBigEndian;
+  read_dataset(walk, is_explicit, !is_plain, found);
   if (!walk.problem.empty()) return Error{"truncated or corrupt DICOM file: " + walk.problem};
   return Done{};
 }

@@ -20,14 +20,22 @@ struct DicomFragment {
   std::uint64_t offset = 0, length = 0;  // [bytes]
 };
 
+using DicomValues = std::map<std::uint32_t, std::string>;  // group · 65536 + element → value
+
 struct DicomElements {
-  std::map<std::uint32_t, std::string>
-      values;                   // group · 65536 + element → value; top level, up to the pixels, short ones
-  std::string transfer_syntax;  // empty: not said
-  std::string media_class;      // (0002,0002), what kind of object the file holds; empty: not said
-  bool has_magic = false;       // "DICM" stands where it should
-  bool is_encapsulated = false;                      // pixels are compressed fragments
-  std::uint64_t pixel_offset = 0, pixel_length = 0;  // in the file; of all fragments together if encapsulated
+  DicomValues values;  // top level, up to the pixels, short ones
+  // Of enhanced images and segmentations, with all that is nested in them, as far as it is read: what all
+  // frames share, one for each frame, one for each segment. [PS3.3, C.7.6.16, C.8.20]
+  std::vector<DicomValues> shared, frames, segments;
+  std::string transfer_syntax;       // empty: not said
+  std::string media_class;           // (0002,0002), what kind of object the file holds; empty: not said
+  bool has_magic = false;            // "DICM" stands where it should
+  bool is_big_endian = false;        // numbers and pixels
+  bool is_deflated = false;          // all that follows the meta information
+  bool is_encapsulated = false;      // pixels are compressed fragments
+  std::uint64_t dataset_offset = 0;  // behind the meta information, in the file
+  std::uint64_t pixel_offset = 0, pixel_length = 0;  // in the file, or in what it inflates to; of all
+                                                     // fragments together if encapsulated
   std::vector<DicomFragment> fragments;              // of compressed pixels
 
   bool has(std::uint16_t group, std::uint16_t element) const {
@@ -40,16 +48,18 @@ struct DicomElements {
 };
 
 /// Parts of a file, read when they are asked for: elements are skipped by their length, so that little of a
-/// large file is ever read.
+/// large file is ever read. Or all of what a file inflated to.
 class FileWindow {
  public:
   explicit FileWindow(const std::filesystem::path& file);
+  explicit FileWindow(std::string inflated) : size_(inflated.size()), bytes_(std::move(inflated)) {}
+  const std::filesystem::path& file() const { return file_; }
   std::uint64_t size() const { return size_; }
-  bool is_open() const { return stream_.is_open(); }
   /// Empty if the file ends before. Valid until the next call.
   std::string_view view(std::uint64_t at, std::size_t length);
 
  private:
+  std::filesystem::path file_;
   std::ifstream stream_;
   std::uint64_t size_ = 0, start_ = 0;
   std::string bytes_;
@@ -58,5 +68,7 @@ class FileWindow {
 /// What is found before the first thing that is wrong stays in `found`. The error says what is wrong and
 /// where; it names no file.
 Status find_elements(FileWindow& file, DicomElements& found);
+/// What a deflated file holds behind its meta information. The error names no file.
+Result<std::string> inflate_dataset(const std::filesystem::path& file, std::uint64_t dataset_offset);
 
 }  // namespace turgor::io

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cctype>
+#include <iterator>
 #include <set>
 
 #include <fmt/format.h>
@@ -120,7 +121,9 @@ Result<DicomFolder> scan_dicom(const Exec& exec, const fs::path& folder, bool re
   });
   DicomFolder found{.slices = {}, .rest = listed->rest, .file_count = headers.size()};
   for (DicomFile& header : headers)
-    if (header.slice)
+    if (!header.frames.empty())
+      std::move(header.frames.begin(), header.frames.end(), std::back_inserter(found.slices));
+    else if (header.slice)
       found.slices.push_back(std::move(*header.slice));
     else
       found.rest.push_back(std::move(header));

@@ -26,20 +26,8 @@ std::string text(const DicomElements& set, std::uint16_t group, std::uint16_t el
   return clean;
 }
 
-/// Decimal strings: "1.5\2\-3e1". Words that are no numbers become NaN.
 std::vector<double> numbers(const DicomElements& set, std::uint16_t group, std::uint16_t element) {
-  std::vector<double> values;
-  const std::string all = text(set, group, element);
-  for (std::size_t at = 0; at < all.size();) {
-    const std::size_t end = std::min(all.find('\\', at), all.size());
-    std::string word = trimmed(std::string_view(all).substr(at, end - at));
-    if (word.starts_with('+')) word.erase(0, 1);
-    double value = std::nan("");
-    std::from_chars(word.data(), word.data() + word.size(), value);
-    values.push_back(value);
-    at = end + 1;
-  }
-  return values;
+  return decimal_numbers(set.value(group, element));
 }
 
 double number(const DicomElements& set, std::uint16_t group, std::uint16_t element, double otherwise) {
@@ -47,18 +35,12 @@ double number(const DicomElements& set, std::uint16_t group, std::uint16_t eleme
   return values.size() == 1 ? values[0] : otherwise;
 }
 
-std::optional<int> short_integer(const DicomElements& set, std::uint16_t group, std::uint16_t element,
-                                 bool is_signed) {
-  const std::string_view raw = set.value(group, element);
-  if (raw.size() < 2) return std::nullopt;
-  std::uint16_t value;
-  std::memcpy(&value, raw.data(), 2);
-  return is_signed ? int(static_cast<std::int16_t>(value)) : int(value);
-}
-
 void read_pixel_layout(const DicomElements& set, DicomSlice& slice) {
+  const auto stored = [&](std::uint16_t element, bool is_signed) {
+    return short_integer(set.value(0x0028, element), is_signed, set.is_big_endian);
+  };
   const auto integer = [&](std::uint16_t element, int otherwise) {
-    return short_integer(set, 0x0028, element, false).value_or(otherwise);
+    return stored(element, false).value_or(otherwise);
   };
   slice.samples_per_pixel = integer(0x0002, 1);
   slice.rows = integer(0x0010, 0);
@@ -69,27 +51,22 @@ void read_pixel_layout(const DicomElements& set, DicomSlice& slice) {
   slice.is_signed = integer(0x0103, 0) == 1;
   slice.photometric = text(set, 0x0028, 0x0004);
   slice.frames = int(number(set, 0x0028, 0x0008, 1));
-  slice.padding = short_integer(set, 0x0028, 0x0120, slice.is_signed);
-  slice.padding_limit = short_integer(set, 0x0028, 0x0121, slice.is_signed);
+  slice.padding = stored(0x0120, slice.is_signed);
+  slice.padding_limit = stored(0x0121, slice.is_signed);
   slice.slope = number(set, 0x0028, 0x1053, 1);
   slice.intercept = number(set, 0x0028, 0x1052, 0);
   if (!std::isfinite(slice.slope) || slice.slope == 0) slice.slope = 1, slice.intercept = 0;
   if (!std::isfinite(slice.intercept)) slice.intercept = 0;
 }
 
-void read_place(const DicomElements& set, DicomSlice& slice) {
-  const auto finite = [](const std::vector<double>& v) {
-    return std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
-  };
-  if (const auto p = numbers(set, 0x0020, 0x0032); p.size() == 3 && finite(p))
-    slice.position = Vec3d{p[0], p[1], p[2]};
-  if (const auto d = numbers(set, 0x0020, 0x0037); d.size() == 6 && finite(d)) {
-    slice.row_direction = {d[0], d[1], d[2]};
-    slice.column_direction = {d[3], d[4], d[5]};
-  }
-  if (const auto s = numbers(set, 0x0028, 0x0030); s.size() == 2 && finite(s))
-    slice.row_spacing = s[0], slice.column_spacing = s[1];
-  slice.thickness = number(set, 0x0018, 0x0050, 0);
+/// Character set, study and patient, frame of reference. [DICOM PS3.3, C.7.1, C.7.2, C.7.4]
+std::map<std::uint32_t, std::string> of_study(const DicomElements& set) {
+  std::map<std::uint32_t, std::string> kept;
+  for (const std::uint32_t tag : {0x00080005u, 0x00080020u, 0x00080030u, 0x00080050u, 0x00080090u,
+                                  0x00081030u, 0x00100010u, 0x00100020u, 0x00100030u, 0x00100040u,
+                                  0x00185100u, 0x0020000du, 0x00200010u, 0x00200052u, 0x00201040u})
+    if (const auto found = set.values.find(tag); found != set.values.end()) kept.insert(*found);
+  return kept;
 }
 
 DicomSlice describe(const fs::path& file, std::uint64_t file_size, const DicomElements& set) {
@@ -107,8 +84,14 @@ DicomSlice describe(const fs::path& file, std::uint64_t file_size, const DicomEl
   slice.patient = text(set, 0x0010, 0x0010);
   slice.study = text(set, 0x0008, 0x1030);
   slice.image_type = text(set, 0x0008, 0x0008);
+  slice.image = text(set, 0x0008, 0x0018);
+  slice.image_class = text(set, 0x0008, 0x0016);
+  slice.of_study = of_study(set);
   read_pixel_layout(set, slice);
-  read_place(set, slice);
+  slice.is_big_endian = set.is_big_endian;
+  slice.is_deflated = set.is_deflated;
+  slice.dataset_offset = set.dataset_offset;
+  read_place(set.values, slice);
   return slice;
 }
 
@@ -130,6 +113,47 @@ void judge_without_image(const DicomElements& set, DicomFile& result) {
 }
 
 }  // namespace
+
+std::vector<double> decimal_numbers(std::string_view all) {
+  std::vector<double> values;
+  all = all.substr(0, all.find('\0'));
+  for (std::size_t at = 0; at < all.size();) {
+    const std::size_t end = std::min(all.find('\\', at), all.size());
+    std::string word = trimmed(all.substr(at, end - at));
+    if (word.starts_with('+')) word.erase(0, 1);
+    double value = std::nan("");
+    std::from_chars(word.data(), word.data() + word.size(), value);
+    values.push_back(value);
+    at = end + 1;
+  }
+  return values;
+}
+
+std::optional<int> short_integer(std::string_view value, bool is_signed, bool is_big_endian) {
+  if (value.size() < 2) return std::nullopt;
+  const auto low = static_cast<unsigned char>(value[is_big_endian]),
+             high = static_cast<unsigned char>(value[!is_big_endian]);
+  const auto number = static_cast<std::uint16_t>(high << 8 | low);
+  return is_signed ? int(static_cast<std::int16_t>(number)) : int(number);
+}
+
+void read_place(const DicomValues& values, DicomSlice& slice) {
+  const auto finite = [&](std::uint32_t tag, std::size_t count) -> std::optional<std::vector<double>> {
+    const auto found = values.find(tag);
+    if (found == values.end()) return std::nullopt;
+    std::vector<double> v = decimal_numbers(found->second);
+    if (v.size() != count || !std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); }))
+      return std::nullopt;
+    return v;
+  };
+  if (const auto p = finite(0x00200032, 3)) slice.position = Vec3d{(*p)[0], (*p)[1], (*p)[2]};
+  if (const auto d = finite(0x00200037, 6)) {
+    slice.row_direction = {(*d)[0], (*d)[1], (*d)[2]};
+    slice.column_direction = {(*d)[3], (*d)[4], (*d)[5]};
+  }
+  if (const auto s = finite(0x00280030, 2)) slice.row_spacing = (*s)[0], slice.column_spacing = (*s)[1];
+  if (const auto t = finite(0x00180050, 1)) slice.thickness = (*t)[0];
+}
 
 bool is_dicom(const fs::path& file) {
   char start[132] = {};
@@ -159,9 +183,10 @@ DicomFile read_dicom_header(const fs::path& file) {
   if (set.has(0x0020, 0x000e)) result.series = text(set, 0x0020, 0x000e);
   if (!found)
     result.problem = found.error().message;
-  else if (DicomSlice slice = describe(file, window.size(), set); slice.rows > 0 && slice.columns > 0)
+  else if (DicomSlice slice = describe(file, window.size(), set); slice.rows > 0 && slice.columns > 0) {
+    if (!set.frames.empty()) result.frames = frames_of(slice, set);
     result.slice = std::move(slice);
-  else
+  } else
     judge_without_image(set, result);
   return result;
 }

@@ -55,17 +55,44 @@ ChangedSamples convert_to_hu(const DicomSlice& slice, const char* stored, std::s
   }
 }
 
-Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, std::span<std::int16_t> hu) {
-  const std::size_t wanted = hu.size() * std::size_t(slice.bits_allocated) / 8;
+namespace {
+
+/// The stored bytes of a slice, as many as are there.
+Result<std::vector<char>> stored_bytes(const DicomSlice& slice, std::size_t wanted) {
   std::vector<char> stored(wanted);
+  if (slice.is_deflated) {
+    const Result<std::string> all = inflate_dataset(slice.file, slice.dataset_offset);
+    if (!all) return Error{fmt::format("{}: {}", slice.file.string(), all.error().message)};
+    const std::size_t at = std::min<std::size_t>(slice.pixel_offset, all->size());
+    stored.resize(all->copy(stored.data(), wanted, at));
+    return stored;
+  }
   std::ifstream stream(slice.file, std::ios::binary);
   stream.seekg(std::streamoff(slice.pixel_offset));
   stream.read(stored.data(), std::streamsize(wanted));
-  const auto found = std::size_t(std::max<std::streamsize>(stream.gcount(), 0));
+  stored.resize(std::size_t(std::max<std::streamsize>(stream.gcount(), 0)));
+  return stored;
+}
+
+/// Words of two bytes hold samples of one, too. [PS3.5, 8.1.1 and annex A.3]
+void swap_bytes(std::vector<char>& stored, int bits_allocated) {
+  const std::size_t size = bits_allocated == 32 ? 4 : 2;
+  for (std::size_t at = 0; at + size <= stored.size(); at += size)
+    std::reverse(stored.begin() + std::ptrdiff_t(at), stored.begin() + std::ptrdiff_t(at + size));
+}
+
+}  // namespace
+
+Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, std::span<std::int16_t> hu) {
+  const std::size_t wanted = hu.size() * std::size_t(slice.bits_allocated) / 8;
+  Result<std::vector<char>> stored = stored_bytes(slice, wanted);
+  if (!stored) return stored.error();
+  const std::size_t found = stored->size();
   if (found < wanted || slice.pixel_length < wanted)
     return Error{fmt::format("{}: truncated or corrupt: {} bytes of pixels, expected {} ({} x {})",
                              slice.file.string(), found, wanted, slice.columns, slice.rows)};
-  return convert_to_hu(slice, stored.data(), hu);
+  if (slice.is_big_endian) swap_bytes(*stored, slice.bits_allocated);
+  return convert_to_hu(slice, stored->data(), hu);
 }
 
 }  // namespace turgor::io

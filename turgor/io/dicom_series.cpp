@@ -40,7 +40,10 @@ std::string list_groups(const std::vector<Slices>& series) {
   return list;
 }
 
-std::string name_of(const DicomSlice& slice) { return slice.file.filename().string(); }
+std::string name_of(const DicomSlice& slice) {
+  const std::string file = slice.file.filename().string();
+  return slice.frame > 0 ? fmt::format("{}, frame {}", file, slice.frame) : file;
+}
 
 /// Scouts that share a series with its slices are left out.
 void drop_localizers(DicomVolume& volume) {
@@ -75,10 +78,11 @@ Status check_slice(const DicomSlice& s) {
   const std::string file = s.file.string();
   if (s.modality != "CT") return Error{fmt::format("{}: Modality is \"{}\"; expected CT", file, s.modality)};
   if (s.frames != 1)
-    return Error{fmt::format(
-        "{}: a multi-frame (enhanced) image of {} frames is not read; expected one file a slice (convert "
-        "it to classic CT images first)",
-        file, s.frames)};
+    return Error{
+        fmt::format("{}: an image of {} frames whose header does not say where each of them lies; expected "
+                    "an enhanced CT "
+                    "image with functional groups, or one file a slice",
+                    file, s.frames)};
   if (s.samples_per_pixel != 1 || !s.photometric.starts_with("MONOCHROME"))
     return Error{fmt::format("{}: a colour image ({}, {} samples a pixel); expected MONOCHROME2", file,
                              s.photometric, s.samples_per_pixel)};

@@ -1,7 +1,10 @@
 // A CT as a DICOM series: one CT Image Storage file a slice, explicit little endian, stored values = HU.
-// Unique identifiers follow from the content, so that the same volume gives the same files.
+// Unique identifiers follow from the content, so that the same volume gives the same files. A series that was
+// made of another keeps its patient, study and frame of reference. [DICOM PS3.3, A.3, C.7.6.1]
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <sstream>
@@ -9,6 +12,7 @@
 
 #include <fmt/format.h>
 #include <gdcmAttribute.h>
+#include <gdcmSequenceOfItems.h>
 #include <gdcmTrace.h>
 #include <gdcmWriter.h>
 
@@ -29,10 +33,12 @@ std::string make_uid(std::uint64_t content, std::uint64_t index) {
   return fmt::format("2.25.{}{:020}", 1 + content % 999999999ull, detail::mix(content, index + 1));
 }
 
-std::uint64_t content_hash(const CtVolume& ct, const std::string& patient) {
+std::uint64_t content_hash(const CtVolume& ct, const DicomOrigin& origin) {
   const Vec3d place[] = {ct.grid.spacing, ct.grid.origin, ct.grid.axes.column[0], ct.grid.axes.column[1],
                          ct.grid.axes.column[2]};
-  std::uint64_t hash = hash_bytes(patient.data(), patient.size());
+  std::uint64_t hash = 0;
+  for (const auto& [tag, value] : origin.elements)
+    hash = hash_bytes(value.data(), value.size(), hash_bytes(&tag, sizeof tag, hash));
   hash = hash_bytes(&ct.grid.size, sizeof ct.grid.size, hash);
   hash = hash_bytes(place, sizeof place, hash);
   return hash_values(std::span<const std::int16_t>(ct.samples), hash);
@@ -40,8 +46,10 @@ std::uint64_t content_hash(const CtVolume& ct, const std::string& patient) {
 
 struct Series {
   const CtVolume& ct;
-  std::string patient;
+  const DicomOrigin& origin;
   std::uint64_t content;
+
+  bool is_derived() const { return !origin.images.empty(); }
 };
 
 class Tags {
@@ -81,36 +89,81 @@ std::string decimals(std::initializer_list<double> values) {
   return text;
 }
 
+/// Elements that must be there, but may be empty. [type 2 of PS3.3]
+struct Required {
+  std::uint32_t tag;
+  gdcm::VR::VRType vr;
+  const char* otherwise;  // what stands where the origin says nothing
+};
+using gdcm::VR;
+constexpr Required kOfStudy[] = {{0x00080005, VR::CS, "ISO_IR 192"},
+                                 {0x00080020, VR::DA, ""},
+                                 {0x00080030, VR::TM, ""},
+                                 {0x00080050, VR::SH, ""},
+                                 {0x00080090, VR::PN, ""},
+                                 {0x00081030, VR::LO, ""},
+                                 {0x00100010, VR::PN, ""},
+                                 {0x00100020, VR::LO, ""},
+                                 {0x00100030, VR::DA, ""},
+                                 {0x00100040, VR::CS, ""},
+                                 {0x00185100, VR::CS, ""},
+                                 {0x00200010, VR::SH, "1"},
+                                 {0x00201040, VR::LO, ""}};
+
+void describe_study(const Series& series, Tags& tags) {
+  const auto said = [&](std::uint32_t tag, const std::string& otherwise) {
+    const auto found = series.origin.elements.find(tag);
+    return found == series.origin.elements.end() || found->second.empty() ? otherwise : found->second;
+  };
+  for (const Required& r : kOfStudy)
+    tags.text(std::uint16_t(r.tag >> 16), std::uint16_t(r.tag), r.vr, said(r.tag, r.otherwise));
+  tags.text(0x0020, 0x000d, VR::UI, said(0x0020000d, make_uid(series.content, 1)));
+  tags.text(0x0020, 0x0052, VR::UI, said(0x00200052, make_uid(series.content, 3)));
+}
+
 void describe_series(const Series& series, Tags& tags) {
-  using gdcm::VR;
-  tags.text(0x0008, 0x0005, VR::CS, "ISO_IR 192");
   tags.text(0x0008, 0x0008, VR::CS, "DERIVED\\SECONDARY\\AXIAL");
   tags.text(0x0008, 0x0016, VR::UI, kCtImageStorage);
-  tags.text(0x0008, 0x0020, VR::DA,
-            "");  // date, time, accession number and physician must be there, but may be empty
-  tags.text(0x0008, 0x0030, VR::TM, "");
-  tags.text(0x0008, 0x0050, VR::SH, "");
-  tags.text(0x0008, 0x0090, VR::PN, "");
   tags.text(0x0008, 0x0060, VR::CS, "CT");
   tags.text(0x0008, 0x0070, VR::LO, "Turgor");
-  tags.text(0x0008, 0x103e, VR::LO, "Turgor volume");
-  tags.text(0x0010, 0x0010, VR::PN, series.patient);
-  tags.text(0x0010, 0x0020, VR::LO, series.patient);
-  tags.text(0x0010, 0x0030, VR::DA, "");
-  tags.text(0x0010, 0x0040, VR::CS, "");
+  tags.text(0x0008, 0x103e, VR::LO, series.is_derived() ? "Turgor: deformed" : "Turgor volume");
   tags.text(0x0018, 0x0060, VR::DS, "");
-  tags.text(0x0018, 0x5100, VR::CS, "");
-  tags.text(0x0020, 0x000d, VR::UI, make_uid(series.content, 1));
   tags.text(0x0020, 0x000e, VR::UI, make_uid(series.content, 2));
-  tags.text(0x0020, 0x0010, VR::SH, "1");
-  tags.text(0x0020, 0x0011, VR::IS, "1");
+  tags.text(0x0020, 0x0011, VR::IS, series.is_derived() ? "1001" : "1");
   tags.text(0x0020, 0x0012, VR::IS, "");
-  tags.text(0x0020, 0x0052, VR::UI, make_uid(series.content, 3));
-  tags.text(0x0020, 0x1040, VR::LO, "");
+}
+
+/// The image of the origin that a slice lies nearest to.
+const DicomOrigin::Image& source_of(const Series& series, int k) {
+  const Grid& grid = series.ct.grid;
+  const Vec3d normal = grid.axes.column[2];
+  const double place = dot(point_at(grid, {0, 0, double(k)}), normal);
+  const auto away = [&](const DicomOrigin::Image& image) {
+    return std::abs(dot(image.position, normal) - place);
+  };
+  return *std::min_element(series.origin.images.begin(), series.origin.images.end(),
+                           [&](const auto& a, const auto& b) { return away(a) < away(b); });
+}
+
+/// SourceImageSequence, with one item.
+void name_source(const DicomOrigin::Image& image, gdcm::DataSet& set) {
+  gdcm::Item item;
+  Tags tags(item.GetNestedDataSet());
+  tags.text(0x0008, 0x1150, VR::UI, image.class_uid);
+  tags.text(0x0008, 0x1155, VR::UI, image.uid);
+  if (image.frame > 0) tags.text(0x0008, 0x1160, VR::IS, std::to_string(image.frame));
+  item.SetVLToUndefined();
+  gdcm::SmartPointer<gdcm::SequenceOfItems> items = new gdcm::SequenceOfItems;
+  items->SetLengthToUndefined();
+  items->AddItem(item);
+  gdcm::DataElement sequence{gdcm::Tag(0x0008, 0x2112)};
+  sequence.SetVR(VR::SQ);
+  sequence.SetValue(*items);
+  sequence.SetVLToUndefined();
+  set.Replace(sequence);
 }
 
 void describe_slice(const Series& series, int k, const std::string& uid, Tags& tags) {
-  using gdcm::VR;
   const Grid& grid = series.ct.grid;
   const Vec3d position = point_at(grid, {0, 0, double(k)}) * 1e3, row = grid.axes.column[0],
               column = grid.axes.column[1];
@@ -146,8 +199,10 @@ Status write_slice(const Series& series, int k, const fs::path& file) {
   gdcm::File& content = writer.GetFile();
   Tags tags(content.GetDataSet());
   const std::string uid = make_uid(series.content, std::uint64_t(k) + 100);
+  describe_study(series, tags);
   describe_series(series, tags);
   describe_slice(series, k, uid, tags);
+  if (series.is_derived()) name_source(source_of(series, k), content.GetDataSet());
   content.GetHeader().SetDataSetTransferSyntax(gdcm::TransferSyntax::ExplicitVRLittleEndian);
   if (!writer.Write()) return Error{fmt::format("{}: cannot be made", file.string())};
   return write_file(file, bytes.str());
@@ -197,7 +252,9 @@ Status check_dicom_goal(const fs::path& target) {
   return Done{};
 }
 
-Status write_dicom(const Exec& exec, const fs::path& target, const CtVolume& ct, const std::string& patient,
+DicomOrigin patient_alone(const std::string& name) { return {{{0x00100010, name}, {0x00100020, name}}, {}}; }
+
+Status write_dicom(const Exec& exec, const fs::path& target, const CtVolume& ct, const DicomOrigin& origin,
                    const Progress& progress) {
   const Result<fs::path> folder = check_target(target);
   if (!folder) return folder.error();
@@ -208,7 +265,7 @@ Status write_dicom(const Exec& exec, const fs::path& target, const CtVolume& ct,
   Unfinished partial(*folder);
   if (!fs::create_directory(partial.path(), failed))
     return Error{fmt::format("{}: cannot be made: {}", target.string(), failed.message())};
-  const Series series{ct, patient, content_hash(ct, patient)};
+  const Series series{ct, origin, content_hash(ct, origin)};
   if (Status written = write_slices(exec, partial.path(), series, progress); !written)
     return Error{fmt::format("{}: {}", target.string(), written.error().message)};
   return partial.keep([&]() -> Status {

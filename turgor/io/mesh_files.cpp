@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstdint>
 #include <iterator>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -58,14 +59,14 @@ std::vector<Vec3> turned(std::vector<Vec3> vectors, MeshSpace space) {
 Vec3 placed(Vec3 x, MeshSpace space) { return turned(space.is_mm ? x * 1000.0f : x, space); }
 
 /// A length in the file's unit, a vector along its axes.
-std::string length_array(Appended& appended, VertexField field, MeshSpace space) {
+std::string placed_array(Appended& appended, VertexField field, MeshSpace space) {
   std::vector<float> values(field.values.begin(), field.values.end());
   for (std::size_t i = 0; i < values.size(); i++) {
-    if (space.is_mm) values[i] *= 1000;
+    if (space.is_mm && field.is_length) values[i] *= 1000;
     if (space.is_ras && field.components == 3 && i % 3 < 2) values[i] = 0 - values[i];
   }
   field.values = values;
-  field.name += fmt::format(" [{}]", unit_name(space));
+  if (field.is_length) field.name += fmt::format(" [{}]", unit_name(space));
   return field_array(appended, field);
 }
 
@@ -75,7 +76,8 @@ std::string field_arrays(Appended& appended, const std::vector<VertexField>& fie
   for (const VertexField& field : fields) {
     TURGOR_ASSERT(field.values.size() == count * std::size_t(field.components),
                   "a field has one value a vertex, or an element");
-    text += field.is_length ? length_array(appended, field, space) : field_array(appended, field);
+    text += field.is_length || field.is_direction ? placed_array(appended, field, space)
+                                                  : field_array(appended, field);
   }
   return text;
 }
@@ -155,6 +157,21 @@ Status write_vtu(const std::filesystem::path& path, const TriMesh& mesh,
   std::vector<std::int32_t> corners;
   for (const auto [a, b, c] : mesh.triangles) corners.insert(corners.end(), {a, b, c});
   text += "</Points>\n" + cell_arrays(appended, corners, 3, kVtkTriangle);
+  return write_file(path, text + vtu_end(appended));
+}
+
+Status write_points(const std::filesystem::path& path, const std::vector<Vec3>& points,
+                    const std::vector<VertexField>& fields, MeshSpace space) {
+  constexpr std::uint8_t kVtkVertex = 1;
+  Appended appended;
+  std::string text = vtu_begin(points.size(), points.size(), space) + "<PointData>\n";
+  text += field_arrays(appended, fields, points.size(), space);
+  std::vector<Vec3> places = points;
+  for (Vec3& x : places) x = placed(x, space);
+  text += "</PointData>\n<Points>\n" + field_array(appended, vertex_field("points", places));
+  std::vector<std::int32_t> corners(points.size());
+  std::iota(corners.begin(), corners.end(), 0);
+  text += "</Points>\n" + cell_arrays(appended, corners, 1, kVtkVertex);
   return write_file(path, text + vtu_end(appended));
 }
 

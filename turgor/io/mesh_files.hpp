@@ -30,7 +30,8 @@ struct VertexField {
   std::string name;  // with its unit, as ParaView shows it; without one if it is a length
   int components = 1;
   std::span<const float> values;
-  bool is_length = false;  // [m]: written in the file's unit, whose name is added, and along its axes
+  bool is_length = false;     // [m]: written in the file's unit, whose name is added, and along its axes
+  bool is_direction = false;  // of another unit, along the file's axes
 };
 inline VertexField vertex_field(std::string name, const std::vector<Vec3>& values) {
   return {std::move(name), 3, {values.empty() ? nullptr : &values.front().x, values.size() * 3}};
@@ -53,6 +54,10 @@ Status write_vtu(const std::filesystem::path& path, const TriMesh& mesh,
 Status write_vtu(const std::filesystem::path& path, const SolidMesh& mesh,
                  const std::vector<VertexField>& vertex_fields,
                  const std::vector<VertexField>& element_fields);
+
+/// Points without a surface, with what is known at each: what ParaView's glyphs stand on.
+Status write_points(const std::filesystem::path& path, const std::vector<Vec3>& points,
+                    const std::vector<VertexField>& fields, MeshSpace space = {});
 
 /// One moment of a time series.
 struct PvdEntry {

@@ -27,6 +27,20 @@ std::vector<std::string> words_of(std::string line) {
   return words;
 }
 
+/// Of a line of names. Where commas, semicolons or tabs stand between them, blanks are part of a name.
+std::vector<std::string> names_of(const std::string& line) {
+  constexpr const char* kBetween = ",;\t\r";
+  if (line.find_first_of(",;\t") == std::string::npos) return words_of(line);
+  std::vector<std::string> names;
+  for (std::size_t begin = 0; begin < line.size();) {
+    const std::size_t end = std::min(line.find_first_of(kBetween, begin), line.size());
+    const std::size_t first = line.find_first_not_of(' ', begin), last = line.find_last_not_of(' ', end - 1);
+    if (first < end) names.push_back(line.substr(first, last + 1 - first));
+    begin = end + 1;
+  }
+  return names;
+}
+
 /// The numbers of a line; empty when there is something else in it.
 std::vector<double> numbers_of(const std::string& line) {
   std::vector<double> numbers;
@@ -70,7 +84,7 @@ Result<std::vector<std::string>> read_column_names(const std::filesystem::path& 
   if (!text) return text.error();
   std::istringstream lines(*text);
   for (std::string line; std::getline(lines, line);)
-    if (!is_blank(line)) return numbers_of(line).empty() ? words_of(line) : std::vector<std::string>();
+    if (!is_blank(line)) return numbers_of(line).empty() ? names_of(line) : std::vector<std::string>();
   return std::vector<std::string>();
 }
 

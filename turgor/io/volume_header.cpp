@@ -40,7 +40,7 @@ bool looks_like_nifti(std::string_view head) {
   const std::string_view start = head.substr(0, 4), magic = head.substr(344, 3);
   using namespace std::string_view_literals;
   return start == "\x5c\x01\0\0"sv || start == "\0\0\x01\x5c"sv || start == "\x1c\x02\0\0"sv ||
-         magic == "n+1" || magic == "ni1";
+         start == "\0\0\x02\x1c"sv || magic == "n+1" || magic == "ni1";
 }
 
 bool looks_like_meta(std::string_view head) {

@@ -11,6 +11,8 @@ namespace turgor {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 /// Where a cut is, for its sections: patient frame.
 struct CutPlace {
   Vec3d middle;          // on the skin [m]
@@ -111,6 +113,17 @@ std::string file_of(const Outputs& outputs, const LatticeBody& body, const std::
   return outputs.at_rest.size() == 1 ? name : body.name + "-" + name;
 }
 
+/// A file, or the folder of a DICOM series.
+Status write_deformed(const LatticeBody& body, const CtVolume& now, const std::string& file,
+                      Outputs& outputs) {
+  const AddTime time(outputs.facts.file_seconds);
+  const fs::path goal = outputs.folder / file;
+  const Status status =
+      goal.has_extension() ? write_ct(goal, now) : write_dicom(*outputs.exec, goal, now, body.ct_origin);
+  if (status) outputs.facts.files.push_back(file);
+  return status;
+}
+
 Status write_fields(const LatticeBody& body, const Grid& grid, Outputs& outputs) {
   const AddTime time(outputs.facts.file_seconds);
   const OutputScene& output = outputs.scene->output;
@@ -143,11 +156,8 @@ Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
   outputs.facts.deformed.push_back(
       {body.name, file, grid.size, now.report.seconds, now.report.mass_error, now.report.folds});
   outputs.facts.drawing_seconds += now.report.seconds;
-  if (!file.empty()) {
-    const AddTime time(outputs.facts.file_seconds);
-    if (const Status status = write_ct(outputs.folder / file, now.ct); !status) return status;
-    outputs.facts.files.push_back(file);
-  }
+  if (!file.empty())
+    if (const Status status = write_deformed(body, now.ct, file, outputs); !status) return status;
   if (!output.volume_rendering.empty())
     if (const Status status = add_volume_rendering(body, outputs.at_rest[index], outputs); !status)
       return status;

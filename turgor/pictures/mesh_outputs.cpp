@@ -24,6 +24,26 @@ const ShownBody& worth_keeping(const ShownBody& body, const std::vector<Pressed>
   return body;
 }
 
+/// Tools where they are, and a point for each with the force on it.
+Status write_tools(const ShownWorld& shown, Outputs& outputs) {
+  const MeshSpace space = outputs.scene->output.mesh_space;
+  std::vector<Vec3> places, forces;
+  for (const ShownTool& tool : shown.tools) {
+    const std::string file = fmt::format("meshes/tools/{}-{:04}.vtu", tool.name, shown.frame);
+    if (const Status status = write_vtu(outputs.folder / file, placed_mesh(tool), {}, space); !status)
+      return status;
+    outputs.series.push_back({shown.time, file, tool.name});
+    places.push_back(Vec3(tool.pose.position));
+    forces.push_back(Vec3(tool.force));
+  }
+  if (places.empty()) return Done{};
+  VertexField force = vertex_field("force on the tool [N]", forces);
+  force.is_direction = true;
+  const std::string file = fmt::format("meshes/forces/on-tools-{:04}.vtu", shown.frame);
+  outputs.series.push_back({shown.time, file, "forces on tools"});
+  return write_points(outputs.folder / file, places, {force}, space);
+}
+
 }  // namespace
 
 Status write_meshes(const ShownWorld& shown, Outputs& outputs) {
@@ -36,7 +56,7 @@ Status write_meshes(const ShownWorld& shown, Outputs& outputs) {
     if (!status) return status;
     outputs.series.push_back({shown.time, file, body.name});
   }
-  return Done{};
+  return write_tools(shown, outputs);
 }
 
 Status write_objs(const ShownWorld& shown, const std::vector<Pressed>& pressed, Outputs& outputs) {

@@ -89,6 +89,16 @@ Seen seen_obstacle(const TriMesh& mesh) {
           mesh.vertices};
 }
 
+std::size_t numbers_in(const MovingSurface& surface) {
+  return surface.vertex.size() + 3 * (surface.rest.size() + surface.triangles.size());
+}
+
+std::size_t numbers_in(const MotionFrame& frame) {
+  std::size_t numbers = 0;
+  for (const auto& moved : frame.moved) numbers += 3 * moved.size();
+  return numbers;
+}
+
 void add_thing(const Seen& seen, std::size_t at, std::size_t wanted, Motion& motion, MotionFrame& frame) {
   if (at == motion.things.size()) motion.things.push_back(seen.thing);
   MovingThing& thing = motion.things[at];
@@ -96,27 +106,41 @@ void add_thing(const Seen& seen, std::size_t at, std::size_t wanted, Motion& mot
   if (thing.surfaces.empty() || thing.surfaces.back().key != key) {
     thing.surfaces.push_back(make_surface(*seen.triangles, seen.wall_begin, seen.rest, wanted));
     thing.surfaces.back().key = key;
+    motion.numbers += numbers_in(thing.surfaces.back());
   }
   const MovingSurface& surface = thing.surfaces.back();
   std::vector<Vec3> moved;
   moved.reserve(surface.vertex.size());
   for (std::size_t v = 0; v < surface.vertex.size(); v++)
     moved.push_back(seen.now[std::size_t(surface.vertex[v])] - surface.rest[v]);
-  motion.numbers += 3 * moved.size();
   frame.surface.push_back(thing.surfaces.size() - 1);
   frame.moved.push_back(std::move(moved));
 }
 
-/// Every other frame goes; the first and the last stay.
+bool is_shown(const std::vector<MotionFrame>& frames, std::size_t thing, std::size_t surface) {
+  return std::any_of(frames.begin(), frames.end(),
+                     [&](const MotionFrame& f) { return f.surface[thing] == surface; });
+}
+
+/// Every other frame goes, with the surfaces that it alone showed; the first and the last stay.
 void thin(Motion& motion) {
   std::vector<MotionFrame> kept;
   motion.numbers = 0;
   for (std::size_t f = 0; f < motion.frames.size(); f++) {
     if (f % 2 != 0 && f + 1 != motion.frames.size()) continue;
-    for (const auto& moved : motion.frames[f].moved) motion.numbers += 3 * moved.size();
+    motion.numbers += numbers_in(motion.frames[f]);
     kept.push_back(std::move(motion.frames[f]));
   }
   motion.frames = std::move(kept);
+  for (std::size_t t = 0; t < motion.things.size(); t++) {
+    std::vector<MovingSurface>& surfaces = motion.things[t].surfaces;
+    for (std::size_t s = 0; s < surfaces.size(); s++) {
+      if (is_shown(motion.frames, t, s))
+        motion.numbers += numbers_in(surfaces[s]);
+      else
+        surfaces[s] = {};
+    }
+  }
 }
 
 // ------------------------------------------------------------------------------------------------ writing
@@ -264,11 +288,11 @@ void add_moment(const ShownWorld& shown, Motion& motion, const MotionLimits& lim
     add_thing(seen_obstacle(mesh), at++, limits.triangles, motion, frame);
   for (const ShownTool& tool : shown.tools) frame.forces.push_back({tool.pose.position, tool.force});
   if (!motion.frames.empty() && motion.frames.back().time == frame.time) {
-    for (const auto& moved : motion.frames.back().moved) motion.numbers -= 3 * moved.size();
-    motion.frames.back() = std::move(frame);
-  } else {
-    motion.frames.push_back(std::move(frame));
+    motion.numbers -= numbers_in(motion.frames.back());
+    motion.frames.pop_back();
   }
+  motion.numbers += numbers_in(frame);
+  motion.frames.push_back(std::move(frame));
   while (motion.numbers > limits.numbers && motion.frames.size() > 2) thin(motion);
 }
 

@@ -9,7 +9,8 @@
 
 namespace turgor {
 
-/// A surface between two changes of its triangles, coarser than it was shown.
+/// A surface between two changes of its triangles, coarser than it was shown; empty when no frame that was
+/// kept shows it.
 struct MovingSurface {
   std::uint64_t key = 0;        // of the triangles it was made from
   std::vector<int> vertex;      // its number among those shown
@@ -41,7 +42,7 @@ struct MotionFrame {
 struct Motion {
   std::vector<MovingThing> things;
   std::vector<MotionFrame> frames;
-  std::size_t numbers = 0;  // in the frames
+  std::size_t numbers = 0;  // in the frames, and in the surfaces that they show
 };
 
 /// How much of it is kept.

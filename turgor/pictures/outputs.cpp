@@ -72,7 +72,9 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
   Outputs outputs;
   outputs.exec = &exec, outputs.scene = &scene, outputs.folder = std::move(folder);
   std::error_code error;
-  for (const char* name : {"frames", "meshes", kVideoFolder})
+  std::vector<const char*> folders{"frames", "meshes", kVideoFolder};
+  if (!shown.tools.empty()) folders.insert(folders.end(), {"meshes/tools", "meshes/forces"});
+  for (const char* name : folders)
     if (!fs::create_directory(outputs.folder / name, error))
       return Error{
           fmt::format("{}: cannot make the folder: {}", (outputs.folder / name).string(), error.message())};

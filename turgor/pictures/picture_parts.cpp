@@ -14,13 +14,6 @@ namespace {
 constexpr Rgb kFlesh{158, 68, 56}, kSkin{224, 172, 145}, kWall{166, 58, 50}, kCloth{92, 134, 176},
     kObstacle{188, 180, 168}, kTool{176, 190, 204}, kArrow{250, 204, 70};
 
-TriMesh placed(const TriMesh& tool, const contact::Pose& pose) {
-  TriMesh mesh = tool;
-  for (Vec3& x : mesh.vertices) x = Vec3(contact::to_world(pose, Vec3d(x)));
-  for (Vec3& n : mesh.normals) n = Vec3(pose.axes * Vec3d(n));
-  return mesh;
-}
-
 std::string newtons(double force) {
   return force < 0.1 ? fmt::format("{:.0f} mN", force * 1e3) : fmt::format("{:.2f} N", force);
 }
@@ -100,8 +93,15 @@ void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, P
   parts.add(std::move(surface), color_of(body.look), scale);
 }
 
+TriMesh placed_mesh(const ShownTool& tool) {
+  TriMesh mesh = tool.mesh;
+  for (Vec3& x : mesh.vertices) x = Vec3(contact::to_world(tool.pose, Vec3d(x)));
+  for (Vec3& n : mesh.normals) n = Vec3(tool.pose.axes * Vec3d(n));
+  return mesh;
+}
+
 void add_tool(const ShownTool& tool, ArrowScale arrows, Vec3d eye, PictureParts& parts) {
-  add_arrow(tool, parts.add(placed(tool.mesh, tool.pose), kTool), arrows, eye, parts);
+  add_arrow(tool, parts.add(placed_mesh(tool), kTool), arrows, eye, parts);
 }
 
 void add_world(const ShownWorld& shown, SkinColor color, const ColorScale* scale, Vec3d eye,

@@ -42,6 +42,8 @@ constexpr double kLongestArrow = 1.5;
 std::vector<float> shown_values(const ShownBody& body, SkinColor color);
 /// A body's surface with its normals.
 TriMesh shown_mesh(const ShownBody& body);
+/// A tool's surface where it is.
+TriMesh placed_mesh(const ShownTool& tool);
 
 /// A surface as its look is, or coloured by the scale where the body knows the quantity.
 void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, PictureParts& parts);

@@ -2,8 +2,12 @@
 
 #include <optional>
 
+#include <fmt/format.h>
+
+#include "turgor/core/hash.hpp"
 #include "turgor/io/file.hpp"
 #include "turgor/pictures/outputs.hpp"
+#include "turgor/sim/live/felt_replay.hpp"
 #include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/report/doubts.hpp"
 #include "turgor/sim/report/lattice_warnings.hpp"
@@ -56,6 +60,7 @@ Status complete(const Timer& total, Json& report, Outputs& outputs, OutputFolder
 
 /// A run on its way into its folder.
 struct FolderRun {
+  const fs::path folder;
   const Exec& exec;
   const Scene& scene;
   World& world;
@@ -63,6 +68,7 @@ struct FolderRun {
   const RunCallbacks& callbacks;
   std::optional<RecordingWriter> recording;
   std::optional<LiveRun> live;
+  std::unique_ptr<FeltReplay> replay;
   std::vector<ClothStretch> stretch;
   std::vector<ShownWorld> later;  // snapshots of a run in real time, whose frames cannot wait for pictures
 };
@@ -99,8 +105,15 @@ Result<Simulated> simulate_into(FolderRun& run) {
   events.frame = run.callbacks.frame;
   if (run.live)
     events.frame = [&run](const World& world) {
+      run.live->touch->note_frame();
       run.live->touch->wait_for_frame();
       return !run.callbacks.frame || run.callbacks.frame(world);
+    };
+  Status replayed = run.replay ? run.replay->next_frame(run.exec) : Done{};
+  if (run.replay)
+    events.frame = [&run, &replayed](const World& world) {
+      if (replayed) replayed = run.replay->next_frame(run.exec);
+      return replayed && (!run.callbacks.frame || run.callbacks.frame(world));
     };
   events.snapshot = [&run](const World& w, const ShownWorld& shown) { return take_snapshot(run, w, shown); };
   events.picture = [&run](const ShownWorld& shown) {
@@ -111,14 +124,38 @@ Result<Simulated> simulate_into(FolderRun& run) {
   const Timer timer;
   Result<Simulated> done = simulate(run.exec, run.scene, run.world, events);
   if (run.live) run.live->touch->stop();
+  if (run.replay) run.replay->end();
+  if (!replayed) return replayed.error();
   run.outputs.facts.simulation_seconds = timer.seconds();
   return done;
+}
+
+/// A felt run that was done again.
+Json felt_report(const FeltRun& felt, const World& world) {
+  std::size_t ticks = 0;
+  for (const FeltTool& tool : felt.tools) ticks += tool.ticks.size();
+  return {{"frames", felt.frames},
+          {"ticks", ticks},
+          {"state_hash", hash_text(felt.hash)},
+          {"same_bits", state_hash(world) == felt.hash}};
+}
+
+/// What `turgor replay` does again.
+Status write_felt(FolderRun& run) {
+  if (!run.live) return Done{};
+  Result<FeltRun> felt = run.live->touch->felt_run();
+  if (!felt) return felt.error();
+  note_scene(run.scene, false, *felt);
+  const Status written = write_felt_run(run.folder / "felt.h5", *felt);
+  if (written) run.outputs.facts.files.push_back("felt.h5");
+  return written;
 }
 
 /// The report as the simulation decides it; the recording has it, too.
 Result<Json> report_of(FolderRun& run, const Simulated& done) {
   RunFacts& facts = run.outputs.facts;
   facts.drawing_seconds += done.show_seconds;
+  if (const Status felt = write_felt(run); !felt) facts.warnings.push_back(felt.error().message);
   if (!done.stopped.empty()) facts.warnings.push_back(done.stopped);
   append(facts.warnings, cloth_warnings(run.world));
   append(facts.warnings, overstretched(run.stretch));
@@ -128,6 +165,7 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   if (run.live) append(facts.warnings, haptics_warnings(*run.live));
   Json report = simulation_report(run.exec, run.scene, run.world, done.measures, facts);
   if (run.live) report["haptics"] = haptics_report(*run.live);
+  if (run.replay) report["felt"] = felt_report(run.replay->run(), run.world);
   if (!done.stopped.empty()) report["stopped"] = done.stopped, report["finite"] = done.finite;
   if (!run.recording) return report;
   const AddTime time(facts.file_seconds);
@@ -139,9 +177,24 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   return report;
 }
 
+/// Who tells the tools where to go: a hand, one of before, or, where both stay empty, their paths.
+Status begin_touch(const RunOptions& options, std::optional<FeltRun> felt, FolderRun& run) {
+  if (options.live) {
+    Result<LiveRun> live = start_live(run.world, *options.live, run.scene.duration);
+    if (!live) return live.error();
+    run.live.emplace(std::move(*live));
+  }
+  if (felt) {
+    Result<std::unique_ptr<FeltReplay>> replay = FeltReplay::begin(run.world, std::move(*felt));
+    if (!replay) return replay.error();
+    run.replay = std::move(*replay);
+  }
+  return Done{};
+}
+
 /// In the open folder.
 Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, OutputFolder& folder,
-                      const RunOptions& options, const RunCallbacks& callbacks) {
+                      const RunOptions& options, std::optional<FeltRun> felt, const RunCallbacks& callbacks) {
   Result<World> world = load_world(exec, scene, callbacks.begin);
   if (!world) return world.error();
   ShownWorld first;
@@ -153,17 +206,14 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
   append(outputs->facts.warnings, odd_sizes(first));
   if (scene.output.video && !has_ffmpeg())
     outputs->facts.warnings.push_back("no video: ffmpeg is not on the PATH (Debian: apt-get install ffmpeg)");
-  FolderRun run{exec, scene, *world, *outputs, callbacks, std::nullopt, std::nullopt, {}, {}};
+  FolderRun run{folder.path(), exec,         scene, *world, *outputs, callbacks,
+                std::nullopt,  std::nullopt, {},    {},     {}};
   if (scene.output.recording) {
     Result<RecordingWriter> writer = RecordingWriter::create(folder.path() / "recording.h5", scene, *world);
     if (!writer) return writer.error();
     run.recording.emplace(std::move(*writer));
   }
-  if (options.live) {
-    Result<LiveRun> live = start_live(*world, *options.live, scene.duration);
-    if (!live) return live.error();
-    run.live.emplace(std::move(*live));
-  }
+  if (const Status begun = begin_touch(options, std::move(felt), run); !begun) return begun.error();
   const Result<Simulated> done = simulate_into(run);
   if (!done) return done.error();
   Result<Json> report = report_of(run, *done);
@@ -220,7 +270,22 @@ Result<Json> run_scene(const Exec& exec, const Scene& scene, const RunOptions& o
   Result<OutputFolder> folder = open_folder(scene, false, options, callbacks);
   if (!folder) return folder.error();
   if (const Status status = check_inputs(scene, *folder); !status) return status.error();
-  return run_into(exec, scene, total, *folder, options, callbacks);
+  return run_into(exec, scene, total, *folder, options, std::nullopt, callbacks);
+}
+
+Result<Json> replay_felt_run(const Exec& exec, const fs::path& file, const RunOptions& options,
+                             const RunCallbacks& callbacks) {
+  const Timer total;
+  Result<FeltRun> felt = read_felt_run(file);
+  if (!felt) return felt.error();
+  const Result<Scene> scene = scene_of(*felt);
+  if (!scene) return Error{fmt::format("{}: {}", file.string(), scene.error().message)};
+  Result<OutputFolder> folder = open_folder(*scene, true, options, callbacks);
+  if (!folder) return folder.error();
+  Status status = check_inputs(*scene, *folder);
+  if (status) status = folder->check_input(file);
+  if (!status) return status.error();
+  return run_into(exec, *scene, total, *folder, options, std::move(*felt), callbacks);
 }
 
 Result<Json> replay_recording(const Exec& exec, const fs::path& file,

@@ -10,6 +10,7 @@
 
 #include "turgor/core/exec.hpp"
 #include "turgor/core/result.hpp"
+#include "turgor/sim/live/felt_run.hpp"
 #include "turgor/sim/live/live_run.hpp"
 #include "turgor/sim/loading.hpp"
 #include "turgor/sim/output_folder.hpp"
@@ -41,6 +42,11 @@ std::filesystem::path default_folder(const std::filesystem::path& scene_file, bo
 /// sentence, and "finite" false when its numbers were the reason. Error: nothing is left behind.
 Result<Json> run_scene(const Exec& exec, const Scene& scene, const RunOptions& options,
                        const RunCallbacks& callbacks = {});
+
+/// Does a felt run again and leaves what run_scene leaves. The report has "felt": frames, ticks, the state's
+/// hash then, and whether it is that now, bit for bit. Error: the file is no felt run, or as run_scene.
+Result<Json> replay_felt_run(const Exec& exec, const std::filesystem::path& file, const RunOptions& options,
+                             const RunCallbacks& callbacks = {});
 
 /// Draws a recording again; `overrides` may say what to draw and where the CT is now.
 Result<Json> replay_recording(const Exec& exec, const std::filesystem::path& file,

@@ -21,8 +21,6 @@
 
 namespace turgor {
 
-struct Exchanges;  // sim/live/exchanges.hpp
-
 struct World {
   Vec3d gravity;  // patient frame [m/s²]
   double dt = 0;  // of a frame [s]
@@ -33,7 +31,6 @@ struct World {
   std::vector<ClothBody> cloth_bodies;
   std::vector<Cut> cuts;
   std::vector<TouchingTool> tools;
-  Exchanges* felt = nullptr;  // a haptic thread ticks, and this passes between it and frames; null: frames do
 };
 
 inline double time_of(const World& world) { return world.frame * world.dt; }

@@ -49,6 +49,10 @@ void show_display(Viewer& viewer) {
   bool wires = viewer.display.style == MeshStyle::kWires;
   if (ImGui::Checkbox("wires", &wires))
     viewer.display.style = wires ? MeshStyle::kWires : MeshStyle::kSurface;
+  if (viewer.now->scene && !viewer.now->scene->sfem_bodies.empty()) {
+    ImGui::SameLine();
+    ImGui::Checkbox("patch", &viewer.display.patch);
+  }
 }
 
 }  // namespace
@@ -68,6 +72,8 @@ void show_controls(Viewer& viewer) {
   key_button(viewer, viewer.wants_video ? "End video" : "Video", "V");
   ImGui::SameLine();
   key_button(viewer, "Save scene", "S");
+  ImGui::SameLine();
+  key_button(viewer, "Save hand", "H");
   ImGui::SameLine();
   key_button(viewer, "?", "?");
   ImGui::Checkbox("curves", &viewer.panels.curves);

@@ -22,7 +22,8 @@ double round_above(double value) {
   return 10 * decade;
 }
 
-/// A curve from its lowest to its highest x, from 0 up, with words at the ends of its axes.
+/// A curve from its lowest to its highest x, from 0 up (what is below 0 lies on the axis), with words at the
+/// ends of its axes.
 void plot(const char* name, const std::vector<ImVec2>& points, const char* x_unit, const char* y_unit) {
   const ImVec2 corner = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, 92};
   ImGui::Dummy(size);
@@ -39,7 +40,7 @@ void plot(const char* name, const std::vector<ImVec2>& points, const char* x_uni
   std::vector<ImVec2> line;
   for (const ImVec2 p : points)
     line.push_back({low.x + (p.x - x_low) / (x_high - x_low) * (high.x - low.x),
-                    low.y + p.y / y_high * (high.y - low.y)});
+                    low.y + std::max(0.0f, p.y) / y_high * (high.y - low.y)});
   draw.AddPolyline(line.data(), int(line.size()), kCurve, 0, 1.5f);
   draw.AddText({low.x, low.y + 1}, kInk, fmt::format("{:.3g}", x_low).c_str());
   const std::string right = fmt::format("{:.3g} {}", x_high, x_unit);
@@ -47,14 +48,16 @@ void plot(const char* name, const std::vector<ImVec2>& points, const char* x_uni
 }
 
 void show_tool(const std::string& name, const std::vector<FeltPoint>& felt) {
-  std::vector<ImVec2> over_time, over_depth;
+  std::vector<ImVec2> over_time, over_depth, energy;
   for (const FeltPoint& p : felt) {
     over_time.push_back({float(p.time), float(p.force)});
     over_depth.push_back({float(1e3 * p.depth), float(p.force)});
+    energy.push_back({float(p.time), float(1e3 * p.work)});
   }
   ImGui::Text("%s: %.3f N at %.1f mm", name.c_str(), felt.back().force, 1e3 * felt.back().depth);
   plot("force over time", over_time, "s", "N");
   plot("force over depth", over_depth, "mm", "N");
+  plot("energy given, over time", energy, "s", "mJ");
 }
 
 }  // namespace

@@ -8,7 +8,8 @@ namespace turgor {
 namespace {
 
 constexpr ImU32 kInk = IM_COL32(236, 239, 242, 255), kShade = IM_COL32(0, 0, 0, 160),
-                kLine = IM_COL32(255, 90, 70, 255), kWind = IM_COL32(120, 190, 255, 255);
+                kLine = IM_COL32(255, 90, 70, 255), kWind = IM_COL32(120, 190, 255, 255),
+                kPatch = IM_COL32(60, 220, 200, 200);
 
 std::optional<ImVec2> pixel_of(const Viewer& viewer, Vec3d point) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -27,6 +28,18 @@ void draw_line(ImDrawList& draw, const Viewer& viewer, const Drawn& line, ImU32 
   if (!from || !to) return;
   draw.AddLine(*from, *to, color, 3);
   draw.AddCircleFilled(*to, 5, color);
+}
+
+/// Edges of the triangles that face the eye.
+void draw_patch(ImDrawList& draw, const Viewer& viewer, const TriMesh& patch) {
+  std::vector<std::optional<ImVec2>> pixels;
+  for (const Vec3 x : patch.vertices) pixels.push_back(pixel_of(viewer, Vec3d(x)));
+  for (const Int3 t : patch.triangles) {
+    const auto x = [&patch](int v) { return Vec3d(patch.vertices[std::size_t(v)]); };
+    if (dot(cross(x(t.y) - x(t.x), x(t.z) - x(t.x)), viewer.camera.eye - x(t.x)) <= 0) continue;
+    const auto &a = pixels[std::size_t(t.x)], &b = pixels[std::size_t(t.y)], &c = pixels[std::size_t(t.z)];
+    if (a && b && c) draw.AddTriangle(*a, *b, *c, kPatch);
+  }
 }
 
 void draw_legend(ImDrawList& draw, const ColorScale& scale) {
@@ -53,6 +66,8 @@ void show_marks(const Viewer& viewer, const WorldPicture& picture) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   for (const PictureLabel& label : picture.labels)
     if (const auto at = pixel_of(viewer, label.place)) write(draw, *at, label.text);
+  if (viewer.display.patch)
+    for (const ShownBody& body : viewer.now->shown.bodies) draw_patch(draw, viewer, body.patch);
   if (viewer.cut) draw_line(draw, viewer, *viewer.cut, kLine);
   if (viewer.wind) draw_line(draw, viewer, *viewer.wind, kWind);
   if (picture.has_scale) draw_legend(draw, picture.scale);

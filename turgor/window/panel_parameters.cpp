@@ -9,8 +9,9 @@ namespace {
 
 std::string tip_of(const Parameter& parameter) {
   const std::string limits = limits_text(parameter.key.allowed);
-  return fmt::format("{}\n{}{}{}\n{}", parameter.key.path, parameter.key.unit, limits.empty() ? "" : ", ",
-                     limits, parameter.key.meaning);
+  return fmt::format("{}\n{}{}{}\n{}{}{}", parameter.key.path, parameter.key.unit, limits.empty() ? "" : ", ",
+                     limits, parameter.key.meaning,
+                     parameter.waits.empty() ? "" : "\nwith Reset: ", parameter.waits);
 }
 
 /// Does a person turn it now, and did they let go?
@@ -35,12 +36,12 @@ Turned turn(Parameter& parameter) {
 
 void show_list(Viewer& viewer, bool live) {
   for (Parameter& parameter : viewer.parameters) {
-    if (parameter.is_live != live) continue;
+    if (parameter.waits.empty() != live) continue;
     const Turned turned = turn(parameter);
     if (!(live ? turned.moved : turned.let_go)) continue;
     viewer.session.ask(AskChange{parameter.key.path, value_text(parameter)});
-    viewer.message = fmt::format("{} = {} {}{}", parameter.key.path, value_text(parameter),
-                                 parameter.key.unit, live ? "" : ": with Reset");
+    viewer.message = fmt::format("{} = {} {}{}{}", parameter.key.path, value_text(parameter),
+                                 parameter.key.unit, live ? "" : ": with Reset, for ", parameter.waits);
   }
 }
 

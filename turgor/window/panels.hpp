@@ -12,7 +12,7 @@ namespace turgor {
 void show_status(const Viewer& viewer);
 /// Play, pace, mouse, display.
 void show_controls(Viewer& viewer);
-/// Forces and depths of tools over time, and against each other.
+/// Forces of tools over time and depth, and the energy that hands gave.
 void show_curves(const Viewer& viewer);
 void show_parameters(Viewer& viewer);
 /// Sections and volume rendering of the deformed CT.

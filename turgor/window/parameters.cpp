@@ -40,12 +40,12 @@ ParameterList list_parameters(const Scene& scene) {
   for (SceneKey& key : scene_keys(scene.text, scene.file)) {
     if (!is_offered(key)) continue;
     const std::string given = scene_value(scene, key.path), text = given.empty() ? key.fallback : given;
-    Parameter parameter{.key = key, .is_live = changes_live(key)};
+    Parameter parameter{.key = key, .waits = why_not_live(scene, key)};
     parameter.count = numbers_of(text, parameter.value);
     if (parameter.count != 1 && parameter.count != 3) continue;
     list.push_back(std::move(parameter));
   }
-  std::stable_partition(list.begin(), list.end(), [](const Parameter& one) { return one.is_live; });
+  std::stable_partition(list.begin(), list.end(), [](const Parameter& one) { return one.waits.empty(); });
   return list;
 }
 

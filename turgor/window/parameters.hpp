@@ -14,8 +14,8 @@ namespace turgor {
 /// A key that is a number or three.
 struct Parameter {
   SceneKey key;
-  bool is_live = false;  // acts at once; else when the world is made anew
-  int count = 1;         // of numbers
+  std::string waits;  // why it acts only when the world is made anew; empty: it acts at once
+  int count = 1;      // of numbers
   std::array<double, 3> value{};
 };
 using ParameterList = std::vector<Parameter>;

@@ -10,11 +10,14 @@ namespace turgor {
 
 void meet_world(Viewer& viewer) {
   viewer.touching.reset(), viewer.touched.reset(), viewer.cut.reset(), viewer.wind.reset();
-  viewer.cuts.clear();
+  const Scene& scene = *viewer.now->scene;
   const Box box = box_of(viewer.now->shown);
-  const bool first = viewer.framed == 0;
-  viewer.framed = viewer.now->world;
-  viewer.parameters = list_parameters(*viewer.now->scene);
+  const bool first = viewer.framed_file != scene.file;
+  viewer.framed = viewer.now->world, viewer.framed_file = scene.file;
+  viewer.parameters = list_parameters(scene);
+  const std::vector<SkinColor> colors = known_colors(scene);
+  if (std::find(colors.begin(), colors.end(), viewer.display.color) == colors.end())
+    viewer.display.color = SkinColor::kNone;
   if (first || !meet(box, {viewer.camera.target, viewer.camera.target}))
     viewer.camera = frame_box(box, {0.35, -1, 0.35}, {0, 0, 1}, viewer.aspect);
 }
@@ -30,7 +33,6 @@ Box box_of(const ShownWorld& shown) {
 
 void open_file(Viewer& viewer, const std::filesystem::path& file) {
   viewer.session.ask(AskOpen{.file = file, .overrides = {}});
-  viewer.framed = 0;
   viewer.message = "opening " + file.string();
 }
 

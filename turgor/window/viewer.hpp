@@ -24,6 +24,7 @@ struct Display {
   SkinColor color = SkinColor::kNone;
   MeshStyle style = MeshStyle::kSurface;
   bool volume = false;                              // the deformed CT instead of surfaces
+  bool patch = false;                               // edges of the superposed patch over the surface
   std::string preset = "skin", window = "abdomen";  // of the CT's pictures
 };
 
@@ -56,7 +57,8 @@ struct Viewer {
   const SessionNow* now = nullptr;  // the newest; set once a picture
   double aspect = 4.0 / 3;
   Camera camera;
-  int framed = 0;  // the world that the camera was set for
+  int framed = 0;                     // the world that was met last
+  std::filesystem::path framed_file;  // and its scene, which the camera was set for
   MouseMode mode = MouseMode::kTouch;
   Display display;
   Panels panels;
@@ -66,11 +68,11 @@ struct Viewer {
   std::optional<Touching> touching;
   std::optional<Vec3d> touched;  // where the last touch or cut was, to look at
   std::optional<Drawn> cut, wind;
-  std::optional<int> camera_button;     // that moves the camera while it is held: 0 turns, 1 shifts
-  std::vector<lattice::Incision> cuts;  // that were made, with `name` of their body
+  std::optional<int> camera_button;  // that moves the camera while it is held: 0 turns, 1 shifts
   ParameterList parameters;
   std::string message;  // the last that happened
-  bool wants_picture = false, wants_video = false, ends = false;
+  bool wants_picture = false, wants_video = false, wants_felt = false, ends = false;
+  std::string saved;                               // SessionNow::saved, as it was told last
   double drawn_per_second = 0;                     // of pictures [1/s]
   std::chrono::steady_clock::time_point asked_ct;  // latest
 };
@@ -86,7 +88,7 @@ void open_file(Viewer& viewer, const std::filesystem::path& file);
 /// Once a picture: takes what the session shows, and leads the tool.
 void look(Viewer& viewer);
 
-/// A new world: the camera looks at all of it, and what was touched is no more.
+/// A new world: what was touched is no more, and the camera looks at all of it where it is another scene's.
 void meet_world(Viewer& viewer);
 
 /// Around all that is shown [m].

@@ -77,8 +77,7 @@ void reset(Viewer& viewer) {
 }
 
 void reload(Viewer& viewer) {
-  if (!viewer.now || !viewer.now->scene) return viewer.session.ask(AskReset{});
-  viewer.session.ask(AskOpen{.file = viewer.now->scene->file, .overrides = viewer.now->scene->overrides});
+  viewer.session.ask(AskReload{});
   viewer.message = "the file as it is now";
 }
 
@@ -108,10 +107,14 @@ constexpr KeyHelp kKeys[] = {
     {GLFW_KEY_F, "F", "turn about the last touch, or what lies under the cursor", focus},
     {GLFW_KEY_D, "D", "other colours", next_color},
     {GLFW_KEY_L, "L", "surface, or wires", toggle_wires},
+    {GLFW_KEY_U, "U", "the patch of finer functions that follows the tools (sfem)",
+     [](Viewer& v) { v.display.patch = !v.display.patch; }},
     {GLFW_KEY_X, "X", "the CT as it would be now: sections, volume rendering",
      [](Viewer& v) { v.panels.ct = !v.panels.ct; }},
     {GLFW_KEY_P, "P", "save a picture", [](Viewer& v) { v.wants_picture = true; }},
     {GLFW_KEY_V, "V", "begin a video, or end it", [](Viewer& v) { v.wants_video = !v.wants_video; }},
+    {GLFW_KEY_H, "H", "save all that was felt so far: turgor replay does it again",
+     [](Viewer& v) { v.wants_felt = true; }},
     {GLFW_KEY_S, "S", "save the scene with what was changed", save},
     {GLFW_KEY_TAB, "Tab", "panels come and go", [](Viewer& v) { v.panels.controls = !v.panels.controls; }},
     {GLFW_KEY_SLASH, "?", "this help", [](Viewer& v) { v.panels.help = !v.panels.help; }},
@@ -138,7 +141,7 @@ std::string save_scene(const Viewer& viewer) {
   const Scene& scene = *viewer.now->scene;
   Result<std::string> text = with_values(scene.text, scene.file, scene.overrides);
   if (!text) return text.error().message;
-  *text += incisions_text(scene, viewer.cuts);
+  *text += incisions_text(scene, viewer.now->cuts);
   std::filesystem::path path;
   for (int n = 1; path.empty() || std::filesystem::exists(path); n++)
     path = scene.file.parent_path() / fmt::format("{}-{}.toml", scene.file.stem().string(), n);

@@ -98,12 +98,11 @@ void end_cut(Viewer& viewer) {
     viewer.message = "no cut: expected a line of 5 mm or more";
     return;
   }
-  lattice::Incision blade{.name = body.name, .from = line.from, .to = line.to};
+  lattice::Incision blade{.name = "hand", .from = line.from, .to = line.to};
   for (const IncisionScene& incision : viewer.now->scene->incisions)
     if (incision.body == body.id.index) blade.depth = incision.blade.depth;
   blade.duration = std::clamp(norm(line.to - line.from) / 0.2, 0.1, 1.0);
   viewer.session.ask(AskCut{.blade = blade, .body = body.id.index});
-  viewer.cuts.push_back(blade);
   viewer.touched = (line.from + line.to) * 0.5;
   viewer.message =
       fmt::format("a cut of {:.0f} mm, {:.0f} mm deep", 1e3 * norm(line.to - line.from), 1e3 * blade.depth);
@@ -207,6 +206,7 @@ void look(Viewer& viewer) {
   const SessionNow& now = viewer.session.now();
   const bool ready = now.phase == SessionNow::Phase::kReady;
   viewer.now = &now;
+  if (!now.saved.empty() && now.saved != viewer.saved) viewer.message = viewer.saved = now.saved;
   if (!ready || now.shown.bodies.empty()) {
     viewer.touching.reset(), viewer.cut.reset(), viewer.wind.reset();
     return;

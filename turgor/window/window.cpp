@@ -90,6 +90,7 @@ struct SceneWindow::Parts {
   void draw_picture();
   void draw_panels();
   void save_pictures();
+  void save_felt();
   void keep_rate();
   Seen seen(double x, double y) const;
   Image read() const;
@@ -97,6 +98,7 @@ struct SceneWindow::Parts {
 
 SceneWindow::Parts::~Parts() {
   session.reset();  // ends its threads
+  if (!film.frames.empty()) (void)end_film(options.out, options.scene.stem().string(), film);
   if (window) glfwMakeContextCurrent(window);
   picture.reset(), volume.reset(), sections.reset();
   if (has_imgui) ImGui_ImplOpenGL3_Shutdown(), ImGui_ImplGlfw_Shutdown(), ImGui::DestroyContext();
@@ -166,7 +168,8 @@ void SceneWindow::Parts::listen() {
   });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
     Parts& p = parts_of(w);
-    if (action == GLFW_RELEASE) return;
+    const bool again = action == GLFW_REPEAT && key == GLFW_KEY_PERIOD;  // held, frame after frame
+    if (action != GLFW_PRESS && !again) return;
     p.events.push_back([&p, key, mods] {
       if (!ImGui::GetIO().WantTextInput) press_key(*p.viewer, key, mods & GLFW_MOD_SHIFT);
     });
@@ -244,8 +247,17 @@ void SceneWindow::Parts::save_pictures() {
   const std::string name = options.scene.stem().string();
   if (viewer->wants_picture) viewer->message = save_picture(read(), options.out, name);
   viewer->wants_picture = false;
+  if (viewer->wants_felt) save_felt();
   if (viewer->wants_video && is_due(film)) viewer->message = add_to_film(read(), options.out, film);
   if (!viewer->wants_video && !film.frames.empty()) viewer->message = end_film(options.out, name, film);
+}
+
+/// The session does it; its answer is told when it is there.
+void SceneWindow::Parts::save_felt() {
+  std::error_code ignored;
+  std::filesystem::create_directories(options.out, ignored);
+  session->ask(AskSave{free_name(options.out, options.scene.stem().string() + "-felt", ".h5")});
+  viewer->wants_felt = false;
 }
 
 /// No more than a screen shows, where swapping does not wait for one.

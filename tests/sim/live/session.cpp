@@ -130,6 +130,8 @@ TEST(Session, a_cut_that_is_asked_for_opens_a_wound_and_a_reset_closes_it) {
                                .duration = 0.1},
                      .body = 0});
   EXPECT_TRUE(wait_until(session, [&](const SessionNow& now) { return walls(now) > 50; }));
+  ASSERT_EQ(session.now().cuts.size(), 1u);
+  EXPECT_EQ(session.now().cuts[0].name, "block") << "the body's";
   session.ask(AskReset{});
   EXPECT_TRUE(wait_until(session, [&](const SessionNow& now) {
     return now.phase == Phase::kReady && now.world > world && walls(now) == 0 && now.shown.frame < 20;
@@ -143,6 +145,7 @@ TEST(Session, a_cut_beside_the_body_is_answered_by_a_sentence_and_the_world_goes
       AskCut{.blade = {.name = "cut", .from = {1, 1, 1}, .to = {1, 1, 1.1}, .depth = 0.01}, .body = 0});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.error.empty(); }));
   EXPECT_NE(session.now().error.find("no cut"), std::string::npos);
+  EXPECT_TRUE(session.now().cuts.empty()) << "nothing to save";
   const int frame = session.now().shown.frame;
   EXPECT_TRUE(wait_until(session, [frame](const SessionNow& now) { return now.shown.frame > frame + 3; }));
 }
@@ -196,6 +199,107 @@ TEST(Session, more_tension_leaves_whole_skin_where_it_is_and_opens_a_wound_wider
   EXPECT_GT(largest(cut.now()), 1.4 * before);
 }
 
+/// A pad under a finger on a path.
+fs::path pad_file(const std::string& path, const std::string& young = "5e3", const std::string& mu = "0.3") {
+  return written(fresh_folder(), "pad.toml", R"([world]
+duration = 10
+[body.pad]
+model = "sfem"
+block = { size = [0.06, 0.06, 0.03], count = [6, 6, 3] }
+fixed = "bottom"
+poisson = 0.4
+precision = "double"
+cache = false
+young = )" + young + R"(
+[tool.finger]
+body = "pad"
+shape = { sphere = 0.006 }
+friction = )" + mu + "\n" + path);
+}
+Vec3d tool_force(const SessionNow& now) { return now.shown.tools[0].force; }
+bool wait_for_time(Session& session, double time) {
+  return wait_until(session, [time](const SessionNow& now) { return now.shown.time > time; });
+}
+/// What a finger on its path feels at a time [s], with a key changed before.
+Vec3d force_at(const fs::path& file, double time, double change, const std::string& value) {
+  Session session(file, {}, kParams);
+  EXPECT_TRUE(wait_for_time(session, change)) << session.now().error;
+  if (!value.empty()) session.ask(AskChange{"body.pad.young", value});
+  EXPECT_TRUE(wait_for_time(session, time));
+  EXPECT_EQ(session.now().error, "");
+  return tool_force(session.now());
+}
+
+/// How a finger that slides rubs, force along over force across, over a stretch of its way.
+double rubs(const fs::path& file, const std::string& friction) {
+  Session session(file, {}, kParams);
+  EXPECT_TRUE(wait_for_time(session, 0.4)) << session.now().error;
+  if (!friction.empty()) session.ask(AskChange{"tool.finger.friction", friction});
+  double sum = 0, last = 0;
+  int count = 0;
+  EXPECT_TRUE(wait_until(session, [&](const SessionNow& now) {
+    const double x = now.shown.tools[0].pose.position.x;
+    if (x > 0.025 && x < 0.042 && x != last) sum -= tool_force(now).x / tool_force(now).z, count++;
+    last = x;
+    return x >= 0.042;
+  }));
+  EXPECT_EQ(session.now().error, "");
+  return sum / std::max(count, 1);
+}
+
+TEST(Session, a_stiffer_modulus_is_felt_at_once_as_if_the_body_had_been_made_of_it) {
+  const std::string press =
+      "path = [[0, 0.03, 0.03, 0.04], [0.3, 0.03, 0.03, 0.032], [9, 0.03, 0.03, 0.032]]";
+  const Vec3d soft = force_at(pad_file(press), 0.9, 0.4, ""),
+              changed = force_at(pad_file(press), 0.9, 0.4, "17e3"),
+              made = force_at(pad_file(press, "17e3"), 0.9, 0.4, "");
+  ASSERT_GT(soft.z, 0.05) << "N";
+  EXPECT_LT(norm(changed - made), 1e-6 * norm(made));
+  EXPECT_NEAR(norm(changed) / norm(soft), 3.4, 1e-6) << "times as stiff";
+}
+
+TEST(Session, a_slide_rubs_by_the_friction_that_was_asked_for_meanwhile) {
+  const std::string slide =
+      "path = [[0, 0.015, 0.03, 0.04], [0.3, 0.015, 0.03, 0.033], [1.5, 0.045, 0.03, 0.033]]\n"
+      "interpolation = \"linear\"";
+  const double little = rubs(pad_file(slide), ""), more = rubs(pad_file(slide), "0.8"),
+               made = rubs(pad_file(slide, "5e3", "0.8"), "");
+  EXPECT_GT(made, 2 * little);
+  EXPECT_NEAR(more, made, 0.05 * made) << "and " << little << " with 0.3";
+}
+
+TEST(Session, what_a_hand_gives_an_elastic_body_it_gets_back_when_it_leaves) {
+  const std::string press =
+      "path = [[0, 0.03, 0.03, 0.04], [0.4, 0.03, 0.03, 0.031], [0.6, 0.03, 0.03, 0.031], [1, 0.03, 0.03, "
+      "0.04], [9, 0.03, 0.03, 0.04]]";
+  Session session(pad_file(press, "5e3", "0"), {}, kParams);
+  ASSERT_TRUE(wait_for_time(session, 1.1)) << session.now().error;
+  FeltPoint most, before;
+  double area = 0;  // under force over depth on the way in [J]
+  for (const FeltPoint& point : session.now().felt[0]) {
+    if (point.depth > before.depth) area += 0.5 * (point.force + before.force) * (point.depth - before.depth);
+    before = point;
+    if (point.work > most.work) most = point;
+  }
+  EXPECT_GT(most.force, 0.05) << "N";
+  EXPECT_NEAR(most.work, area, 0.05 * area) << "by frames, where work is by ticks";
+  EXPECT_LT(most.work, 0.5 * most.force * most.depth) << "a ball feels a pad stiffen as it sinks in";
+  EXPECT_NEAR(session.now().felt[0].back().work, 0, 0.02 * most.work) << "J";
+}
+
+TEST(Session, a_file_with_a_mistake_is_the_one_that_is_read_again) {
+  Session session(four_kinds_file(), {}, kParams);
+  ASSERT_TRUE(wait_for_world(session)) << session.now().error;
+  const fs::path folder = fresh_folder(), bad = written(folder, "pad.toml", "[world]\nduration = -1\n");
+  session.ask(AskOpen{.file = bad, .overrides = {}});
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.phase == Phase::kFailed; }));
+  fs::copy_file(pad_file("path = [[0, 0.03, 0.03, 0.04]]"), bad, fs::copy_options::overwrite_existing);
+  session.ask(AskReload{});
+  EXPECT_TRUE(wait_until(session, [](const SessionNow& now) {
+    return now.phase == Phase::kReady && now.shown.bodies.size() == 1 && now.shown.bodies[0].name == "pad";
+  }));
+}
+
 TEST(Session, a_value_that_is_not_allowed_is_refused_with_the_scenes_own_sentence) {
   Session session(four_kinds_file(), {}, kParams);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
@@ -212,6 +316,41 @@ TEST(Session, a_scene_with_a_mistake_is_told_and_another_can_be_opened_after_it)
   session.ask(AskReset{});  // again the same mistake, not a crash
   session.ask(AskOpen{.file = four_kinds_file(), .overrides = {}});
   EXPECT_TRUE(wait_for_world(session)) << session.now().error;
+}
+
+TEST(Session, a_file_that_was_mended_is_read_again_where_another_scene_was_before_it) {
+  Session session(four_kinds_file(), {}, kParams);
+  ASSERT_TRUE(wait_for_world(session)) << session.now().error;
+  const fs::path bad = written(fresh_folder(), "bad.toml", "[world]\nduration = -1\n");
+  session.ask(AskOpen{.file = bad, .overrides = {}});
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.phase == Phase::kFailed; }));
+  EXPECT_EQ(session.now().scene, nullptr) << "the scene before is none of this file";
+  fs::copy_file(four_kinds_file(), bad, fs::copy_options::overwrite_existing);
+  session.ask(AskReset{});
+  EXPECT_TRUE(
+      wait_until(session, [&](const SessionNow& now) { return now.scene && now.scene->file == bad; }));
+}
+
+TEST(Session, a_step_whose_numbers_are_not_finite_is_told_when_it_was_asked_for_alone) {
+  const fs::path file = written(fresh_folder(), "stiff.toml", R"([world]
+duration = 0.5
+frame_rate = 20
+[body.flag]
+model = "cloth"
+sheet = { corner = [0, 0, 1], side = [1.5, 0, 0], up = [0, 0, 1], columns = 10, rows = 8 }
+fabric = { density = 0.12, warp = 1e30, weft = 800, shear = 150, bend = 2 }
+wind = { velocity = [100, 0, 0] }
+)");
+  Session session(file, {}, kParams);
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.error.empty() && !now.plays; }));
+  const auto is_told = [](const SessionNow& now) {
+    return now.error.find("not finite") != std::string::npos;
+  };
+  EXPECT_TRUE(is_told(session.now())) << session.now().error;
+  session.ask(AskChange{"body.flag.wind.velocity", "[100, 0, 0]"});
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.error.empty(); }));
+  session.ask(AskStep{});
+  EXPECT_TRUE(wait_until(session, is_told));
 }
 
 TEST(Session, one_who_looks_away_for_a_second_costs_neither_ticks_nor_frames) {

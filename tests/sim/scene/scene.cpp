@@ -250,50 +250,6 @@ TEST(Scene, AllMistakesOfAFileAreListedInItsOrder) {
             "s.toml:6:7: output.obj: expected true or false, found 1");
 }
 
-TEST(Scene, OverridesReplaceAnyKeyAndTakeBareWordsAsText) {
-  const Result<Scene> scene = parse_scene(kScene, "/scenes/s.toml",
-                                          {"body.torso.ct=other/ct.nii.gz", "body.torso.skin.tension=20",
-                                           "world.duration=3", "output.window=lung"});
-  ASSERT_TRUE(scene) << scene.error().message;
-  EXPECT_EQ(scene->lattice_bodies[0].ct.file,
-            "other/ct.nii.gz");  // relative to the current folder, not to the scene's
-  EXPECT_EQ(scene->lattice_bodies[0].params.skin.tension_across, 20);
-  EXPECT_EQ(scene->duration, 3);
-  EXPECT_EQ(scene->output.window, "lung");
-}
-
-TEST(Scene, OverridesMayReplaceAPhantomByAFileAndAFileByAPhantom) {
-  const Result<Scene> file = parse_scene(small_scene(), "s.toml", {"body.torso.ct=2024"});
-  ASSERT_TRUE(file) << file.error().message;
-  EXPECT_EQ(file->lattice_bodies[0].ct.file, "2024");
-  EXPECT_FALSE(file->lattice_bodies[0].ct.phantom);
-  const Result<Scene> phantom =
-      parse_scene(kScene, "s.toml", {"body.torso.ct={ phantom = \"leg\", seed = 3 }"});
-  ASSERT_TRUE(phantom) << phantom.error().message;
-  EXPECT_EQ(phantom->lattice_bodies[0].ct.phantom->kind, PhantomKind::kLeg);
-  EXPECT_EQ(phantom->lattice_bodies[0].ct.phantom->seed, 3);
-}
-
-TEST(Scene, WrongOverridesAreRefusedByName) {
-  const auto error = [](const std::string& text) { return error_of(kScene, {text}); };
-  EXPECT_EQ(error("world.duration"),
-            "--set world.duration: expected key=value, as in --set body.torso.block=2");
-  EXPECT_EQ(error("=3"), "--set =3: expected key=value, as in --set body.torso.block=2");
-  EXPECT_EQ(error("world..duration=3"),
-            "--set world..duration: expected a key of names with dots between them");
-  EXPECT_EQ(error("world.duratoin=3"),
-            "--set world.duratoin: world.duratoin is not a key of a scene; did you mean duration?");
-  EXPECT_EQ(error("body.torsso.block=3"),
-            "--set body.torsso.block: the scene has no body torsso; did you mean torso?");
-  EXPECT_EQ(error("body.torso.ct.seed=3"),
-            "--set body.torso.ct.seed: body.torso.ct is \"ct/patient.nii.gz\" in the scene, not a table");
-  EXPECT_EQ(error("world.duration=long"),
-            "--set world.duration: world.duration: expected a number between 0 and 3600 [s], found \"long\"");
-  EXPECT_EQ(error("world.duration=3\nworld.x=4"),
-            "--set world.duration: world.duration: expected a number between 0 and 3600 [s], found "
-            "\"3 world.x=4\"");
-}
-
 TEST(Scene, SnapshotsAreTheFirstTheLastAndEveryOneBetween) {
   const Result<Scene> scene = parse_scene(
       small_scene("", "[world]\nduration = 1.1\n[output]\nsnapshots = { every = 0.5 }"), "s.toml");
@@ -343,36 +299,6 @@ TEST(Scene, NothingCanBeNamedByMoreThanLettersAndDigits) {
     EXPECT_NE(error.find("expected a name of at most 64 letters"), std::string::npos) << text << error;
     EXPECT_EQ(error.find("\nsystem"), std::string::npos) << "it cannot write lines of its own: " << error;
   }
-}
-
-TEST(Scene, AnOverrideWithoutAValueRemovesAKey) {
-  const std::string text = small_scene("labels = \"seg.nii\"", "[output]\nwindow = \"bone\"\n");
-  const Result<Scene> scene = parse_scene(text, "s.toml", {"body.torso.labels=", "output.window="});
-  ASSERT_TRUE(scene) << scene.error().message;
-  EXPECT_EQ(scene->lattice_bodies[0].labels, "");
-  EXPECT_EQ(scene->output.window, "abdomen") << "as if the scene had not said it";
-  EXPECT_EQ(error_of(text, {"body.torso.label="}),
-            "--set body.torso.label=: the scene has no body.torso.label that could be removed; did you mean "
-            "labels?");
-  EXPECT_NE(error_of(text, {"body.torso.ct="}).find("ct is missing"), std::string::npos);
-  EXPECT_NE(error_of(text, {"output.video="}).find("no output.video that could be removed"),
-            std::string::npos);
-}
-
-TEST(Scene, FilesOfOverridesThatAreNotHereAreLookedForInAFolderForEveryKindOfBody) {
-  const std::string text =
-      "[body.a]\nmodel = \"sfem\"\nmesh = \"in-file.msh\"\n[body.b]\nmodel = \"rhombus\"\nsurface = "
-      "\"b.obj\"\n"
-      "[body.c]\nmodel = \"cloth\"\nmesh = \"c.obj\"\n[tool.t]\nbody = \"a\"\nshape = { sphere = 0.01 "
-      "}\npath = \"t.csv\"\n";
-  const Result<Scene> scene =
-      parse_scene(text, "/scenes/s.toml",
-                  {"body.b.surface=my/b.obj", "body.c.mesh=my/c.obj", "tool.t.path=/abs/t.csv"}, "/then");
-  ASSERT_TRUE(scene) << scene.error().message;
-  EXPECT_EQ(std::get<SolidFile>(scene->sfem_bodies[0].source).file, "/scenes/in-file.msh");
-  EXPECT_EQ(std::get<SurfaceFile>(scene->rhombus_bodies[0].source).file, "/then/my/b.obj");
-  EXPECT_EQ(std::get<GarmentFile>(scene->cloth_bodies[0].source).file, "/then/my/c.obj");
-  EXPECT_EQ(std::get<PathFile>(scene->tools[0].motion).file, "/abs/t.csv");
 }
 
 TEST(Scene, KnownKeysAreListedOnce) {

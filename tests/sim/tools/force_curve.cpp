@@ -40,6 +40,15 @@ TEST_F(ForceCurve, units_in_the_names_of_the_columns_are_obeyed) {
             "curve.csv: expected a depth before its force, found the columns \"force_N\" and \"depth_mm\"");
 }
 
+TEST_F(ForceCurve, a_micrometre_is_none_of_metres_however_its_letter_is_written) {
+  for (const char* header :
+       {"depth_um,force_N", "depth_µm,force_N", "Tiefe [μm];Kraft [N]", " Tiefe in μm , Kraft in N \r"}) {
+    const auto curve = read_force_curve(file(std::string(header) + "\n1500 20\n"));
+    ASSERT_TRUE(curve) << header << ": " << curve.error().message;
+    EXPECT_DOUBLE_EQ((*curve)[0].depth, 0.0015) << header;
+  }
+}
+
 TEST_F(ForceCurve, lines_that_are_no_points_are_refused_with_their_place) {
   EXPECT_EQ(message("depth,force\n0,0\n0.001,abc\n"),
             "curve.csv:3: expected two numbers, a depth [m] and a force [N], found \"0.001,abc\"");

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/membrane.hpp"
+#include "turgor/models/cloth/springs.hpp"
 
 namespace turgor::cloth {
 
@@ -102,19 +102,6 @@ std::vector<Curvature> curvature(const std::vector<Fold>& folds, std::span<const
     }
   }
   return sums;
-}
-
-/// Those between the same two vertices become one.
-void merge(std::vector<Spring>& springs) {
-  std::stable_sort(springs.begin(), springs.end(),
-                   [](const Spring& s, const Spring& t) { return std::tie(s.a, s.b) < std::tie(t.a, t.b); });
-  std::size_t last = 0;
-  for (std::size_t s = 1; s < springs.size(); s++)
-    if (springs[s].a == springs[last].a && springs[s].b == springs[last].b)
-      springs[last].bend += springs[s].bend;
-    else
-      springs[++last] = springs[s];
-  springs.resize(springs.empty() ? 0 : last + 1);
 }
 
 }  // namespace

@@ -35,6 +35,17 @@ void halve(const Vectors& x, std::vector<int>::iterator from, std::vector<int>::
   halve(x, middle, to, largest, pieces);
 }
 
+/// Calls visit(vertex, neighbour) for both ends of every spring: of edges, and of folds where springs resist
+/// them.
+template <class Visit>
+void for_each_neighbour(const Rows& rows, const Visit& visit) {
+  for (std::size_t batch = 0; batch < batch_count(rows); batch++)
+    for (int s = rows.slot_begin[batch]; s < rows.slot_begin[batch + 1]; s++)
+      for (int l = 0; l < kLanes; l++)
+        if (rows.stiffness[std::size_t(s) * std::size_t(kLanes) + std::size_t(l)] > 0)
+          visit(int(batch) * kLanes + l, neighbour(rows, s, l));
+}
+
 /// Both the blocks and what is in them grow with the square root of the cloth, and the iterations hardly.
 int block_size(int count) { return std::max(12, int(0.8 * std::sqrt(double(count)))); }
 
@@ -77,11 +88,10 @@ Blocks make_blocks(const Model& model) {
   }
   std::vector<std::set<int>> touched(pieces.size());
   for (std::size_t n = 0; n < pieces.size(); n++) touched[n].insert(int(n));
-  for (const Int3 t : model.triangles)
-    for (int side = 0; side < 3; side++) {
-      const int a = blocks.of[std::size_t(t[side])], b = blocks.of[std::size_t(t[(side + 1) % 3])];
-      touched[std::size_t(std::max(a, b))].insert(std::min(a, b));
-    }
+  for_each_neighbour(model.rows, [&](int i, int j) {
+    const int a = blocks.of[std::size_t(i)], b = blocks.of[std::size_t(j)];
+    touched[std::size_t(std::max(a, b))].insert(std::min(a, b));
+  });
   blocks.pair_begin.push_back(0);
   for (const std::set<int>& list : touched) {
     blocks.pair.insert(blocks.pair.end(), list.begin(), list.end());

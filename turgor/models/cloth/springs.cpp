@@ -64,20 +64,19 @@ void add_edge(const Faces& faces, const Fabric& fabric, std::span<const EdgeUse>
     }
 }
 
-/// Springs between the same two vertices become one.
+}  // namespace
+
 void merge(std::vector<Spring>& springs) {
   std::stable_sort(springs.begin(), springs.end(),
                    [](const Spring& s, const Spring& t) { return std::tie(s.a, s.b) < std::tie(t.a, t.b); });
   std::size_t last = 0;
   for (std::size_t s = 1; s < springs.size(); s++)
     if (springs[s].a == springs[last].a && springs[s].b == springs[last].b)
-      springs[last].stiffness += springs[s].stiffness;
+      springs[last].stiffness += springs[s].stiffness, springs[last].bend += springs[s].bend;
     else
       springs[++last] = springs[s];
-  springs.resize(last + 1);
+  springs.resize(springs.empty() ? 0 : last + 1);
 }
-
-}  // namespace
 
 std::vector<Spring> make_springs(const TriMesh& mesh, const Fabric& fabric) {
   const Faces faces{mesh};

@@ -13,4 +13,7 @@ namespace turgor::cloth {
 /// In the mesh's numbering, by their first vertex.
 std::vector<Spring> make_springs(const TriMesh& mesh, const Fabric& fabric);
 
+/// Springs between the same two vertices become one; ascending by these.
+void merge(std::vector<Spring>& springs);
+
 }  // namespace turgor::cloth

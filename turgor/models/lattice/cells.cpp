@@ -44,7 +44,8 @@ void mark_group(const Model& model, Int3 node, std::vector<Around>& around) {
 
 /// The cells around sixteen nodes: where each has its modulus. A node is corner n of cell n.
 struct CellsAround {
-  const Real* young[kCellCorners];  // [Pa]
+  const Real* young[kCellCorners];  // of what is whole [Pa]
+  const Real* holds[kCellCorners];  // more than 0: no edge in it is loose
 };
 
 void gather_cells(const NodeArrays& n, const SolidLaw& solid, const NodeBlock& block,
@@ -68,20 +69,27 @@ void gather_cells(const NodeArrays& n, const SolidLaw& solid, const NodeBlock& b
   }
 }
 
-/// Of the cells around sixteen nodes, those without a cut edge.
+/// Of the cells around sixteen nodes, those without a cut edge, and those that hold their edges: parts do,
+/// too.
 struct WholeCells {
   Real young[kCellCorners][kSpareSlots];  // 0 in cells with a cut edge [Pa]
+  Real holds[kCellCorners][kSpareSlots];  // 0 in cells with a cut edge that are not in parts
 };
 void find_whole_cells(const NodeArrays& n, const NodeBlock& block, int slot, CellsAround& cells,
                       WholeCells& out) {
   for (int at = 0; at < kCellCorners; at++) {
     std::uint8_t bits[kSpareSlots] = {};
+    const std::uint8_t* lowest = n.cut + slot + block.offset[block_index(cell_corner(0) - cell_corner(at))];
     for (int c = 0; c < kCellCorners; c++) {
       const std::uint8_t* cut = n.cut + slot + block.offset[block_index(cell_corner(c) - cell_corner(at))];
       for (int i = 0; i < kSpareSlots; i++) bits[i] |= cut[i] & edges_from_corner(c);
     }
-    for (int i = 0; i < kSpareSlots; i++) out.young[at][i] = bits[i] ? 0 : cells.young[at][i];
-    cells.young[at] = out.young[at];
+    for (int i = 0; i < kSpareSlots; i++) {
+      const bool parted = lowest[i] & kParted;
+      out.young[at][i] = bits[i] || parted ? 0 : cells.young[at][i];
+      out.holds[at][i] = bits[i] && !parted ? 0 : cells.young[at][i];
+    }
+    cells.young[at] = out.young[at], cells.holds[at] = out.holds[at];
   }
 }
 
@@ -98,7 +106,7 @@ void find_loose_edges(const NodeArrays& n, const Neighbours& around, const Cells
     Real held[kSpareSlots] = {};
     for (int at = 0; at < kCellCorners; at++)
       for (int i = 0; i < kSpareSlots && cell_holds(at, neighbour_offset(e)); i++)
-        held[i] += cells.young[at][i];
+        held[i] += cells.holds[at][i];
     for (int i = 0; i < kSpareSlots; i++) {
       const bool loose = (held[i] <= 0) & ((cut[i] >> e / 2 & 1) == 0);
       out.spring[e][i] = loose ? around.scale[e] * root[i] * root[b + i] : 0;
@@ -128,7 +136,7 @@ void gather_sixteen(const SolidRow& row, int parity, int slot, int begin, bool w
   const NodeBlock& block = row.block[parity];
   CellsAround cells;
   for (int at = 0; at < kCellCorners; at++)
-    cells.young[at] = row.young + slot + block.offset[block_index(-cell_corner(at))];
+    cells.young[at] = cells.holds[at] = row.young + slot + block.offset[block_index(-cell_corner(at))];
   WholeCells whole;
   if (with_cuts) find_whole_cells(row.nodes, block, slot, cells, whole);
   gather_cells(row.nodes, row.law, block, cells, slot, begin, out);

@@ -2,7 +2,10 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <bit>
 #include <limits>
+
+#include "turgor/models/lattice/parts.hpp"
 
 namespace turgor::lattice {
 
@@ -109,26 +112,74 @@ Vec3d place_on_own_side(const TipPlane& blade, const std::vector<Vec3d>& nodes, 
   return (at - own) * side < 0 ? place + blade.normal * (own - at) : place;
 }
 
+/// Corners of tissue beside a copy of a node of air, in its own pieces: along an edge of the lattice where
+/// there are such, else across a face or a cell.
+std::vector<int> tissue_beside(const Model& model, const State& state, const Pieces& pieces,
+                               const PiecesOfCorner& pieces_of, int copy) {
+  const int slots = slot_count(pieces.fine.cells);
+  std::array<std::vector<int>, 3> beside;
+  pieces_of(copy, [&](int p) {
+    const auto& corners = pieces.pieces[std::size_t(p)].corner;
+    const auto at = unsigned(std::find(corners.begin(), corners.end(), copy) - corners.begin());
+    for (unsigned c = 0; c < 8; c++) {
+      const int corner = corners[c];
+      const int slot = corner < slots ? corner : pieces.copies[std::size_t(corner - slots)].slot;
+      if (c == at || !is_solid(model, state, slot)) continue;
+      std::vector<int>& found = beside[std::size_t(std::popcount(c ^ at) - 1)];
+      if (std::find(found.begin(), found.end(), corner) == found.end()) found.push_back(corner);
+    }
+  });
+  for (auto& found : beside)
+    if (!found.empty()) return found;
+  return {};
+}
+
+/// Skin goes with its nodes: air beside them has their mean displacement.
+void follow_tissue(const std::vector<int>& corners, Pieces& pieces) {
+  const int slots = slot_count(pieces.fine.cells);
+  const Real share = Real(1) / Real(corners.size());
+  for (const int corner : corners) {
+    if (corner < slots || pieces.copies[std::size_t(corner - slots)].bears) {
+      pieces.sources.push_back({corner, share});
+      continue;
+    }
+    const NodeCopy copy = pieces.copies[std::size_t(corner - slots)];
+    for (int s = copy.first; s < copy.first + copy.source_count; s++) {
+      const CopySource source = pieces.sources[std::size_t(s)];
+      pieces.sources.push_back({source.corner, source.weight * share});
+    }
+  }
+}
+
 }  // namespace
 
 void find_sources(const Model& model, const State& state, const EdgesOfCells& edges, Pieces& pieces) {
-  const Lattice& l = pieces.fine.cells;
+  const int slots = slot_count(pieces.fine.cells);
   const PiecesOfCorner pieces_of(pieces);
   BladesBeside blades(state, pieces, edges);
-  for (std::size_t c = 0; c < pieces.copies.size(); c++) {
-    NodeCopy& copy = pieces.copies[c];
-    copy.first = int(pieces.sources.size());
-    const int corner = slot_count(l) + int(c);
+  const auto fit = [&](int corner, int slot) {
     const std::vector<int> nodes = joined_nodes(model, state, pieces, pieces_of, corner);
     std::vector<Vec3d> places;
-    for (const int slot : nodes) places.push_back(Vec3d(slot_node(l, slot)));
-    if (!nodes.empty()) {
-      Vec3d place(slot_node(l, copy.slot));
-      if (const auto blade = blades(pieces_of, corner)) place = place_on_own_side(*blade, places, place);
-      const std::vector<double> weights = fit_weights(places, place);
-      for (std::size_t n = 0; n < nodes.size(); n++) pieces.sources.push_back({nodes[n], Real(weights[n])});
+    for (const int node : nodes) places.push_back(Vec3d(slot_node(pieces.fine.cells, node)));
+    if (nodes.empty()) return;
+    Vec3d place(slot_node(pieces.fine.cells, slot));
+    if (const auto blade = blades(pieces_of, corner)) place = place_on_own_side(*blade, places, place);
+    const std::vector<double> weights = fit_weights(places, place);
+    for (std::size_t n = 0; n < nodes.size(); n++) pieces.sources.push_back({nodes[n], Real(weights[n])});
+  };
+  for (const bool tissue : {true, false}) {
+    if (!tissue) find_bearing(model, state, pieces);
+    for (std::size_t c = 0; c < pieces.copies.size(); c++) {
+      NodeCopy& copy = pieces.copies[c];
+      if (is_solid(model, state, copy.slot) != tissue) continue;
+      copy.first = int(pieces.sources.size());
+      const int corner = slots + int(c);
+      const std::vector<int> beside =
+          tissue ? std::vector<int>{} : tissue_beside(model, state, pieces, pieces_of, corner);
+      if (!beside.empty()) follow_tissue(beside, pieces);
+      if (int(pieces.sources.size()) == copy.first) fit(corner, copy.slot);
+      copy.source_count = int(pieces.sources.size()) - copy.first;
     }
-    copy.source_count = int(pieces.sources.size()) - copy.first;
   }
 }
 

@@ -11,6 +11,7 @@
 #include "turgor/models/lattice/kernels.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/node_contact.hpp"
+#include "turgor/models/lattice/parts.hpp"
 #include "turgor/models/lattice/rows.hpp"
 #include "turgor/models/lattice/skin_forces.hpp"
 #include "turgor/models/lattice/sleep.hpp"
@@ -113,6 +114,7 @@ struct GatherRow {
   Neighbours neighbours[2];
   SolidRow solid;
   SkinForces skin;
+  PartForces parts;
 
   GatherRow(const Model& m, State& s)
       : model(m),
@@ -120,7 +122,8 @@ struct GatherRow {
         nodes(node_arrays(m, s)),
         neighbours{neighbours_of(m, 0), neighbours_of(m, 1)},
         solid(m, s),
-        skin(m) {}
+        skin(m),
+        parts(m, s) {}
 
   template <bool kWithCuts>
   void springs(int parity, int slot, int count, SystemBuffer& out) const {
@@ -138,6 +141,11 @@ struct GatherRow {
     else
       springs<false>(parity, slot, count, out);
     if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, skin, slot, count, out);
+    for (const PartNode& node : parts.nodes_of(slot, count)) {
+      NodeSystem s = out.get(node.slot - slot);
+      add(s, parts.gather(node));
+      out.set(node.slot - slot, s);
+    }
   }
 };
 
@@ -197,6 +205,7 @@ struct DescendLayer {
   void operator()(int k) const {
     SystemBuffer buffer;
     const bool sleeps = way2 >= 0;
+    if (order == Order::kBackward) solve_copies(k);
     for_each_piece(
         gather.model, sleeps ? sleep.awake.data() : nullptr, k,
         [&](int parity, int slot, int count) {
@@ -208,6 +217,16 @@ struct DescendLayer {
           if (sleeps && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
         },
         order);
+    if (order == Order::kForward) solve_copies(k);
+  }
+
+  /// After the nodes of their layer, or before them backward: those of other slabs stand still then.
+  void solve_copies(int k) const {
+    const std::span<const PartNode> copies = gather.parts.copies_of(k);
+    for (std::size_t n = 0; n < copies.size(); n++) {
+      const PartNode& copy = copies[order == Order::kForward ? n : copies.size() - 1 - n];
+      if (way2 < 0 || sleep.awake[std::size_t(row_of(gather.model, copy.slot))]) gather.parts.solve(copy);
+    }
   }
 
   /// Adds contacts to the systems of their nodes. Those of one node are equally stiff.
@@ -299,6 +318,12 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
   parallel_for(exec, layers.size(), [&](std::size_t k) {
     SystemBuffer buffer;
     LayerResidual& layer = layers[k];
+    const auto add_force = [&layer](Vec3d force) {
+      layer.largest2 = std::max(layer.largest2, dot(force, force));
+      layer.sum2 += dot(force, force);
+    };
+    for (const PartNode& copy : gather.parts.copies_of(int(k)))
+      if (gather.nodes.w[copy.slot] > 0) add_force(Vec3d(gather.parts.gather(copy).f));
     for_each_piece(model, nullptr, int(k), [&](int parity, int slot, int count) {
       gather(parity, slot, count, buffer);
       for (const NodeContact& c : contacts_of(inputs.contacts, slot, count)) {
@@ -311,9 +336,7 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
         const Real w = gather.nodes.w[slot + i];
         if (w == 0 || state.removed[std::size_t(slot + i)]) continue;
         const Vec3d lack(inertia(slot + i) - gather.nodes.u(slot + i));
-        const Vec3d force = Vec3d(buffer.get(i).f) + lack / (double(w) * dt * dt);
-        layer.largest2 = std::max(layer.largest2, dot(force, force));
-        layer.sum2 += dot(force, force);
+        add_force(Vec3d(buffer.get(i).f) + lack / (double(w) * dt * dt));
       }
     });
   });

@@ -35,12 +35,18 @@ struct LayerEnergy {
     int cut = 0;
     for (int n = 0; n < kCellCorners; n++)
       cut |= state.cut[std::size_t(node_slot(model.lattice, corner + cell_corner(n)))] & edges_from_corner(n);
-    return cut == 0;
+    return cut == 0 && !is_parted(corner);
   }
-  /// Does a whole cell hold the edge from a along `offset`?
+  bool is_parted(Int3 corner) const {
+    return contains(model.lattice, corner) &&
+           (state.cut[std::size_t(node_slot(model.lattice, corner))] & kParted) != 0;
+  }
+  /// Does a whole cell, or its parts, hold the edge from a along `offset`?
   bool is_held(Int3 a, Int3 offset) const {
-    for (int n = 0; n < kCellCorners; n++)
-      if (cell_holds(n, offset) && is_whole(a - cell_corner(n))) return true;
+    for (int n = 0; n < kCellCorners; n++) {
+      const Int3 cell = a - cell_corner(n);
+      if (cell_holds(n, offset) && (is_whole(cell) || is_parted(cell))) return true;
+    }
     return false;
   }
   double solid(Int3 corner) const {
@@ -92,10 +98,12 @@ struct LayerEnergy {
   }
 };
 
-double skin_energy(const Model& model, const State& state, const SkinTriangle& t) {
+/// A triangle whose corners have moved by u.
+double skin_energy(const Model& model, const SkinTriangle& t, const Vec3d (&u)[3]) {
   const SkinParams& p = model.params.skin;
   Vec3d x[3];
-  for (int c = 0; c < 3; c++) x[c] = Vec3d(position(model, state, slot_node(model.lattice, t.vertex[c])));
+  for (int c = 0; c < 3; c++)
+    x[c] = Vec3d(rest_position(model.lattice, slot_node(model.lattice, t.vertex[c]))) + u[c];
   if (p.law == SkinLaw::kArea) {
     const double area = 0.5 * norm(cross(x[1] - x[0], x[2] - x[0])),
                  rest = double(rest_area_ratio(p)) * t.area;
@@ -111,6 +119,28 @@ double skin_energy(const Model& model, const State& state, const SkinTriangle& t
           0.5 * p.shear * shear * shear);
 }
 
+/// Of what blades parted, and of the skin's pull on it.
+double part_energy(const Model& model, const State& state) {
+  const int slots = slot_count(model.lattice);
+  const auto u = [&](int corner) {
+    if (corner < slots) return Vec3d(state.u[std::size_t(corner)]);
+    const CopyShift& c = state.copies[std::size_t(corner - slots)];
+    return Vec3d{c.x, c.y, c.z};
+  };
+  double sum = 0;
+  for (const CellPart& part : state.parts.cells) {
+    Vec3d corner[kCellCorners];
+    for (std::size_t n = 0; n < kCellCorners; n++) corner[n] = u(part.corner[n]);
+    sum += double(part.young) * cell_energy(corner, model.lattice.step, model.params.tissue.poisson);
+  }
+  for (const SkinPart& part : state.parts.skin)
+    sum += double(part.share) * skin_energy(model, model.skin.triangles[std::size_t(part.triangle)],
+                                            {u(part.corner.x), u(part.corner.y), u(part.corner.z)});
+  for (const auto* list : {&state.parts.nodes, &state.parts.copies})
+    for (const PartNode& node : *list) sum += dot(Vec3d(node.pull), u(node.corner));
+  return sum;
+}
+
 }  // namespace
 
 double energy(const Exec& exec, const Model& model, const State& state) {
@@ -119,8 +149,14 @@ double energy(const Exec& exec, const Model& model, const State& state) {
   parallel_for(exec, layers.size(), [&](std::size_t k) { layers[k] = layer_energy(int(k)); });
   double sum = 0;
   for (const double layer : layers) sum += layer;
-  for (std::size_t t = 0; t < model.skin.triangles.size(); t++)
-    if (!state.skin_cut[t]) sum += skin_energy(model, state, model.skin.triangles[t]);
+  for (std::size_t t = 0; t < model.skin.triangles.size(); t++) {
+    if (state.skin_cut[t]) continue;
+    const Int3 v = model.skin.triangles[t].vertex;
+    sum += skin_energy(model, model.skin.triangles[t],
+                       {Vec3d(state.u[std::size_t(v.x)]), Vec3d(state.u[std::size_t(v.y)]),
+                        Vec3d(state.u[std::size_t(v.z)])});
+  }
+  sum += part_energy(model, state);
   for (std::size_t at = 0; at < model.skin.pull.size(); at++)
     sum += dot(Vec3d(model.skin.pull[at]), Vec3d(state.u[std::size_t(model.skin.nodes[at])]));
   return sum;

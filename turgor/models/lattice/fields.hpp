@@ -19,6 +19,14 @@ void visit_fields(S& s, const Visit& visit) {
   visit(Field{"row_cut", "", Axis::kRow, kRecorded}, s.row_cut);
   visit(Field{"skin_cut", "", Axis::kSkinTriangle, kRecorded}, s.skin_cut);
   visit(Field{"cut_edge", "", Axis::kCutEdge, kRecorded}, s.cut_edges);
+  visit(Field{"copies", "m"}, s.copies);
+  visit(Field{"copies_before", "m"}, s.copies_before);
+  visit(Field{"cell_parts", ""}, s.parts.cells);
+  visit(Field{"skin_parts", ""}, s.parts.skin);
+  visit(Field{"part_nodes", ""}, s.parts.nodes);
+  visit(Field{"part_copies", ""}, s.parts.copies);
+  visit(Field{"part_uses", ""}, s.parts.uses);
+  visit(Field{"part_places", ""}, s.parts.places);
   visit(Field{"still", "", Axis::kRow}, s.sleep.still);
   visit(Field{"awake", "", Axis::kRow}, s.sleep.awake);
   visit(Field{"moved", "", Axis::kRow}, s.sleep.moved);

@@ -10,6 +10,7 @@
 #include "turgor/models/lattice/blade_sheet.hpp"
 #include "turgor/models/lattice/fine_lattice.hpp"
 #include "turgor/models/lattice/key_index.hpp"
+#include "turgor/models/lattice/parts.hpp"
 #include "turgor/models/lattice/skin.hpp"
 
 namespace turgor::lattice {
@@ -171,13 +172,6 @@ std::optional<double> way_to_skin(const std::vector<std::array<Vec3d, 3>>& skin,
   return {};
 }
 
-void mark_rows(const Model& model, State& state, int slot) {
-  const int stride = row_stride(model.lattice), layer = layer_stride(model.lattice);
-  for (int dk = -1; dk <= 1; dk++)
-    for (int dj = -1; dj <= 1; dj++)
-      state.row_cut[std::size_t((slot + dk * layer + dj * stride) / stride)] = 1;
-}
-
 void cut_edge(const Model& model, State& state, int slot, int family) {
   state.cut[std::size_t(slot)] |= std::uint8_t(1u << family);
   mark_rows(model, state, slot);
@@ -294,8 +288,10 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
     cut_edge(model, state, edge.slot, edge.family);
     count++;
   }
+  const std::size_t before = state.cut_edges.size();
   cut_fine_edges(model, state, path, begin, end, incision);
   if (count > 0) cut_skin(model, state);
+  if (count > 0 || state.cut_edges.size() > before) part_cells(model, state);
   return count;
 }
 
@@ -322,7 +318,9 @@ int cut_region(const Model& model, State& state, const BladePath& path) {
               cut_edge(model, state, node_slot(l, lower), f);
       }
   state.removed_nodes += count;
+  state.sleep.still.clear();  // everybody is awake
   if (count > 0) cut_skin(model, state);
+  if (count > 0) part_cells(model, state);
   return count;
 }
 

@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "turgor/core/aligned.hpp"
@@ -166,6 +167,42 @@ struct CutEdge {
   Real along = 0;              // where on the blade's path [m]
 };
 
+/// Displacement of a copy of a node beside a blade (pieces.hpp), along the lattice's axes [m].
+struct CopyShift {
+  Real x = 0, y = 0, z = 0;
+};
+
+/// A cell's tissue on one side of a blade. Its corners are slots, or slot_count + number of a copy.
+struct CellPart {
+  std::array<int, 8> corner{};
+  Real young = 0;  // of the cell, by the part's share of its volume [Pa]
+};
+/// A skin triangle on one side of a blade, likewise.
+struct SkinPart {
+  int triangle = 0;
+  Int3 corner;     // of its vertices
+  Real share = 0;  // of its area
+};
+/// A node, or a copy of one, that such parts hang on.
+struct PartNode {
+  int corner = 0, slot = 0;  // itself; the node that it is or was copied from
+  int first = 0, count = 0;  // PartsOfCells::uses
+  Vec3 pull;                 // of Skin::pull, more than the node alone has [N]
+};
+/// Corner `at` of cells[part], or of skin[-1 - part].
+struct PartUse {
+  int part = 0, at = 0;
+};
+/// What cells and skin that blades parted bear (parts.hpp).
+struct PartsOfCells {
+  std::vector<CellPart> cells;
+  std::vector<SkinPart> skin;
+  std::vector<PartNode> nodes, copies;  // slots ascend in both
+  std::vector<int> layer_begin;         // of the copies: size.z + 1 entries
+  std::vector<PartUse> uses;
+  std::vector<std::pair<int, std::uint64_t>> places;  // of all copies: by what the next cut knows them again
+};
+
 /// Which rows stand still (sleep.hpp). By row of the storage; empty until the first step of a body that can
 /// sleep.
 struct Sleep {
@@ -176,16 +213,21 @@ struct Sleep {
   Vec3d gravity;                    // that it has come to rest under [m/s²]
 };
 
+constexpr std::uint8_t kParted = 1u << kFamilyCount;
+
 /// What changes.
 struct State {
   double time = 0;                       // [s]
   VecField u, u_before, v;               // displacement now and a step ago [m], velocity [m/s]
-  aligned_vector<std::uint8_t> cut;      // by slot: bit f = the edge of family f that starts here is cut
+  aligned_vector<std::uint8_t> cut;      // by slot: bit f = the edge of family f that starts here is cut;
+                                         // kParted = the cell that starts here is in `parts` instead
   aligned_vector<std::uint8_t> removed;  // by slot: 1 = left the body (the paper's static incision)
   std::vector<std::uint8_t> row_cut;     // by row: is an edge cut that touches this row or one beside it?
   std::vector<std::uint8_t> skin_cut;    // by skin triangle: 1 = holds no tension
   std::vector<CutEdge> cut_edges;        // in the order they were cut
-  int removed_nodes = 0;                 // how many left the body
+  std::vector<CopyShift> copies, copies_before;  // of nodes beside blades, as make_pieces numbers them
+  PartsOfCells parts;                            // follows from the cuts
+  int removed_nodes = 0;                         // how many left the body
   Sleep sleep;
 };
 

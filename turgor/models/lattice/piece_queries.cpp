@@ -132,6 +132,10 @@ int piece_at(const Pieces& pieces, const State& state, const CutCell& cell, Vec3
 Vec3 corner_displacement(const Model& model, const State& state, const Pieces& pieces, int corner) {
   const int slots = slot_count(model.lattice);
   const NodeCopy* copy = corner < slots ? nullptr : &pieces.copies[std::size_t(corner - slots)];
+  if (copy != nullptr && copy->bears && state.copies.size() == pieces.copies.size()) {
+    const CopyShift& u = state.copies[std::size_t(corner - slots)];
+    return {u.x, u.y, u.z};
+  }
   if (copy == nullptr || copy->source_count == 0) {  // a crumb without a node of its own goes with its node
     const int slot = copy ? copy->slot : corner;
     return is_solid(model, state, slot) ? state.u[std::size_t(slot)] : follow_neighbours(model, state, slot);
@@ -139,7 +143,7 @@ Vec3 corner_displacement(const Model& model, const State& state, const Pieces& p
   Vec3 sum;
   for (int s = copy->first; s < copy->first + copy->source_count; s++) {
     const CopySource& source = pieces.sources[std::size_t(s)];
-    sum += state.u[std::size_t(source.slot)] * source.weight;
+    sum += corner_displacement(model, state, pieces, source.corner) * source.weight;
   }
   return sum;
 }

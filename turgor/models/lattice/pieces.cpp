@@ -1,6 +1,8 @@
 #include "turgor/models/lattice/pieces.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -182,6 +184,34 @@ int part_tip(const State& state, const Pieces& pieces, const EdgesOfCells& edges
   return 1;
 }
 
+/// The fine node of a piece with the lowest index.
+std::uint64_t first_place(const Pieces& pieces, const CutCell& cell, int piece) {
+  const Int3 first = first_of_cell(pieces.fine, slot_node(pieces.fine.cells, cell.slot));
+  std::uint64_t lowest = std::numeric_limits<std::uint64_t>::max();
+  for_places(pieces.fine, [&](Int3 p) {
+    if (pieces.label[cell.places + std::size_t(place_in_cell(pieces.fine, p))] == piece)
+      lowest = std::min(lowest, fine_index(pieces.fine, first + p));
+  });
+  return lowest;
+}
+
+/// Has a piece of a cell no area in any of the cell's faces: no three fine nodes of a square?
+bool is_thin(const Pieces& pieces, const CutCell& cell, int piece) {
+  const FineLattice& f = pieces.fine;
+  bool found = false;
+  const auto has = [&](Int3 p) {
+    return pieces.label[cell.places + std::size_t(place_in_cell(f, p))] == piece;
+  };
+  for (int axis = 0; axis < 3; axis++) {
+    const Int3 u = kFamilies[std::size_t((axis + 1) % 3)], v = kFamilies[std::size_t((axis + 2) % 3)];
+    for_places(f, [&](Int3 p) {
+      if ((p[axis] != 0 && p[axis] != f.parts[axis]) || !in_cell(f, p + u + v)) return;
+      found = found || has(p) + has(p + u) + has(p + v) + has(p + u + v) >= 3;
+    });
+  }
+  return !found;
+}
+
 void make_cell_pieces(const Model& model, const State& state, const EdgesOfCells& edges, Pieces& out) {
   for (std::size_t c = 0; c < out.cells.size(); c++) {
     CutCell& cell = out.cells[c];
@@ -192,7 +222,8 @@ void make_cell_pieces(const Model& model, const State& state, const EdgesOfCells
       cell.piece_count = part_tip(state, out, edges, cell, places);
     for (int p = 0; p < cell.piece_count; p++) {
       const int parity = slot_node(out.fine.cells, cell.slot).x & 1;
-      Piece piece{.cell = int(c), .corner = {}};
+      Piece piece{
+          .cell = int(c), .place = first_place(out, cell, p), .thin = is_thin(out, cell, p), .corner = {}};
       for (int n = 0; n < 8; n++)
         piece.corner[std::size_t(n)] =
             cell.slot + slot_offset(out.fine.cells, {n & 1, n >> 1 & 1, n >> 2}, parity);
@@ -220,7 +251,10 @@ struct AroundNode {
     std::iota(group.begin(), group.end(), 0);
     for (int a = 0; a < 8; a++)
       for (int b = a + 1; b < 8; b++)
-        if (cell[a] && cell[b]) join_cells(a, b);
+        if (cell[a] && cell[b]) {
+          if (std::popcount(unsigned(a ^ b)) == 1) join_faces(a, b);
+          if (has_thin(a) || has_thin(b)) join_thin(a, b);
+        }
   }
 
   int root(int n) const {
@@ -231,25 +265,77 @@ struct AroundNode {
     a = root(a), b = root(b);
     group[std::size_t(std::max(a, b))] = std::min(a, b);
   }
+  bool has_thin(int c) const {
+    for (int p = 0; p < cell[c]->piece_count; p++)
+      if (is_thin(c, p)) return true;
+    return false;
+  }
   int label(int c, Int3 p) const {
     const FineLattice& f = pieces.fine;
     const Int3 local = p - first_of_cell(f, node - Int3{c & 1, c >> 1 & 1, c >> 2});
     return pieces.label[cell[c]->places + std::size_t(place_in_cell(f, local))];
   }
-  /// By the fine nodes that both cells have.
-  void join_cells(int a, int b) {
-    const FineLattice& f = pieces.fine;
-    const Int3 at = first_of_cell(f, node);
-    Int3 low = at, high = at;
-    for (int axis = 0; axis < 3; axis++) {
-      if ((a >> axis & 1) != (b >> axis & 1)) continue;
-      (a >> axis & 1 ? low : high)[axis] += a >> axis & 1 ? -f.parts[axis] : f.parts[axis];
+  bool is_thin(int c, int piece) const {
+    return pieces.pieces[std::size_t(cell[c]->first_piece + piece)].thin;
+  }
+  /// By the area that they share in the face between two cells: three fine nodes of a square of it, or fewer
+  /// that a blade parted from the others. Where a blade ends in the edge of a cell, pieces that touch in that
+  /// edge alone are not one.
+  void join_faces(int a, int b) {
+    const Int3 low = shared_places(a, b).first;
+    Int3 side[2];
+    int sides = 0;
+    for (int axis = 0; axis < 3; axis++)
+      if ((a >> axis & 1) == (b >> axis & 1)) side[sides++] = kFamilies[std::size_t(axis)];
+    for (int j = 0; j < dot(side[1], pieces.fine.parts); j++)
+      for (int i = 0; i < dot(side[0], pieces.fine.parts); i++) {
+        const Int3 p = low + side[0] * i + side[1] * j;
+        join_square(a, b, {p, p + side[0], p + side[1], p + side[0] + side[1]});
+      }
+  }
+  void join_square(int a, int b, const std::array<Int3, 4>& corners) {
+    int in_a[4], in_b[4];
+    for (std::size_t c = 0; c < 4; c++) in_a[c] = label(a, corners[c]), in_b[c] = label(b, corners[c]);
+    for (std::size_t c = 0; c < 4; c++) {
+      if (in_a[c] < 0 || in_b[c] < 0) continue;
+      int alike = 0;
+      bool cut = false;  // between here and another corner: then there is tissue up to the blade
+      for (std::size_t d = 0; d < 4; d++) {
+        const bool same = in_a[d] == in_a[c] && in_b[d] == in_b[c];
+        alike += same;
+        cut = cut || (!same && is_cut(a, corners[c], corners[d]));
+      }
+      if (alike >= 3 || cut) join(first[a] + in_a[c], first[b] + in_b[c]);
     }
+  }
+  /// Is the edge between two fine nodes of a cell cut? False where there is no edge.
+  bool is_cut(int c, Int3 p, Int3 q) const {
+    const bool up = family_of(q - p) >= 0;
+    const int family = up ? family_of(q - p) : family_of(p - q);
+    if (family < 0) return false;
+    const FineLattice& f = pieces.fine;
+    const Int3 local = (up ? p : q) - first_of_cell(f, node - Int3{c & 1, c >> 1 & 1, c >> 2});
+    return pieces.cut[cell[c]->places + std::size_t(place_in_cell(f, local))] >> family & 1;
+  }
+  /// Pieces without area, by the fine nodes that both cells have.
+  void join_thin(int a, int b) {
+    const auto [low, high] = shared_places(a, b);
     for (int k = low.z; k <= high.z; k++)
       for (int j = low.y; j <= high.y; j++)
         for (int i = low.x; i <= high.x; i++)
           if (const int la = label(a, {i, j, k}), lb = label(b, {i, j, k}); la >= 0 && lb >= 0)
-            join(first[a] + la, first[b] + lb);
+            if (is_thin(a, la) || is_thin(b, lb)) join(first[a] + la, first[b] + lb);
+  }
+  /// The fine nodes that two cells share: lowest and highest.
+  std::pair<Int3, Int3> shared_places(int a, int b) const {
+    const Int3 at = first_of_cell(pieces.fine, node);
+    Int3 low = at, high = at;
+    for (int axis = 0; axis < 3; axis++) {
+      if ((a >> axis & 1) != (b >> axis & 1)) continue;
+      (a >> axis & 1 ? low : high)[axis] +=
+          a >> axis & 1 ? -pieces.fine.parts[axis] : pieces.fine.parts[axis];
+    }
+    return {low, high};
   }
   /// The group that the node itself belongs to, -1 when it is air.
   int own_group() const {
@@ -273,10 +359,13 @@ void copy_node(Pieces& out, Int3 node) {
       int& copy = copy_of[std::size_t(group)];
       if (copy < 0) {
         copy = slot_count(out.fine.cells) + int(out.copies.size());
-        out.copies.push_back({.slot = node_slot(out.fine.cells, node)});
+        out.copies.push_back(
+            {.slot = node_slot(out.fine.cells, node), .place = std::numeric_limits<std::uint64_t>::max()});
       }
-      out.pieces[std::size_t(around.cell[c]->first_piece + n - around.first[c])].corner[std::size_t(c)] =
-          copy;
+      Piece& piece = out.pieces[std::size_t(around.cell[c]->first_piece + n - around.first[c])];
+      piece.corner[std::size_t(c)] = copy;
+      NodeCopy& made = out.copies[std::size_t(copy - slot_count(out.fine.cells))];
+      made.place = std::min(made.place, piece.place);
     }
 }
 

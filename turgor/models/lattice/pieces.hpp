@@ -18,7 +18,9 @@ namespace turgor::lattice {
 /// The tissue of one cell that holds together. A corner is a slot of the lattice, or slot_count + number of a
 /// copy.
 struct Piece {
-  int cell = 0;  // index into Pieces::cells
+  int cell = 0;             // index into Pieces::cells
+  std::uint64_t place = 0;  // fine node of its tissue with the lowest index
+  bool thin = false;        // it has no area in any face of its cell
   std::array<int, 8> corner{};
 };
 
@@ -30,13 +32,16 @@ struct CutCell {
   bool is_cut = false;     // an edge in it is cut; else it is beside such a cell
 };
 
-/// A copy of a node. It goes where the tissue on its side leads: Σ weight · displacement of `sources`.
+/// A copy of a node. One that bears tissue has a displacement of its own (State::copies). Others go where the
+/// tissue on their side leads: Σ weight · displacement of `sources`.
 struct NodeCopy {
   int slot = 0;                     // of the node
+  std::uint64_t place = 0;          // fine node of its tissue with the lowest index
   int first = 0, source_count = 0;  // sources
+  bool bears = false;
 };
 struct CopySource {
-  int slot = 0;
+  int corner = 0;  // of a piece
   Real weight = 0;
 };
 
@@ -75,6 +80,11 @@ int piece_at(const Pieces& pieces, const State& state, const CutCell& cell, Vec3
 /// the threshold of air [HU].
 Real node_level(const Model& model, const State& state, int slot);
 
+/// Has a corner a displacement that is solved for: a node of tissue, or a copy that bears some?
+inline bool is_borne(const Model& model, const State& state, const Pieces& pieces, int corner) {
+  const int slots = slot_count(pieces.fine.cells);
+  return corner < slots ? is_solid(model, state, corner) : pieces.copies[std::size_t(corner - slots)].bears;
+}
 /// Displacement of a corner of a piece: of a node, of a copy, or of air beside the body, which follows it
 /// [m].
 Vec3 corner_displacement(const Model& model, const State& state, const Pieces& pieces, int corner);

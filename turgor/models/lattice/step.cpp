@@ -103,6 +103,7 @@ void go_back(const Model& model, State& state) {
       state.u.set(s, state.u_before[s]);
       state.v.set(s, {});
     }
+  state.copies = state.copies_before;
   state.sleep.still.clear();  // everybody is awake
 }
 
@@ -128,6 +129,7 @@ void predict(const Exec& exec, const Model& model, State& state, const Inputs& i
   // that few sweeps cannot carry back to the nodes that are held, or a large load on a light node, would turn
   // cells inside out, from where springs do not lead back. A body that nothing holds falls as a whole.
   const bool pbd = model.params.solver.method == Method::kPbd, held = model.free_nodes < model.body_nodes;
+  state.copies_before = state.copies;
   if (pbd) add_loads(model, state, inputs.loads, Real(dt));
   const Vec3 fall = pbd || !held ? lattice_gravity(model, inputs) : Vec3{};
   parallel_for(exec, std::size_t(model.lattice.size.z), PredictLayer{model, state, fall, Real(dt)});
@@ -183,6 +185,7 @@ std::uint64_t state_hash(const Model& model, const State& state) {
       for (int parity = 0; parity < 2; parity++)
         hash = hash_of_fields(state, std::size_t(row_slot(l, j, k) + parity * l.half),
                               std::size_t(half_count(l, parity)), hash);
+  hash = hash_values(std::span<const CopyShift>(state.copies), hash);
   if (can_sleep(model)) hash = hash_values(std::span<const std::uint8_t>(state.sleep.still), hash);
   return hash;
 }

@@ -60,6 +60,20 @@ Vec3 in_cell_at(const Model& model, const Carrier& carrier, Vec3 rest) {
   return Vec3{rest.x / h.x, rest.y / h.y, rest.z / h.z} - Vec3(cell);
 }
 
+/// The node that a copy takes most of its displacement from when it bears nothing.
+int source_node(const Pieces& pieces, int corner) {
+  const int slots = slot_count(pieces.fine.cells);
+  while (corner >= slots) {
+    const NodeCopy& copy = pieces.copies[std::size_t(corner - slots)];
+    const auto first = pieces.sources.begin() + copy.first, end = first + copy.source_count;
+    if (first == end) return copy.slot;
+    corner = std::max_element(first, end, [](const CopySource& a, const CopySource& b) {
+               return a.weight < b.weight;
+             })->corner;
+  }
+  return corner;
+}
+
 /// The node of tissue with the largest share in a vertex; of a copy, its nearest source.
 int nearest_node(const Model& model, const State& state, const Pieces& pieces, const Carrier& carrier,
                  Vec3 rest) {
@@ -76,7 +90,7 @@ int nearest_node(const Model& model, const State& state, const Pieces& pieces, c
     const NodeCopy& copy = pieces.copies[std::size_t(corners[c] - slots)];
     for (int s = copy.first; s < copy.first + copy.source_count; s++)
       if (const CopySource& from = pieces.sources[std::size_t(s)]; from.weight * weight[c] > most_source)
-        most_source = from.weight * weight[c], source = from.slot;
+        most_source = from.weight * weight[c], source = source_node(pieces, from.corner);
   }
   return best >= 0 ? best : source;
 }

@@ -1,6 +1,14 @@
-// What passes between a haptic thread and the frames of a world while a hand feels it: a place for every body
-// and every tool, each written by one side and read by the other (core/latest.hpp). World::felt names them; a
-// world without them ticks its own tools.
+// What passes between a haptic thread and the frames of a body whose forces are known once a frame: for each
+// of its tools a command one way and a plane the other way (contact/local_contact.hpp). Bodies of sfem and
+// rhombus have an exchange of their own; every body that tools touch has overloads of the same names:
+//
+//   begin_felt    before the haptic thread begins: `felt` is there, and frames do not tick any more
+//   tick_felt     of the haptic thread: a command and a reading for each of its tools
+//   log_tick      likewise, for each of them
+//   tick_knew     likewise: what that tick answered from; frame_knew is the frame's
+//   end_felt      when there is no haptic thread any more
+//
+// and two for who does it again (felt_replay.hpp): keep_frame after a frame, give_frame before a tick.
 #pragma once
 
 #include <memory>
@@ -8,29 +16,58 @@
 #include <vector>
 
 #include "turgor/contact/local_contact.hpp"
-#include "turgor/contact/rhombus_touch.hpp"
-#include "turgor/contact/sfem_touch.hpp"
+#include "turgor/sim/live/known.hpp"
 #include "turgor/sim/tools/touched_body.hpp"
 
 namespace turgor {
 
-/// Of a tool on a body whose forces are known once a frame.
+struct NumberedCommand {
+  contact::ToolCommand command;
+  std::int32_t number = 0;  // of the ticks so far
+};
+
+/// Of one tool.
 struct LocalExchange {
-  latest<contact::ToolCommand> command;  // of the haptic thread, to the frame
-  latest<contact::LocalContact> plane;   // of the frame, to the haptic thread
-  contact::ToolCommand before;           // the frame's: where the tool was a frame ago
-  contact::LocalMemory memory;           // the frame's
+  latest<NumberedCommand> command;      // of the haptic thread, to the frame
+  latest<contact::LocalContact> plane;  // of the frame, to the haptic thread
+
+  // The frame's:
+  contact::ToolCommand before;  // where the tool was a frame ago
+  std::int32_t ticks = 0;       // NumberedCommand::number of that
+  contact::LocalMemory memory;
+  long planes = 0;  // so far
+  Awaiting<contact::LocalContact> awaiting;
+
+  // The haptic thread's:
+  contact::LocalTouch touch;
+  std::int32_t done = 0;  // ticks
+  double age = 0;         // of the newest plane [s]
 };
 
-struct Exchanges {
-  std::vector<std::unique_ptr<contact::SfemExchange>> sfem;                  // as World::sfem_bodies
-  std::vector<std::unique_ptr<latest<contact::RhombusTouchedNow>>> rhombus;  // as World::rhombus_bodies
-  std::vector<std::unique_ptr<LocalExchange>> local;  // as World::tools; null where ticks are exact
+/// A body whose forces are known once a frame. `felt`: one for each of tool_indices while a hand feels it.
+struct FrameTouchedBody : TouchedBody {
+  std::unique_ptr<LocalExchange[]> felt;
 };
 
-/// The way of tools of one body in a frame from one time to another: from where they were to where the haptic
-/// thread has them now.
-void take_commands(std::span<const int> tool_indices, Exchanges& felt, double from, double to,
-                   std::vector<TouchingTool>& tools);
+void begin_felt(FrameTouchedBody& body, const std::vector<TouchingTool>& tools);
+void tick_felt(FrameTouchedBody& body, std::span<const contact::ToolCommand> commands, double dt,
+               std::span<contact::ToolReading> readings);
+inline void log_tick(FrameTouchedBody&, std::size_t, const ForceSample& sample, TouchingTool& tool) {
+  tool.samples.append(sample);
+}
+inline TickKnew tick_knew(const FrameTouchedBody& body, std::size_t t) {
+  return {std::int32_t(body.felt[t].touch.contact.number), 0};
+}
+inline FrameKnew frame_knew(const FrameTouchedBody& body, std::size_t t) { return {body.felt[t].ticks, 0}; }
+inline void end_felt(FrameTouchedBody& body) { body.felt.reset(); }
+void keep_frame(FrameTouchedBody& body);
+void give_frame(FrameTouchedBody& body, std::size_t t, TickKnew knew);
+inline void expect_patch(FrameTouchedBody&, bool) {}
+
+/// Of the frame: the way of the tools of a body from one time to another, from where they were to where the
+/// haptic thread has them now.
+void take_commands(FrameTouchedBody& body, double from, double to, std::vector<TouchingTool>& tools);
+/// Of the frame: what ticks feel of tool `t` of tool_indices from now on.
+void leave_plane(FrameTouchedBody& body, std::size_t t, contact::LocalContact plane);
 
 }  // namespace turgor

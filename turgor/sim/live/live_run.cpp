@@ -77,7 +77,8 @@ Result<LiveRun> start_live(World& world, const LiveOptions& options, double dura
   held[0].hand.device = live.device.get(), held[0].hand.workspace = workspace;
   LiveParams params;
   params.loop.rate = options.rate;
-  params.longest = 2 * duration + 60;  // frames may come late, and ticks go on meanwhile
+  // Frames may come late, and ticks go on meanwhile.
+  params.longest = options.longest > 0 ? options.longest : 2 * duration + 60;
   Result<std::unique_ptr<LiveTouch>> touch = LiveTouch::start(world, std::move(held), params);
   if (!touch) return touch.error();
   live.touch = std::move(*touch);

@@ -16,6 +16,7 @@ struct LiveOptions {
   haptics::DeviceOptions driver;  // of real ones
   std::string tool;               // by name; empty: the first one
   double rate = 1000;             // of the haptic loop [Hz]
+  double longest = 0;  // so much of what tools feel is kept; 0: twice the duration and a minute [s]
 };
 
 /// A run in real time on its way. The device outlives the loop.

@@ -3,7 +3,7 @@
 // stays where it is in memory, its frames are made by step() as ever, and what the tools felt is the haptic
 // thread's; stop gives it back.
 //
-//   start   begins to tick; World::felt is set
+//   start   begins to tick; bodies have `felt` (exchanges.hpp)
 //   step    frames, each when wait_for_frame says so
 //   stop    ends the ticks; the tools, with what they felt, are the world's again
 #pragma once
@@ -15,6 +15,7 @@
 
 #include "turgor/core/result.hpp"
 #include "turgor/haptics/loop.hpp"
+#include "turgor/sim/live/felt_run.hpp"
 #include "turgor/sim/live/frame_clock.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -25,6 +26,12 @@ struct HeldTool {
   int tool = 0;                               // index into World::tools
   haptics::Hand hand;                         // its device is open
   const std::atomic<bool>* is_led = nullptr;  // while it is false the tool goes on its path; null: always led
+};
+
+/// Of a tool: the newest tick, and what its hand has given the body since the beginning and not got back.
+struct FeltNow {
+  contact::ToolReading reading;
+  double work = 0;  // [J]
 };
 
 struct LiveParams {
@@ -41,6 +48,8 @@ class LiveTouch {
   LiveTouch(const LiveTouch&) = delete;
   LiveTouch& operator=(const LiveTouch&) = delete;
 
+  /// After every frame: what it knew of the ticks.
+  void note_frame();
   /// After a frame: until the world's next one is due; at once when it is late. Answers how late [s].
   double wait_for_frame();
   /// Seconds of the world a second of the clock, from now on; at 0 nothing moves and nothing is felt.
@@ -49,8 +58,12 @@ class LiveTouch {
   void allow(double time);
   void stop();
 
+  /// All that decided what became of the world since it was loaded, but the scene and what was asked for; the
+  /// ticks rest for a moment. Error: it was longer than what is kept, or began elsewhere than at frame 0.
+  Result<FeltRun> felt_run();
+
   /// What every tool felt in the newest tick, as World::tools; by one reader's thread.
-  const std::vector<contact::ToolReading>& felt();
+  const std::vector<FeltNow>& felt();
 
   const haptics::TimingReport& timing();
   FrameTiming frames() const;

@@ -20,6 +20,24 @@ namespace {
 /// A mean over some tens of samples.
 void average(double& mean, double sample) { mean += (mean > 0 ? 0.1 : 1.0) * (sample - mean); }
 
+/// Those behind the scene's own.
+std::vector<lattice::Incision> cuts_by_hand(const Scene& scene, const World& world) {
+  std::vector<lattice::Incision> cuts;
+  for (std::size_t c = scene.incisions.size(); c < world.cuts.size(); c++) {
+    cuts.push_back(world.cuts[c].blade);
+    cuts.back().name = world.lattice_bodies[std::size_t(world.cuts[c].body)].name;
+  }
+  return cuts;
+}
+
+/// What a person is told of a step that was undone.
+std::string not_finite(const World& world) {
+  return fmt::format(
+      "the numbers of the next step were not finite; the world stands still as it was "
+      "at {:.3f} s (a smaller skin tension or a higher frame rate may help)",
+      (world.frame - 1) * world.dt);
+}
+
 }  // namespace
 
 /// What the session's thread owns.
@@ -27,8 +45,9 @@ struct Session::Thread {
   Session& session;
   Exec exec;
   AskOpen file;
-  std::shared_ptr<const Scene> scene;
-  std::unique_ptr<World> world;  // stays where it is in memory
+  std::shared_ptr<const Scene> scene, original;  // with what was changed; as the world was made
+  std::vector<FeltAsk> granted;                  // since then
+  std::unique_ptr<World> world;                  // stays where it is in memory
   std::vector<MouseTool> mouse;
   std::unique_ptr<LiveTouch> touch;  // after the world and the devices, which it uses
   std::optional<FrameClock> clock;   // where nothing is felt
@@ -51,11 +70,13 @@ struct Session::Thread {
   void answer(const AskPace& ask);
   void answer(const AskStep&);
   void answer(const AskReset&);
+  void answer(const AskReload&);
   void answer(const AskOpen& ask);
-  void answer(const AskCut& ask);
-  void answer(const AskWind& ask);
   void answer(const AskCt&);
   void answer(const AskChange& ask);
+  void answer(const AskSave& ask);
+  template <class AnyAsk>
+  void answer(const AnyAsk& ask);
 };
 
 void Session::Thread::run() {
@@ -88,7 +109,10 @@ void Session::Thread::unload() {
 void Session::Thread::load() {
   unload();
   const SessionNow before = std::move(next);
-  next = {.world = before.world + 1, .scene = before.scene, .pace = before.pace, .plays = before.plays};
+  next = {.world = before.world + 1,
+          .scene = scene ? before.scene : nullptr,
+          .pace = before.pace,
+          .plays = before.plays};
   next.doing = "loading " + file.file.filename().string();
   publish();
   if (const Status status = try_load(); !status) {
@@ -106,7 +130,8 @@ Status Session::Thread::try_load() {
     if (!read) return read.error();
     scene = std::make_shared<const Scene>(std::move(*read));
   }
-  next.scene = scene;
+  next.scene = original = scene;
+  granted.clear();
   const Scene with_tools = with_mouse_tools(*scene);
   const BeginWork begin = [this](const std::string& label, const std::string&) -> Progress {
     next.doing = label, next.done = 0;
@@ -137,12 +162,9 @@ void Session::Thread::frame() {
   const Timer timer;
   const Result<FrameReport> report = step(exec, *world);
   average(next.frame_seconds, timer.seconds());
+  if (touch && report) touch->note_frame();
   if (!report) return stand_still(report.error().message);
-  if (!report->finite)
-    return stand_still(
-        fmt::format("the numbers of the next step were not finite; the world stands still as it was "
-                    "at {:.3f} s (a smaller skin tension or a higher frame rate may help)",
-                    time_of(*world)));
+  if (!report->finite) return stand_still(not_finite(*world));
   take_felt();
   const double late = wait_for_clock();
   constexpr double kForgotten = 0.25;  // what cannot be made up for [s]
@@ -173,17 +195,18 @@ void Session::Thread::set_pace() {
 
 void Session::Thread::take_felt() {
   if (!touch) return;
-  const std::vector<contact::ToolReading>& felt = touch->felt();
+  const std::vector<FeltNow>& felt = touch->felt();
   for (std::size_t t = 0; t < felt.size(); t++) {
     std::vector<FeltPoint>& points = next.felt[t];
     if (points.size() == SessionNow::kMostFelt) points.erase(points.begin());
-    points.push_back({time_of(*world), norm(felt[t].force), felt[t].depth});
+    points.push_back({time_of(*world), norm(felt[t].reading.force), felt[t].reading.depth, felt[t].work});
   }
 }
 
 /// All of it where the reader finds it; what is shown is made there, in memory of before.
 void Session::Thread::publish() {
   if (touch) next.haptics = touch->timing();
+  if (world) next.cuts = cuts_by_hand(*scene, *world);
   next.frames = touch ? touch->frames() : clock ? clock->timing() : FrameTiming();
   SessionNow& out = session.now_.writing();
   ShownWorld shown = out.world == next.world ? std::move(out.shown) : ShownWorld();
@@ -208,37 +231,24 @@ void Session::Thread::answer(const AskStep&) {
   if (touch) touch->allow(world->dt);
   if (touch) std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * world->dt / next.pace));
   const Result<FrameReport> report = step(exec, *world);
+  if (touch && report) touch->note_frame();
   next.error = report ? "" : report.error().message;
   take_felt();
+  if (report && !report->finite) next.error = not_finite(*world);
 }
 
 void Session::Thread::answer(const AskReset&) { load(); }
 
-void Session::Thread::answer(const AskOpen& ask) {
-  file = ask, scene.reset();
+/// After a file that could not be read: that file.
+void Session::Thread::answer(const AskReload&) {
+  if (scene) file.overrides = scene->overrides;
+  scene.reset();
   load();
 }
 
-void Session::Thread::answer(const AskCut& ask) {
-  if (!world || std::size_t(ask.body) >= world->lattice_bodies.size()) return;
-  Cut cut{.blade = ask.blade, .body = ask.body, .path = {}, .done = 0, .edges = 0};
-  cut.blade.start = time_of(*world);
-  const LatticeBody& body = world->lattice_bodies[std::size_t(ask.body)];
-  const Result<lattice::BladePath> trial = lattice::lay_blade(body.model, body.state, cut.blade);
-  constexpr std::size_t kMostCuts = 255;  // a cut edge remembers its incision in a byte
-  next.error.clear();
-  if (!trial)
-    next.error = "no cut: " + trial.error().message;
-  else if (world->cuts.size() == kMostCuts)
-    next.error = "no cut: a world holds at most 255";
-  else
-    world->cuts.push_back(std::move(cut));
-}
-
-void Session::Thread::answer(const AskWind& ask) {
-  if (!world || std::size_t(ask.body) >= world->cloth_bodies.size()) return;
-  ClothBody& body = world->cloth_bodies[std::size_t(ask.body)];
-  body.turns.clear(), body.air.velocity = ask.velocity;
+void Session::Thread::answer(const AskOpen& ask) {
+  file = ask, scene.reset();
+  load();
 }
 
 void Session::Thread::answer(const AskCt&) {
@@ -252,25 +262,45 @@ void Session::Thread::answer(const AskCt&) {
   next.ct = std::make_shared<const DeformedCt>(DeformedCt{world->frame, std::move(now.ct)});
 }
 
-void Session::Thread::answer(const AskChange& ask) {
-  if (!scene) return;
-  std::vector<std::string> overrides = scene->overrides;
-  const std::string prefix = ask.key + "=";
-  std::erase_if(overrides, [&prefix](const std::string& one) { return one.starts_with(prefix); });
-  overrides.push_back(prefix + ask.value);
-  Result<Scene> changed = parse_scene(scene->text, scene->file, overrides);
-  next.error = changed ? "" : changed.error().message;
-  if (!changed) return;
-  scene = std::make_shared<const Scene>(std::move(*changed));
+/// A cut, a wind, another value of a key: of a world, or a sentence why not.
+template <class AnyAsk>
+void Session::Thread::answer(const AnyAsk& ask) {
+  if (!world) return;
+  const Status status = grant(exec, ask, scene, *world);
+  next.error = status ? "" : status.error().message;
+  if (!status) return;
+  granted.push_back({world->frame, ask});
   next.scene = scene;
-  if (world) change_world(exec, *scene, *world);
+}
+
+/// Where there is no world, what another will be made of.
+void Session::Thread::answer(const AskChange& ask) {
+  if (world) return answer<AskChange>(ask);
+  if (!scene) return;
+  Result<Scene> changed = with_change(*scene, ask.key, ask.value);
+  next.error = changed ? "" : changed.error().message;
+  if (changed) next.scene = scene = std::make_shared<const Scene>(std::move(*changed));
+}
+
+void Session::Thread::answer(const AskSave& ask) {
+  if (!world) return;
+  Result<FeltRun> run =
+      touch ? touch->felt_run() : FeltRun{.frames = world->frame, .hash = state_hash(*world)};
+  Status status = run ? Status(Done{}) : run.error();
+  if (status) {
+    note_scene(*original, true, *run);
+    run->asks = granted;
+    status = write_felt_run(ask.file, *run);
+  }
+  next.saved = status ? fmt::format("saved {}: turgor replay does it again", ask.file.string())
+                      : status.error().message;
 }
 
 Session::Session(const std::filesystem::path& file, std::vector<std::string> overrides,
                  const SessionParams& params)
     : params_(params) {
   thread_ = std::thread([this, opened = AskOpen{file, std::move(overrides)}] {
-    Thread thread{*this, Exec(params_.threads), opened, {}, {}, {}, {}, {}, {}, {}, 0};
+    Thread thread{*this, Exec(params_.threads), opened, {}, {}, {}, {}, {}, {}, {}, {}, {}, 0};
     thread.run();
   });
 }

@@ -16,6 +16,7 @@
 #include "turgor/core/exec.hpp"
 #include "turgor/core/latest.hpp"
 #include "turgor/haptics/mouse_device.hpp"
+#include "turgor/sim/live/asks.hpp"
 #include "turgor/sim/live/live_touch.hpp"
 #include "turgor/sim/shown.hpp"
 
@@ -30,6 +31,7 @@ struct MouseTool {
 /// Of a tool, once a frame.
 struct FeltPoint {
   double time = 0, force = 0, depth = 0;  // [s] [N] [m]
+  double work = 0;                        // that the hand gave the body and did not get back [J]
 };
 
 /// The CT of the first lattice as it would be scanned at some frame, no finer than kMostSamples along an
@@ -48,9 +50,10 @@ struct SessionNow {
   std::string doing;                   // while loading
   double done = 0;                     // of that, 0 … 1
   std::string error;                   // why there is no world, or why it stands still
-  std::shared_ptr<const Scene> scene;  // as it was loaded; null: none was yet
+  std::shared_ptr<const Scene> scene;  // as it was loaded; null: it could not be read
   ShownWorld shown;
   std::vector<MouseTool> mouse;
+  std::vector<lattice::Incision> cuts;       // that were asked for and made; `name` is that of their body
   std::vector<std::vector<FeltPoint>> felt;  // of every tool, the newest last, at most kMostFelt
   double pace = 1;                           // that is wished: seconds a second of the clock
   bool plays = true;
@@ -61,6 +64,7 @@ struct SessionNow {
   FrameTiming frames;
   std::shared_ptr<const DeformedCt> ct;  // when it was asked for last; null: it was not
   std::vector<std::string> notes;        // what a person should know of how the world was made
+  std::string saved;                     // what became of the latest AskSave: a sentence
 
   static constexpr std::size_t kMostFelt = 900;
 };
@@ -70,26 +74,20 @@ struct AskPace {
   bool plays = true;
   double pace = 1;  // above 0
 };
-struct AskStep {};   // one frame, while it stands still
-struct AskReset {};  // the same scene from its beginning
-struct AskOpen {     // a file, as it is now
+struct AskStep {};    // one frame, while it stands still
+struct AskReset {};   // the same scene from its beginning
+struct AskReload {};  // its file as it is now, with what was changed
+struct AskOpen {      // a file, as it is now
   std::filesystem::path file;
   std::vector<std::string> overrides;
 };
-struct AskCut {
-  lattice::Incision blade;  // its `start` is set
-  int body = 0;             // of World::lattice_bodies
-};
-struct AskWind {
-  int body = 0;    // of World::cloth_bodies
-  Vec3d velocity;  // [m/s]
-};
 struct AskCt {};  // see SessionNow::ct
-/// A key of the scene, at once where that is possible (sim/live/change_world.hpp), else with the next world.
-struct AskChange {
-  std::string key, value;
+/// Writes all that was felt and asked for since the world was loaded: see felt_run.hpp and SessionNow::saved.
+struct AskSave {
+  std::filesystem::path file;
 };
-using Ask = std::variant<AskPace, AskStep, AskReset, AskOpen, AskCut, AskWind, AskCt, AskChange>;
+using Ask =
+    std::variant<AskPace, AskStep, AskReset, AskReload, AskOpen, AskCut, AskWind, AskCt, AskChange, AskSave>;
 
 struct SessionParams {
   int threads = 0;  // of physics; 0 = one a core

@@ -71,6 +71,9 @@ Status write_body(Hdf5File& file, const LatticeBody& body) {
 Status write_state(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
   Writing writing(out.file, fmt::format("{}/bodies/{}/", out.group, body.name));
   write_fields(writing, body.state, {Axis::kSlot, body_slots(body.model)});
+  std::vector<float> copies;
+  for (const lattice::CopyShift& c : body.state.copies) copies.insert(copies.end(), {c.x, c.y, c.z});
+  if (!copies.empty()) writing.array("copies", copies, 3, "m");
   return writing.status() ? write_tools(out, body, id) : writing.status();
 }
 
@@ -96,13 +99,26 @@ bool is_edge(const World& world, const lattice::Model& model, const lattice::Cut
   return contains(fine, node) && cell_of(fine, node) == cell && contains(fine, node + kFamilies[edge.family]);
 }
 
+/// Of a body of solid tissue that was cut: where the copies of nodes beside the blades are.
+void read_copies(const SnapshotIn& in, const LatticeBody& body, std::size_t most, Reading& reading,
+                 lattice::State& state) {
+  if (!in.file.has(fmt::format("{}/bodies/{}/copies", in.group, body.name))) return;
+  const auto flat = reading.array<float>("copies", reading.count("copies", 3 * most));
+  for (std::size_t n = 0; n + 2 < flat.size(); n += 3) {
+    const lattice::CopyShift c{flat[n], flat[n + 1], flat[n + 2]};
+    if (!std::isfinite(c.x + c.y + c.z)) reading.fail("copies", "a value is not a number");
+    state.copies.push_back(c);
+  }
+}
+
 Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
   const std::vector<int> slots = body_slots(body.model);
   lattice::State state = lattice::make_state(body.model);
   Reading reading(in.file, fmt::format("{}/bodies/{}/", in.group, body.name));
   const Int3 parts = lattice::fine_lattice(body.model).parts;
-  read_fields(reading, state, {Axis::kSlot, slots},
-              std::size_t(kFamilyCount * parts.x * parts.y * parts.z) * slots.size());
+  const std::size_t most = std::size_t(kFamilyCount * parts.x * parts.y * parts.z) * slots.size();
+  read_fields(reading, state, {Axis::kSlot, slots}, most);
+  read_copies(in, body, most, reading, state);
   if (!reading.status()) return reading.status();
   state.u_before = state.u;
   for (const lattice::CutEdge& edge : state.cut_edges)

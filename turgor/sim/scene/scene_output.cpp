@@ -9,19 +9,37 @@ namespace turgor {
 
 namespace {
 
+bool is_plain(const std::string& name) { return name.find('/') == std::string::npos && name.front() != '.'; }
+
+bool is_volume_file(const std::string& name) {
+  for (const std::string_view ending : {".nii", ".nii.gz", ".nrrd", ".mha"})
+    if (name.ends_with(ending) && name.size() > ending.size()) return true;
+  return false;
+}
+
+/// Without an ending, and none of the folders that every run makes.
+bool is_series_folder(const std::string& name) {
+  return name.find('.') == std::string::npos && name != "frames" && name != "meshes";
+}
+
 /// The name of a volume file inside the output folder.
 void read_volume_name(SceneTable& output, std::string_view key, std::string& name, Meaning meaning) {
   output.read(key, name, meaning);
-  if (name.empty()) return;
-  const bool plain = name.find('/') == std::string::npos && name.front() != '.';
-  const auto ends_with = [&](std::string_view ending) {
-    return name.ends_with(ending) && name.size() > ending.size();
-  };
-  if (plain && (ends_with(".nii") || ends_with(".nii.gz") || ends_with(".nrrd") || ends_with(".mha"))) return;
+  if (name.empty() || (is_plain(name) && is_volume_file(name))) return;
   output.fail(key,
               fmt::format("expected a file name without folders that ends in .nii, .nii.gz, .nrrd or .mha, "
                           "found \"{}\"",
                           name));
+}
+
+/// The same, or the name of a folder.
+void read_ct_name(SceneTable& output, std::string_view key, std::string& name, Meaning meaning) {
+  output.read(key, name, meaning);
+  if (name.empty() || (is_plain(name) && (is_volume_file(name) || is_series_folder(name)))) return;
+  output.fail(key, fmt::format("expected a file name without folders that ends in .nii, .nii.gz, .nrrd or "
+                               ".mha, or a name without an ending for a DICOM series (not frames or meshes), "
+                               "found \"{}\"",
+                               name));
 }
 
 /// Refuses outputs of which one would overwrite another. Of several bodies, each has its own: "BODY-NAME".
@@ -129,8 +147,11 @@ void read_output(SceneTable output, Scene& scene) {
   output.read_choice(
       "window", out.window, known_windows(),
       "grey values of sections: `\"abdomen\"`, `\"bone\"`, `\"lung\"`, `\"brain\"`, `\"air\"`");
-  read_volume_name(output, "deformed_ct", out.deformed_ct,
-                   "a file name: the CT as it would be scanned now (`.nii`, `.nii.gz`, `.nrrd`, `.mha`)");
+  read_ct_name(
+      output, "deformed_ct", out.deformed_ct,
+      "a file name: the CT as it would be scanned now (`.nii`, `.nii.gz`, `.nrrd`, `.mha`); or a name "
+      "without an ending: a folder, with a DICOM series that keeps the patient, the study and the frame "
+      "of reference of the series that it was made of, and opens beside it");
   read_volume_name(
       output, "displacement", out.displacement,
       "a file name: for each voxel where its tissue came from, minus where it is (mm, LPS; what ITK "
@@ -145,8 +166,9 @@ void read_output(SceneTable output, Scene& scene) {
   }
   output.read("conserve_mass", out.conserve_mass, "divide densities by the local change of volume");
   output.read("meshes", out.meshes,
-              "the surface at every snapshot as `.vtu`, and `meshes.pvd` for ParaView. Vertex i is vertex i "
-              "of the mesh that the scene names; of sfem bodies the array `mesh vertex` says which it is");
+              "the surface at every snapshot as `.vtu`, tools and the forces on them, and `meshes.pvd` for "
+              "ParaView. Vertex i is vertex i of the mesh that the scene names; of sfem bodies the array "
+              "`mesh vertex` says which it is");
   output.read(
       "obj", out.obj,
       "the final surface as OBJ, numbered likewise; of bodies that tools touch, under the largest force");

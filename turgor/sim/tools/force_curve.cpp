@@ -17,12 +17,20 @@ struct Named {
   const char* unit;
   double size;  // in metres or newtons
 };
-constexpr std::array<Named, 4> kLengths{{{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}}};
+constexpr std::array<Named, 6> kLengths{{{"m", 1},
+                                         {"cm", 1e-2},
+                                         {"mm", 1e-3},
+                                         {"um", 1e-6},
+                                         {"µm", 1e-6},
+                                         {"μm", 1e-6}}};  // micro sign, Greek mu
 constexpr std::array<Named, 3> kForces{{{"N", 1}, {"mN", 1e-3}, {"gf", 9.80665e-3}}};
 
 /// The letters that end a column's name: "mm" of depth_mm and of depth[mm].
 std::string unit_of(std::string_view name) {
-  const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+  const auto is_letter = [](char c) {  // those beyond ASCII too, byte by byte
+    const auto byte = static_cast<unsigned char>(c);
+    return byte >= 0x80 || std::isalpha(byte) != 0;
+  };
   while (!name.empty() && !is_letter(name.back())) name.remove_suffix(1);
   std::size_t begin = name.size();
   while (begin > 0 && is_letter(name[begin - 1])) begin--;

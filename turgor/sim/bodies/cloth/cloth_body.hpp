@@ -13,11 +13,11 @@
 #include "turgor/models/cloth/obstacle.hpp"
 #include "turgor/sim/bodies/cloth/cloth_support.hpp"
 #include "turgor/sim/frame.hpp"
+#include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/cloth_scene.hpp"
 #include "turgor/sim/shown.hpp"
 #include "turgor/sim/tools/press_path.hpp"
-#include "turgor/sim/tools/touched_body.hpp"
 
 namespace turgor {
 
@@ -59,7 +59,7 @@ struct ClothSample {
   int contacts = 0;
 };
 
-struct ClothBody : TouchedBody {
+struct ClothBody : FrameTouchedBody {
   std::vector<Int3> triangles;  // of the mesh, as the scene gives it
   cloth::Model model;
   cloth::State state;
@@ -85,6 +85,10 @@ inline const std::vector<std::string>& notes(const ClothBody& body) { return bod
 void make_rest_surface(ClothBody& body);
 inline RestSurface rest_surface(const ClothBody& body) { return {body.rest, body.triangles}; }
 Status begin_body(const Exec& exec, ClothBody& body, const ClothScene& scene, const World& world);
+/// From the next frame on, Coulomb's coefficient of tool `t` of its tool_indices.
+inline void set_friction(ClothBody& body, std::size_t t, double friction) {
+  body.tools[t].friction = friction;
+}
 /// No cloth lies on it by its name.
 inline void press_body(const Exec&, ClothBody&, const ClothPush&, double) {}
 /// Tool `t` of its tool_indices.

@@ -4,7 +4,6 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/where_is.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
-#include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -117,13 +116,12 @@ void note_tools(ClothBody& body, World& world, double time, double seconds) {
 }
 
 /// What ticks feel until the next frame.
-void leave_planes(const ClothBody& body, const World& world) {
-  for (std::size_t t = 0; t < body.tools.size(); t++) {
-    LocalExchange& exchange = *world.felt->local[std::size_t(body.tool_indices[t])];
-    exchange.plane.write(contact::local_contact(body.model, body.state, int(body.obstacles.size() + t),
-                                                tool_gap(body), body.tools[t], body.poses[t],
-                                                body.state.impulse_time, exchange.memory));
-  }
+void leave_planes(ClothBody& body) {
+  for (std::size_t t = 0; body.felt && t < body.tools.size(); t++)
+    leave_plane(
+        body, t,
+        contact::local_contact(body.model, body.state, int(body.obstacles.size() + t), tool_gap(body),
+                               body.tools[t], body.poses[t], body.state.impulse_time, body.felt[t].memory));
 }
 
 }  // namespace
@@ -135,7 +133,7 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
     if (turn.time <= begin) body.air.velocity = turn.velocity;
   cloth::Inputs inputs{.gravity = world.gravity, .air = body.air, .measure_residual = measure};
   for (ClothObstacle& obstacle : body.obstacles) inputs.obstacles.push_back(made(exec, obstacle, world));
-  if (world.felt) take_commands(body.tool_indices, *world.felt, begin, end, world.tools);
+  take_commands(body, begin, end, world.tools);
   add_tools(body, world, input, inputs);
 
   const cloth::Vectors v_before = body.state.v;
@@ -154,7 +152,7 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
     if (obstacle.support) note_force(body.state, int(o), body.state.impulse_time, *obstacle.support);
   }
   note_tools(body, world, end, sample.seconds);
-  if (world.felt) leave_planes(body, world);
+  leave_planes(body);
   for (ClothHold& hold : body.holds)
     hold.force.push_back(hold.is_held ? force_of(body, hold, v_before, world) : Vec3d{});
   if (measure) {

@@ -13,7 +13,6 @@
 #include "turgor/sim/bodies/lattice/keep_label.hpp"
 #include "turgor/sim/bodies/lattice/load_ct.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
-#include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -88,6 +87,7 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   if (!ct) return ct.error();
   body.ct = std::move(ct->volume);
   body.notes = std::move(ct->notes);
+  body.ct_origin = std::move(ct->origin);
   if (!scene.label_note.empty()) body.notes.push_back(scene.label_note);
   const Result<ReadFields> fields = read_fields(scene, body.ct.grid, std::move(ct->labels));
   if (!fields) return fields.error();
@@ -197,12 +197,11 @@ Status begin_body(const Exec&, LatticeBody& body, const LatticeScene&, const Wor
 namespace {
 
 /// What ticks feel until the next frame.
-void leave_planes(const LatticeBody& body, Exchanges& felt) {
-  for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
-    LocalExchange& exchange = *felt.local[std::size_t(body.tool_indices[t])];
-    exchange.plane.write(contact::local_contact(body.model, body.state, body.touch, int(t), body.tools[t],
-                                                body.poses[t], exchange.memory));
-  }
+void leave_planes(LatticeBody& body) {
+  for (std::size_t t = 0; body.felt && t < body.tools.size(); t++)
+    leave_plane(body, t,
+                contact::local_contact(body.model, body.state, body.touch, int(t), body.tools[t],
+                                       body.poses[t], body.felt[t].memory));
 }
 
 /// From one time to another [s].
@@ -232,10 +231,10 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
   const lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
                                .measure_residual = input.measure_residual && has_forces,
                                .loads = loads};
-  if (world.felt) take_commands(body.tool_indices, *world.felt, input.from, input.to, world.tools);
+  take_commands(body, input.from, input.to, world.tools);
   const lattice::StepReport done = step_lattice(exec, body, world.tools, inputs, input.from, input.to);
   body.row_steps += done.rows, body.row_steps_asleep += done.rows_asleep;
-  if (world.felt) leave_planes(body, *world.felt);
+  leave_planes(body);
   report.finite = report.finite && done.finite;
   report.largest_speed = std::max(report.largest_speed, double(done.largest_speed));
   report.residual.largest = std::max(report.residual.largest, done.residual.largest);

@@ -7,23 +7,25 @@
 
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/geometry/volume.hpp"
+#include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/surface.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
 #include "turgor/sim/frame.hpp"
+#include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/scene.hpp"
 #include "turgor/sim/shown.hpp"
 #include "turgor/sim/tools/press_path.hpp"
-#include "turgor/sim/tools/touched_body.hpp"
 
 namespace turgor {
 
 struct World;
 
-struct LatticeBody : TouchedBody {
+struct LatticeBody : FrameTouchedBody {
   CtVolume ct;
   std::uint64_t ct_hash = 0;  // of the CT's samples and grid
+  DicomOrigin ct_origin;      // of a DICOM series
   lattice::Model model;
   lattice::State state;
   Box box;  // around its nodes in the CT, along the patient's axes [m]
@@ -56,6 +58,10 @@ Status begin_body(const Exec& exec, LatticeBody& body, const LatticeScene& scene
 /// One step, in parts when a tool is fast. Every tool gets a sample.
 void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInput& input,
                FrameReport& report);
+/// From the next frame on, Coulomb's coefficient of tool `t` of its tool_indices.
+inline void set_friction(LatticeBody& body, std::size_t t, double friction) {
+  body.tools[t].friction = friction;
+}
 /// Feels what cloth does to it, from the next frame on.
 void press_body(const Exec& exec, LatticeBody& body, const ClothPush& push, double dt);
 std::uint64_t state_hash(const LatticeBody& body, std::uint64_t seed);

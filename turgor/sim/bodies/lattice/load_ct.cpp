@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/io/ct.hpp"
 
 namespace turgor {
 
@@ -17,7 +16,7 @@ Result<LoadedCt> load_ct(const Exec& exec, const CtSource& source, const Progres
   }
   Result<CtFile> file = read_ct(exec, source.file, {source.series, progress});
   if (!file) return file.error();
-  return LoadedCt{std::move(file->ct), std::nullopt, std::move(file->notes)};
+  return LoadedCt{std::move(file->ct), std::nullopt, std::move(file->notes), std::move(file->origin)};
 }
 
 std::uint64_t content_hash(const CtVolume& ct) {

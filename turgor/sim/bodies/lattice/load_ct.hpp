@@ -10,6 +10,7 @@
 #include "turgor/core/progress.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/volume.hpp"
+#include "turgor/io/ct.hpp"
 #include "turgor/sim/scene/scene.hpp"
 
 namespace turgor {
@@ -18,6 +19,7 @@ struct LoadedCt {
   CtVolume volume;
   std::optional<LabelVolume> labels;  // phantoms know their own anatomy
   std::vector<std::string> notes;     // what was left out while reading
+  DicomOrigin origin;                 // of a DICOM series
 };
 Result<LoadedCt> load_ct(const Exec& exec, const CtSource& source, const Progress& progress = {});
 

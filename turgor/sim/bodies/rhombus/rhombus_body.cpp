@@ -175,6 +175,16 @@ void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from
   take_touched(body);
 }
 
+void begin_felt(RhombusBody& body, const std::vector<TouchingTool>& /*tools*/) {
+  body.felt = std::make_unique<latest<contact::RhombusTouchedNow>>();
+  contact::prepare(body.touch, *body.felt);
+}
+
+void tick_felt(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
+               std::span<contact::ToolReading> readings) {
+  contact::tick(body.model, body.touch, *body.felt, commands, dt, readings);
+}
+
 void take_touched(RhombusBody& body) { body.state.touches = body.now.touches; }
 
 }  // namespace turgor

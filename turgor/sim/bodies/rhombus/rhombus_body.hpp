@@ -1,6 +1,7 @@
 // A body of the rhombus model while tools touch it.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
 #include "turgor/sim/frame.hpp"
+#include "turgor/sim/live/known.hpp"
 #include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/rhombus_scene.hpp"
 #include "turgor/sim/shown.hpp"
@@ -20,7 +22,8 @@ struct World;
 
 struct RhombusBody : TouchedBody {
   rhombus::Model model;
-  contact::RhombusTouch touch;     // who ticks owns this
+  contact::RhombusTouch touch;                               // who ticks owns this
+  std::unique_ptr<latest<contact::RhombusTouchedNow>> felt;  // while a haptic thread ticks: what it leaves
   contact::RhombusTouchedNow now;  // what it left for the frame; one for each of tool_indices
   rhombus::State state;            // of the frame: the surface as it was shown last
   std::vector<int> mesh_vertex;    // in the mesh of the body whose surface it is; empty = its own
@@ -55,6 +58,21 @@ void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from
 void log_tick(RhombusBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool);
 /// The frame takes what ticks left: body.now was just filled.
 void take_touched(RhombusBody& body);
+
+/// For a haptic thread, and for who does again what it did: see sim/live/exchanges.hpp. A tick needs nothing
+/// of the frame.
+void begin_felt(RhombusBody& body, const std::vector<TouchingTool>& tools);
+void tick_felt(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
+               std::span<contact::ToolReading> readings);
+inline TickKnew tick_knew(const RhombusBody&, std::size_t) { return {}; }
+inline FrameKnew frame_knew(const RhombusBody& body, std::size_t) {
+  return {std::int32_t(body.now.ticks), 0};
+}
+inline void end_felt(RhombusBody& body) { body.felt.reset(); }
+inline void keep_frame(RhombusBody&) {}
+inline void give_frame(RhombusBody&, std::size_t, TickKnew) {}
+inline void expect_patch(RhombusBody&, bool) {}
+inline void set_friction(RhombusBody&, std::size_t, double) {}  // chains know none
 
 /// Tool `t` of its tool_indices.
 ToolNow tool_now(const RhombusBody& body, std::size_t t, const World& world);

@@ -2,14 +2,13 @@
 #include <algorithm>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
 
 void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input, FrameReport&) {
-  if (world.felt) {
-    body.now = world.felt->rhombus[std::size_t(&body - world.rhombus_bodies.data())]->read();
+  if (body.felt) {
+    body.now = body.felt->read();
     take_touched(body);
   } else {
     touch_body(body, world.tools, input.from, input.to);

@@ -126,8 +126,9 @@ bool take_next_patch(SfemBody& body, NextPatch& next, double time) {
 void offer_patch(const Exec& exec, SfemBody& body, double time, latest<contact::PatchOffer>& offers) {
   const contact::TouchedNow& now = body.now;
   if (body.worker && body.worker->is_busy()) {
-    if (!body.worker->is_ready()) return;
+    if (!body.patch_is_ready.value_or(body.worker->is_ready())) return;
     const BuiltPatch built = body.worker->finish();
+    body.built_patches++;
     if (!built.patch) return keep_patch(body, built.patch.error());
     keep_alive(body.patches, *built.patch);
     body.rebuilds.push_back(rebuild_of(**built.patch, time, built.seconds));

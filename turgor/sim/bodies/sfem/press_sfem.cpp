@@ -28,7 +28,10 @@ std::vector<Vec3d> solved(const sfem::Model& model, std::span<const contact::Ver
 std::vector<Vec3d> answer(const Exec& exec, const SfemBody& body,
                           std::span<const contact::VertexForce> forces) {
   const bool has_factor = body.facts.on_demand || body.turning;
-  return has_factor ? solved(body.model, forces) : displacements(exec, body, forces);
+  std::vector<Vec3d> u = has_factor ? solved(body.model, forces) : displacements(exec, body, forces);
+  if (body.stiffer != 1)
+    for (Vec3d& one : u) one = one / body.stiffer;
+  return u;
 }
 
 /// How softly the body answers this load along one axis: one a frame.

@@ -16,6 +16,7 @@
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
 #include "turgor/sim/bodies/sfem/patch_worker.hpp"
 #include "turgor/sim/frame.hpp"
+#include "turgor/sim/live/known.hpp"
 #include "turgor/sim/scene/sfem_scene.hpp"
 #include "turgor/sim/shown.hpp"
 #include "turgor/sim/tools/press_path.hpp"
@@ -72,6 +73,14 @@ struct ClothPress {
 /// now. Empty = nothing does.
 struct FreeDisplacement {
   std::vector<Vec3d> before, now;  // [m]
+  long told = 0;                   // to a haptic thread, so many times
+};
+
+/// Between a haptic thread and the frames, with what awaits its tick in a replay (sim/live/exchanges.hpp).
+struct SfemFelt {
+  contact::SfemExchange exchange;
+  Awaiting<contact::FreeMotion> motions;
+  Awaiting<contact::PatchOffer> patches;
 };
 
 struct SfemBody : TouchedBody {
@@ -84,6 +93,8 @@ struct SfemBody : TouchedBody {
   FreeDisplacement free;
 
   // Of the frame, which wants patches and draws:
+  double stiffer = 1;            // than it was made
+  std::vector<double> friction;  // of its tools; empty: as they were made
   int refinement = 2;
   int contacts = 32;             // contact::TouchParams::capacity
   std::size_t patch_memory = 0;  // that a patch may take [bytes]
@@ -93,7 +104,10 @@ struct SfemBody : TouchedBody {
   std::vector<std::shared_ptr<const sfem::Patch>> patches;  // that somebody may still use
   contact::TouchedNow now;                                  // what ticks left, one for each of tool_indices
 
-  contact::SfemTouch touch;  // who ticks owns this, and nothing else of the body that changes
+  contact::SfemTouch touch;            // who ticks owns this, and nothing else of the body that changes
+  std::unique_ptr<SfemFelt> felt;      // while a haptic thread ticks
+  int built_patches = 0;               // meanwhile, whatever became of them
+  std::optional<bool> patch_is_ready;  // in a replay: at the next frame; else the worker is asked
 
   std::vector<PatchRebuild> rebuilds;
   int kept_patches = 0;      // times that a patch could not follow: the present one stayed
@@ -107,6 +121,21 @@ Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingT
 /// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick. Begins with
 /// take_frame and ends with take_touched, as who ticks and who makes frames are one here.
 void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& tools, double from, double to);
+
+/// For a haptic thread, and for who does again what it did: see sim/live/exchanges.hpp.
+void begin_felt(SfemBody& body, const std::vector<TouchingTool>& tools);
+void tick_felt(SfemBody& body, std::span<const contact::ToolCommand> commands, double dt,
+               std::span<contact::ToolReading> readings);
+TickKnew tick_knew(const SfemBody& body, std::size_t t);
+FrameKnew frame_knew(const SfemBody& body, std::size_t t);
+void end_felt(SfemBody& body);
+void keep_frame(SfemBody& body);
+void give_frame(SfemBody& body, std::size_t t, TickKnew knew);
+/// From the next frame on, Coulomb's coefficient of tool `t` of its tool_indices.
+void set_friction(SfemBody& body, std::size_t t, double friction);
+
+/// Of the next frame: is the patch ready that is being built?
+void expect_patch(SfemBody& body, bool is_ready);
 
 /// Keeps the last tick of tool `t` of its tool_indices.
 void log_tick(const SfemBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool);

@@ -170,6 +170,14 @@ void find_pressure(const SfemBody& body, std::vector<double>& pressure) {
   contact::PatchSurface surface;
   contact::measure_surface(*body.now.patch, surface);
   contact::contact_pressure(surface, body.now.force, pressure);
+  for (double& one : pressure) one *= body.now.stiffer;
+}
+
+/// Where its points lie now.
+void show_patch(const SfemBody& body, TriMesh& patch) {
+  patch.triangles = body.now.patch->triangles;
+  patch.vertices.clear();
+  for (const Vec3d x : body.now.x) patch.vertices.emplace_back(x);
 }
 
 /// Of a kept node below the surface.
@@ -244,6 +252,7 @@ void show(const Exec& exec, const SfemBody& body, ShownBody& out) {
     join_surface(body, coarse, shown_pressure, out);
   out.wall_begin = out.triangles.size();
   place_vertices(out);
+  show_patch(body, out.patch);
 }
 
 }  // namespace turgor

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -15,10 +14,7 @@ Status begin_body(const Exec& exec, SfemBody& body, const SfemScene& scene, cons
 }
 
 void step_body(const Exec& exec, SfemBody& body, World& world, const FrameInput& input, FrameReport&) {
-  if (world.felt) {
-    const auto index = std::size_t(&body - world.sfem_bodies.data());
-    return make_frame(exec, body, input.to, input.to - input.from, *world.felt->sfem[index]);
-  }
+  if (body.felt) return make_frame(exec, body, input.to, input.to - input.from, body.felt->exchange);
   touch_body(exec, body, world.tools, input.from, input.to);
   turn_body(exec, body);
 }

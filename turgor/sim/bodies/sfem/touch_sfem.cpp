@@ -86,6 +86,8 @@ void make_frame(const Exec& exec, SfemBody& body, double time, double frame_dt,
   contact::FreeMotion& motion = exchange.motion.writing();
   motion.to = body.free.now;
   motion.ticks = std::max(1l, std::lround(frame_dt / kTick));
+  motion.number = ++body.free.told;
+  motion.stiffer = body.stiffer, motion.friction = body.friction;
   exchange.motion.publish();
   offer_patch(exec, body, time, exchange.patches);
 }

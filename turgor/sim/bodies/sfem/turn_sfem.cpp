@@ -11,7 +11,8 @@ void turn_body(const Exec& exec, SfemBody& body) {
   std::vector<Vec3d> forces(body.model.body.mesh.vertices.size());
   for (const contact::VertexForce& f : coarse_forces_now(body)) forces[std::size_t(f.vertex)] += f.force;
   if (body.press)
-    for (const contact::VertexForce& f : body.press->load.force) forces[std::size_t(f.vertex)] += f.force;
+    for (const contact::VertexForce& f : body.press->load.force)
+      forces[std::size_t(f.vertex)] += f.force / body.stiffer;
   const sfem::RotationReport report =
       sfem::correct_rotations(exec, body.model, turning.corotation, forces, {}, turning.state);
   turning.frames++;

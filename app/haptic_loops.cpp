@@ -1,0 +1,94 @@
+#include "app/haptic_loops.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <thread>
+
+#include "app/empty_loop.hpp"
+#include "turgor/contact/rhombus_touch.hpp"
+#include "turgor/geometry/phantom_liver.hpp"
+#include "turgor/haptics/loop.hpp"
+#include "turgor/haptics/virtual_device.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr double kTip = 0.005;  // of the tool [m]
+
+void tick_nothing(void* /*context*/, std::span<const contact::ToolCommand>, double,
+                  std::span<contact::ToolReading>) {}
+
+/// A wall at z = 0, of 500 N/m.
+void tick_wall(void* /*context*/, std::span<const contact::ToolCommand> commands, double,
+               std::span<contact::ToolReading> readings) {
+  for (std::size_t i = 0; i < commands.size(); i++)
+    readings[i].force.z = 500 * std::max(0.0, -commands[i].pose.position.z);
+}
+
+/// A liver, and what a loop ticks of it.
+struct Chain {
+  rhombus::Model model;
+  rhombus::Foot foot;  // where the hand taps
+  contact::RhombusTouch touch;
+  latest<contact::RhombusTouchedNow> touched;
+};
+
+void tick_chain(void* context, std::span<const contact::ToolCommand> commands, double dt,
+                std::span<contact::ToolReading> readings) {
+  Chain& chain = *static_cast<Chain*>(context);
+  contact::tick(chain.model, chain.touch, chain.touched, commands, dt, readings);
+}
+
+void make_chain(Chain& chain) {
+  const TriMesh mesh = phantom_liver(1);
+  rhombus::Body body{.vertices = {}, .triangles = mesh.triangles, .stiffness = {}};
+  for (const Vec3 x : mesh.vertices) body.vertices.push_back(Vec3d(x));
+  chain.model = std::move(*rhombus::build(std::move(body), {}));
+  chain.foot = rhombus::find_foot(chain.model.surface, chain.model.tree, {-0.05, 0.01, 0.2});
+  const contact::Pose above{.position = chain.foot.at.place + chain.foot.normal * 0.02, .axes = {}};
+  chain.touch = contact::make_rhombus_touch({{.centre = {}, .radius = kTip}}, std::span(&above, 1));
+  contact::prepare(chain.touch, chain.touched);
+}
+
+/// Up and down through what is at 0, once a second.
+haptics::HandTarget tapping(double time) {
+  return {.pose = {.position = {0, 0, 0.005 * std::cos(2 * std::numbers::pi * time)}, .axes = {}}};
+}
+
+}  // namespace
+
+const char* name_of(LoopModel model) {
+  switch (model) {
+    case LoopModel::kNone:
+      return "none";
+    case LoopModel::kWall:
+      return "wall";
+    case LoopModel::kRhombus:
+      return "rhombus";
+  }
+  return "";
+}
+
+HapticLoopRow measure_loop(double rate, LoopModel model, double seconds) {
+  haptics::VirtualDevice device({.rate = rate}, haptics::light_hand(tapping), haptics::VirtualTime::kClock);
+  (void)device.open();
+  Chain chain;
+  haptics::Hand hand{.device = &device};
+  if (model == LoopModel::kRhombus) {
+    make_chain(chain);
+    hand.workspace.origin = chain.foot.at.place + chain.foot.normal * kTip;
+  }
+  const haptics::ToolTick tick = model == LoopModel::kRhombus ? tick_chain
+                                 : model == LoopModel::kWall  ? tick_wall
+                                                              : tick_nothing;
+  const haptics::LoopParams params{.rate = rate};
+  auto loop = haptics::Loop::start({hand}, tick, &chain, params);
+  EmptyLoop empty(rate, params.priority);
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  (*loop)->stop();
+  return {model, (*loop)->report(), empty.end(), (*loop)->notes()};
+}
+
+}  // namespace turgor

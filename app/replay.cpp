@@ -1,0 +1,76 @@
+// `turgor replay`: does a felt run again, without a device and without a clock, and says whether it came to
+// the same bits. The work is the library's (pictures/run_scene.hpp).
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "app/commands.hpp"
+#include "app/result_folder.hpp"
+#include "turgor/core/progress.hpp"
+#include "turgor/pictures/run_scene.hpp"
+#include "turgor/sim/report/summary.hpp"
+
+namespace turgor {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReplayOptions {
+  fs::path file, out;
+  bool quiet = false, force = false;
+};
+
+template <class T>
+T required(Result<T> result) {
+  if (!result) throw Failure{2, result.error().message};
+  return std::move(*result);
+}
+
+void replay(const Exec& exec, const ReplayOptions& options) {
+  std::optional<ProgressBar> bar;
+  RunCallbacks callbacks;
+  callbacks.note = [](const std::string& sentence) { note(sentence); };
+  if (!options.quiet)
+    callbacks.begin = [&bar](const std::string& label, const std::string&) {
+      bar.reset();
+      bar.emplace(label);
+      return bar->callback();
+    };
+  const fs::path out = options.out.empty() ? default_folder(options.file, true) : options.out;
+  const RunOptions goal{.out = out, .foreign = options.force ? Foreign::kRemove : Foreign::kRefuse};
+  const Json report = required(replay_felt_run(exec, options.file, goal, callbacks));
+  bar.reset();
+  if (!options.quiet) fmt::print("{}", summary_text(report, required(resolved_goal(out))));
+  const Json& felt = report.at("felt");
+  const bool same = felt.at("same_bits").get<bool>();
+  const std::string told = fmt::format(
+      "{} frames and {} ticks came to {} state {}", felt.at("frames").get<int>(),
+      felt.at("ticks").get<long>(), same ? "the same" : "another", felt.at("state_hash").get<std::string>());
+  if (!same)
+    throw Failure{kNotFinite,
+                  told + " was expected: another machine, compiler or version gives other last places"};
+  fmt::print("{}\n", told);
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& program, Global& global) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command =
+      program.add_subcommand("replay", "Do a felt run again, to the same bits: without device or clock");
+  command->footer(
+      "Examples:\n"
+      "  turgor replay out/palpation/felt.h5      of turgor run --real-time\n"
+      "  turgor replay out/view/palpation-1.h5    of turgor view, key H\n"
+      "Exit code 3: it came to other bits. turgor run --replay draws a recording again.");
+  command->add_option("file", options->file, "The felt run, an .h5 file")->required();
+  command->add_option("-o,--out", options->out, "Folder for the results (default: out/NAME-replay)");
+  add_force_option(*command, options->force);
+  command->add_flag("-q,--quiet", options->quiet, "No progress bar and no table");
+  command->callback([options, &global] { replay(Exec(global.threads), *options); });
+}
+
+}  // namespace turgor

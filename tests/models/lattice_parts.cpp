@@ -1,0 +1,176 @@
+// Cells and skin that a blade parted go on bearing what they bore, each side for itself.
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "turgor/models/lattice/block_body.hpp"
+#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/parts.hpp"
+#include "turgor/models/lattice/sweeps.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+const Exec kOne(1);
+
+Params solid_params(int sweeps, double damping, double tension) {
+  Params params;
+  params.tissue = {.law = TissueLaw::kSolid, .poisson = 0.3};
+  params.skin.tension_along = params.skin.tension_across = tension;
+  params.solver = {.sweeps = sweeps, .damping = damping};
+  return params;
+}
+
+/// What a bar of 13 × 5 × 5 nodes stores, of ½ E A δ²/L, when its ends are held δ apart: cut through from end
+/// to end by an upright blade `aside` steps from its side, at an angle to it; 0 = not at all.
+double stored(double aside, double degrees) {
+  constexpr double kStep = 0.004, kWay = 0.001, kLength = 12 * kStep, kYoung = 1e4;
+  const Block block{
+      .size = {13, 5, 5}, .young = kYoung, .is_fixed = [](Int3 p) { return p.x == 0 || p.x == 12; }};
+  Params params = solid_params(20, 8, 1e-4);
+  params.tissue.poisson = 0;
+  params.skin.stiffness = params.skin.shear = 1e-3;
+  const Model model = block_model(block, params);
+  State state = make_state(model);
+  if (aside > 0) {
+    const double slope = std::tan(degrees * std::numbers::pi / 180), y = aside * kStep;
+    const Incision blade{
+        .from = {0, y, 4 * kStep}, .to = {kLength, y + slope * kLength, 4 * kStep}, .depth = 0.03};
+    EXPECT_GT(cut_edges(model, state, lay_blade(model, state, blade).value(), 0, 1, 0), 40);
+    EXPECT_GT(state.parts.copies.size(), 50u);
+  }
+  for (int j = 0; j < 5; j++)
+    for (int k = 0; k < 5; k++)
+      state.u.set(std::size_t(node_slot(model.lattice, 12, j, k)), {Real(kWay), 0, 0});
+  for (int n = 0; n < 100; n++) EXPECT_TRUE(step(kOne, model, state, {}, 1.0 / 60).finite);
+  return energy(kOne, model, state) / (0.5 * kYoung * 16 * kStep * kStep * kWay * kWay / kLength);
+}
+
+/// Two bars side by side, of widths that go from a to b and from 4 − a to 4 − b: each is as stiff as the mean
+/// of its compliance.
+double of_tapered_bars(double a, double b) {
+  const auto stiffness = [](double from, double to) {
+    return std::abs(to - from) > 1e-6 ? (to - from) / std::log(to / from) : from;
+  };
+  return (stiffness(a, b) + stiffness(4 - a, 4 - b)) / 4;
+}
+
+TEST(lattice_parts, a_bar_that_is_split_along_its_length_is_as_stiff_as_both_its_parts) {
+  EXPECT_NEAR(stored(0, 0), 1, 0.01) << "of E A/L";
+  for (const double aside : {1.5, 1.7, 2.05, 3.9})
+    EXPECT_NEAR(stored(aside, 0), 1, 0.01) << "cut " << aside << " steps aside";
+  const double end = 0.6 + 12 * std::tan(10 * std::numbers::pi / 180);
+  EXPECT_NEAR(stored(0.6, 10), of_tapered_bars(0.6, end), 0.05) << "cut aslant";
+}
+
+/// A block of tense skin on tissue with a cut in its middle.
+struct Wounded {
+  static constexpr double kStep = 0.004;
+  static constexpr int kN = 25;
+  Model model;
+  State state;
+  BladePath path;
+
+  Wounded(double aside, double along, double degrees, Params params) {
+    Block block{.size = {kN, kN, 7}, .step = kStep, .young = 5e3};
+    block.is_fixed = [](Int3 p) {
+      return p.x == 0 || p.y == 0 || p.z == 0 || p.x == kN - 1 || p.y == kN - 1;
+    };
+    const double angle = degrees * std::numbers::pi / 180;
+    const Vec3d line{std::cos(angle), std::sin(angle), 0};
+    params.skin.direction = line;
+    model = block_model(block, params);
+    state = make_state(model);
+    const Vec3d middle{(12 + along) * kStep, (12 + aside) * kStep, 6 * kStep};
+    path = lay_blade(model, state, {.from = middle - line * 0.018, .to = middle + line * 0.018}).value();
+    cut_edges(model, state, path, 0, 1, 0);
+  }
+};
+
+TEST(lattice_parts, a_wound_gapes_alike_wherever_its_blade_lies_in_the_cells_and_whichever_way) {
+  Params params = solid_params(10, 4, 45);
+  params.tissue.poisson = 0.45;
+  double least = 1, most = 0;
+  for (const auto& [aside, along, degrees] :
+       {std::array{0.5, 0.5, 0.0}, {0.1, 0.25, 0.0}, {0.3, 0.0, 90.0}, {0.5, 0.5, 30.0}, {0.2, 0.5, 120.0}}) {
+    Wounded wounded(aside, along, degrees, params);
+    for (int n = 0; n < 75; n++) step(Exec(2), wounded.model, wounded.state, {}, 1.0 / 30);
+    const double gape = measure_wound(wounded.model, wounded.state, wounded.path, 0).gape_max;
+    std::printf("%.2f aside, %.2f along, %3.0f degrees: %.2f mm\n", aside, along, degrees, 1e3 * gape);
+    least = std::min(least, gape), most = std::max(most, gape);
+  }
+  EXPECT_LT(most - least, 0.06 * most) << "m";
+}
+
+/// Throws nodes and copies about.
+void scatter(const Model& model, State& state, double way) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> any(-float(way), float(way));
+  for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
+    if (model.inverse_mass[s] > 0) state.u.set(s, {any(random), any(random), any(random)});
+  for (CopyShift& c : state.copies) c = {any(random), any(random), any(random)};
+  state.u_before = state.u;
+}
+
+TEST(lattice_parts, forces_on_copies_are_the_gradient_of_the_energy) {
+  Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
+  const Model& model = wounded.model;
+  State& state = wounded.state;
+  scatter(model, state, 0.0005);
+  const PartForces forces(model, state);
+  ASSERT_GT(state.parts.copies.size(), 20u);
+  for (std::size_t n = 0; n < state.parts.copies.size(); n += 7) {
+    const PartNode& node = state.parts.copies[n];
+    CopyShift& at = state.copies[std::size_t(node.corner - slot_count(model.lattice))];
+    const CopyShift place = at;
+    const Vec3d force(forces.gather(node).f);
+    Vec3d gradient;
+    for (Real CopyShift::*axis : {&CopyShift::x, &CopyShift::y, &CopyShift::z}) {
+      double energies[2];
+      for (const int side : {0, 1}) {
+        at = place;
+        at.*axis += side ? 1e-5f : -1e-5f;
+        energies[side] = energy(kOne, model, state);
+      }
+      at = place;
+      gradient[axis == &CopyShift::x   ? 0
+               : axis == &CopyShift::y ? 1
+                                       : 2] = (energies[1] - energies[0]) / 2e-5;
+    }
+    EXPECT_LT(norm(gradient + force), 0.01 * norm(gradient) + 1e-6) << "N, copy " << n;
+  }
+}
+
+TEST(lattice_parts, descent_never_raises_the_energy_of_a_step_with_a_wound) {
+  Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
+  scatter(wounded.model, wounded.state, 0.0005);
+  predict(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
+  double before = step_energy(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
+  for (int sweep = 0; sweep < 10; sweep++) {
+    sweep_descent(kOne, wounded.model, wounded.state, {}, 1.0 / 60,
+                  sweep % 2 ? Order::kBackward : Order::kForward);
+    const double after = step_energy(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
+    EXPECT_LE(after, before * (1 + 1e-6)) << "J, sweep " << sweep;
+    before = after;
+  }
+}
+
+TEST(lattice_parts, a_blade_that_moves_leaves_the_wound_that_one_at_once_does) {
+  const Params params = solid_params(10, 4, 45);
+  Wounded at_once(0.3, 0.5, 20, params), moving(0.3, 0.5, 20, params);
+  State state = make_state(moving.model);
+  for (int n = 0; n < 100; n++) {
+    step(kOne, at_once.model, at_once.state, {}, 1.0 / 30);
+    if (n < 20) cut_edges(moving.model, state, moving.path, n / 20.0, (n + 1) / 20.0, 0);
+    EXPECT_TRUE(step(kOne, moving.model, state, {}, 1.0 / 30).finite);
+  }
+  EXPECT_EQ(state.parts.cells.size(), at_once.state.parts.cells.size());
+  EXPECT_EQ(state.copies.size(), at_once.state.copies.size());
+  const double once = measure_wound(at_once.model, at_once.state, at_once.path, 0).gape_max;
+  EXPECT_NEAR(measure_wound(moving.model, state, moving.path, 0).gape_max, once, 0.01 * once) << "m";
+}
+
+}  // namespace
+}  // namespace turgor::lattice

@@ -1,0 +1,182 @@
+// Felt runs are done again: without devices, without a clock, on other numbers of threads.
+#include "turgor/sim/live/felt_run.hpp"
+
+#include <chrono>
+#include <fstream>
+
+#include "sim/four_kinds.hpp"
+#include "turgor/core/timing.hpp"
+#include "turgor/sim/live/felt_replay.hpp"
+#include "turgor/sim/live/session.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+using test::fresh_folder;
+
+constexpr SessionParams kParams{.threads = 1, .loop = {.priority = 0, .lock_memory = false}, .longest = 60};
+
+/// All four models, a small patch that has to follow its finger; nothing is cut or touched before one asks.
+fs::path four_kinds_file(const fs::path& folder) {
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  std::string text = test::four_kinds_text();
+  text.erase(text.find("[incision.cut]"));
+  text.replace(text.find("cache = false"), 13, "cache = false\npatch = { radius = 0.01 }");
+  std::ofstream(folder / "four.toml") << text;
+  return folder / "four.toml";
+}
+
+bool wait_until(Session& session, const std::function<bool(const SessionNow&)>& is_so) {
+  for (const Timer timer; timer.seconds() < 20; std::this_thread::sleep_for(std::chrono::milliseconds(2)))
+    if (is_so(session.now())) return true;
+  return false;
+}
+void go_on(Session& session, double time) {
+  const double begin = session.now().shown.time;
+  ASSERT_TRUE(wait_until(session, [&](const SessionNow& now) { return now.shown.time > begin + time; }));
+}
+
+/// The tools of all bodies press them, away from the middle by a part of the body.
+void press_all(Session& session, double aside, int put) {
+  const SessionNow& now = session.now();
+  for (const MouseTool& mouse : now.mouse) {
+    const ShownTool& tool = now.shown.tools[std::size_t(mouse.tool)];
+    const ShownBody& body = shown_body(now.shown, tool.body);
+    const Vec3d middle = (body.box.low + body.box.high) * 0.5,
+                place = {middle.x + aside * (body.box.high.x - body.box.low.x), middle.y, body.box.high.z};
+    double tip = 0;
+    for (const Vec3 x : tool.mesh.vertices) tip = std::max(tip, -double(x.z));
+    const auto at = [&](double height) { return place + Vec3d{0, 0, tip + height}; };
+    mouse.device->lead({.pose = {at(-0.008), {}}, .hold = put == 2, .put = put, .put_at = at(0.004)});
+  }
+}
+
+/// What became of it when it was done again.
+std::uint64_t replayed_hash(const FeltRun& run, int threads) {
+  const Exec exec(threads);
+  const Result<Scene> scene = scene_of(run);
+  EXPECT_TRUE(scene) << scene.error().message;
+  Result<World> world = load_world(exec, *scene);
+  EXPECT_TRUE(world) << world.error().message;
+  auto replay = FeltReplay::begin(*world, run);
+  EXPECT_TRUE(replay) << replay.error().message;
+  for (int frame = 0; frame < run.frames; frame++) {
+    EXPECT_TRUE((*replay)->next_frame(exec));
+    EXPECT_TRUE(step(exec, *world));
+  }
+  (*replay)->end();
+  return state_hash(*world);
+}
+
+FeltRun saved_run(Session& session, const fs::path& file) {
+  session.ask(AskSave{file});
+  EXPECT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.saved.empty(); }));
+  Result<FeltRun> run = read_felt_run(file);
+  EXPECT_TRUE(run) << session.now().saved << run.error().message;
+  return run ? *run : FeltRun();
+}
+
+/// Hands on three models, wind on the fourth, at two paces, with a frame by itself, a cut, and more tension.
+FeltRun felt_by_hand(const fs::path& folder) {
+  Session session(four_kinds_file(folder), {}, kParams);
+  EXPECT_TRUE(wait_until(session, [](const SessionNow& now) { return now.shown.frame > 2; }));
+  press_all(session, -0.2, 1);
+  go_on(session, 0.4);
+  session.ask(AskWind{.body = 0, .velocity = {3, 0, 1}});
+  session.ask(AskCut{.blade = {.name = "cut",
+                               .from = {0.002, -0.02, -0.03},
+                               .to = {0.002, -0.02, 0.03},
+                               .depth = 0.012,
+                               .duration = 0.1},
+                     .body = 0});
+  session.ask(AskPace{.plays = true, .pace = 0.5});
+  press_all(session, 0.25, 2);
+  go_on(session, 0.3);
+  session.ask(AskChange{"body.block.skin.tension", "90"});
+  session.ask(AskPace{.plays = false, .pace = 1});
+  session.ask(AskStep{});
+  session.ask(AskPace{});
+  press_all(session, 0, 3);
+  go_on(session, 0.4);
+  return saved_run(session, folder / "felt.h5");
+}
+
+TEST(FeltRun, hands_on_every_model_cuts_winds_and_changes_are_done_again_to_the_same_bits) {
+  FeltRun run = felt_by_hand(fresh_folder());
+  ASSERT_EQ(run.tools.size(), 3u);
+  EXPECT_EQ(run.asks.size(), 3u);
+  int patches = 0;
+  for (const FeltTool& tool : run.tools) {
+    EXPECT_GT(tool.ticks.size(), 800u) << tool.name;
+    for (const FeltTick& tick : tool.ticks) patches = std::max(patches, tick.knew.patch);
+  }
+  EXPECT_GT(patches, 0) << "the patch followed the finger";
+  EXPECT_EQ(replayed_hash(run, 1), run.hash);
+  EXPECT_EQ(replayed_hash(run, 3), run.hash);
+
+  FeltRun other = run;
+  other.tools[0].ticks[other.tools[0].ticks.size() / 2].command.pose.position.z -= 1e-6;
+  EXPECT_NE(replayed_hash(other, 1), run.hash) << "a micrometre in one tick is another run";
+  other = run, other.asks.pop_back();
+  EXPECT_NE(replayed_hash(other, 1), run.hash) << "without the tension that was asked for";
+}
+
+TEST(FeltRun, the_clock_decides_nothing_but_what_is_written_down) {
+  FeltRun run = felt_by_hand(fresh_folder());
+  for (FeltTool& tool : run.tools)  // as if frames had seen each tick later by ten
+    for (FrameKnew& knew : tool.frames) knew.ticks = std::max(0, knew.ticks - 10);
+  EXPECT_NE(replayed_hash(run, 1), run.hash) << "which ticks a frame knew does matter";
+}
+
+TEST(FeltRun, after_a_reset_only_what_came_then_is_told) {
+  const fs::path folder = fresh_folder();
+  Session session(four_kinds_file(folder), {}, kParams);
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.shown.frame > 10; }));
+  session.ask(AskChange{"body.sheet.wind.velocity", "[0, 5, 0]"});
+  session.ask(AskReset{});
+  const int world = session.now().world;
+  ASSERT_TRUE(wait_until(
+      session, [world](const SessionNow& now) { return now.world > world && now.shown.frame > 5; }));
+  const FeltRun run = saved_run(session, folder / "felt.h5");
+  EXPECT_TRUE(run.asks.empty()) << "the scene has it by now";
+  EXPECT_EQ(run.overrides, std::vector<std::string>{"body.sheet.wind.velocity=[0, 5, 0]"});
+  EXPECT_EQ(replayed_hash(run, 2), run.hash);
+}
+
+TEST(FeltRun, what_is_none_or_damaged_is_refused_with_its_file) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "text.h5") << "no HDF5";
+  EXPECT_FALSE(read_felt_run(folder / "text.h5"));
+  EXPECT_FALSE(read_felt_run(folder / "none.h5"));
+  FeltRun run{.file = "a.toml", .folder = folder, .text = "[world]\n", .frames = 2, .hash = 7};
+  run.tools.push_back({.name = "tip",
+                       .ticks = {{.time = 0.001, .step = 0.001}, {.time = 0.002, .step = 0.001}},
+                       .frames = {{.ticks = 1}, {.ticks = 2}}});
+  run.asks.push_back({1, AskWind{0, {1, 0.1, 1e-17}}});
+  const fs::path file = folder / "felt.h5";
+  ASSERT_TRUE(write_felt_run(file, run));
+  Result<FeltRun> read = read_felt_run(file);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(std::get<AskWind>(read->asks[0].what).velocity.z, 1e-17) << "to the last bit";
+  EXPECT_EQ(read->hash, 7u);
+
+  const auto refused = [&](const FeltRun& wrong) {
+    EXPECT_TRUE(write_felt_run(file, wrong));
+    const Result<FeltRun> again = read_felt_run(file);
+    EXPECT_FALSE(again);
+    EXPECT_NE((again ? std::string() : again.error().message).find("felt.h5"), std::string::npos);
+  };
+  FeltRun wrong = run;
+  wrong.tools[0].frames[1].ticks = 3;
+  refused(wrong);
+  wrong = run, wrong.tools[0].frames.pop_back();
+  refused(wrong);
+  wrong = run, wrong.tools[0].ticks[0].step = -1;
+  refused(wrong);
+  EXPECT_FALSE(write_felt_run(file, {})) << "nothing has passed yet";
+  EXPECT_FALSE(write_felt_run(folder / "nowhere" / "felt.h5", run));
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,36 @@
+#include "turgor/window/film.hpp"
+
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "folders.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Film, without_ffmpeg_the_pictures_are_kept_where_the_sentence_says) {
+  const fs::path out = test::fresh_folder();
+  const std::string path = std::getenv("PATH");
+  Film film;
+  add_to_film(make_image(8, 6), out, film);
+  setenv("PATH", "", 1);
+  const std::string said = end_film(out, "liver", film);
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_NE(said.find("liver-frames-1"), std::string::npos) << said;
+  EXPECT_TRUE(fs::exists(out / "liver-frames-1" / "000000.png"));
+  EXPECT_FALSE(fs::exists(out / ".film-1"));
+  EXPECT_TRUE(film.frames.empty());
+}
+
+TEST(Film, a_picture_that_cannot_be_written_leaves_no_folder) {
+  const fs::path out = test::fresh_folder();
+  Film film;
+  EXPECT_NE(add_to_film(Image(), out, film).find("000000.png"), std::string::npos);
+  EXPECT_TRUE(fs::is_empty(out));
+}
+
+}  // namespace
+}  // namespace turgor

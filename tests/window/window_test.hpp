@@ -1,0 +1,122 @@
+// A real window on a display without a screen, driven by synthetic mouse and keyboard: what its tests share.
+#pragma once
+
+#include <cmath>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include "sim/four_kinds.hpp"
+#include "turgor/core/timing.hpp"
+#include "turgor/window/window.hpp"
+#include "view/shapes.hpp"
+#include "window/screen.hpp"
+
+namespace turgor::test {
+
+namespace fs = std::filesystem;
+
+constexpr int kWidth = 960, kHeight = 720;
+
+inline Screen& screen() {
+  static Screen the_screen;
+  return the_screen;
+}
+
+class WindowTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!screen().missing.empty()) GTEST_SKIP() << screen().missing;
+  }
+
+  void open(const fs::path& scene, const std::vector<std::string>& overrides = {}) {
+    WindowOptions options{.scene = scene, .overrides = overrides, .out = folder_ / "out"};
+    options.session = {.threads = 1, .loop = {.priority = 0, .lock_memory = false}, .longest = 60};
+    Result<std::unique_ptr<SceneWindow>> opened = SceneWindow::open(options);
+    ASSERT_TRUE(opened) << opened.error().message;
+    window_ = std::move(*opened);
+  }
+
+  const SessionNow& now() { return *window_->viewer().now; }
+  bool draw_until(const std::function<bool(const SessionNow&)>& is_so, double longest = 20) {
+    const Timer timer;
+    while (window_ && timer.seconds() < longest)
+      if (!window_->draw())
+        return false;
+      else if (is_so(now()))
+        return true;
+    return false;
+  }
+  bool wait_for_world() {
+    return draw_until(
+        [](const SessionNow& n) { return n.phase == SessionNow::Phase::kReady && n.shown.frame > 2; });
+  }
+  void draw_for(double seconds) {
+    const Timer timer;
+    while (timer.seconds() < seconds) ASSERT_TRUE(window_->draw());
+  }
+
+  /// A place of the world as xdotool names it.
+  std::string pixel(Vec3d point) {
+    const auto seen = seen_at(window_->viewer().camera, point, double(kWidth) / kHeight);
+    return fmt::format("{:.0f} {:.0f}", 0.5 * (1 + seen->x) * kWidth, 0.5 * (1 - seen->y) * kHeight);
+  }
+  void type(const std::string& keys) { hand("key " + keys), draw_for(0.1); }
+
+  fs::path folder_ = fresh_folder();
+  std::unique_ptr<SceneWindow> window_;
+};
+
+/// A phantom liver that the mouse touches, and nothing else.
+inline fs::path liver(const fs::path& folder) {
+  const fs::path file = folder / "liver.toml";
+  std::ofstream(file) << R"([world]
+duration = 1        # s
+[body.liver]
+model = "rhombus"
+surface = { phantom = "liver", detail = 0.5 }
+bulge = 0.4
+[tool.tip]
+body = "liver"
+shape = { sphere = 0.008 }
+press = { at_fraction = [0.5, 0, 0.5], depth = 0.001, start = 1000 }
+)";
+  return file;
+}
+
+inline fs::path block(const fs::path& folder) {
+  EXPECT_TRUE(write_ct(folder / "block.nii", block_ct()));
+  const std::string text = block_scene_text("block.nii");
+  std::ofstream(folder / "block.toml") << text.substr(0, text.find("[incision.cut]"));
+  return folder / "block.toml";
+}
+
+/// No pixels: it is no picture.
+inline Image read_picture(const fs::path& file) {
+  png_image png = {};
+  png.version = PNG_IMAGE_VERSION;
+  if (!png_image_begin_read_from_file(&png, file.c_str())) return {};
+  png.format = PNG_FORMAT_RGB;
+  Image image = make_image(int(png.width), int(png.height));
+  png_image_finish_read(&png, nullptr, image.pixels.data(), 0, nullptr);
+  return image;
+}
+
+inline int n_samples_above(const DeformedCt& ct, int hu) {
+  return int(
+      std::count_if(ct.ct.samples.begin(), ct.ct.samples.end(), [hu](int sample) { return sample > hu; }));
+}
+
+inline double force(const SessionNow& now) { return now.felt[0].empty() ? 0 : now.felt[0].back().force; }
+
+/// The place of a body that lies nearest to the eye's line to its middle.
+inline Vec3d facing(const Viewer& viewer) {
+  const Box box = box_of(viewer.now->shown);
+  const auto found = pick(viewer.now->shown,
+                          {viewer.camera.eye, normalized((box.low + box.high) * 0.5 - viewer.camera.eye)});
+  EXPECT_TRUE(found);
+  return found ? found->point : box.low;
+}
+
+}  // namespace turgor::test

@@ -1,0 +1,345 @@
+#include "turgor/models/lattice/parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "turgor/models/lattice/cells.hpp"
+#include "turgor/models/lattice/raster.hpp"
+#include "turgor/models/lattice/tip_cells.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+bool has_parts(const Model& model) {
+  return model.params.tissue.law == TissueLaw::kSolid && model.params.solver.method == Method::kDescent;
+}
+
+/// Was this cell whole, and is no longer?
+bool is_parted(const Model& model, const State& state, const Pieces& pieces, const CutCell& cell) {
+  if (!(model.cell_young[std::size_t(cell.slot)] > 0)) return false;
+  bool other = cell.piece_count > 1 || has_cut_edge(state, model.lattice, cell.slot), removed = false;
+  const int parity = slot_node(model.lattice, cell.slot).x & 1;
+  for (int n = 0; n < kCellCorners; n++) {
+    const int slot = cell.slot + slot_offset(model.lattice, cell_corner(n), parity);
+    removed |= state.removed[std::size_t(slot)] != 0;
+    for (int p = cell.first_piece; p < cell.first_piece + cell.piece_count; p++)
+      other |= pieces.pieces[std::size_t(p)].corner[std::size_t(n)] != slot;
+  }
+  return other && !removed;
+}
+
+/// Do all corners of a piece lead to nodes of tissue? Else it is a crumb that hangs on nothing.
+bool hangs_on_nodes(const Model& model, const State& state, const Pieces& pieces, const Piece& piece) {
+  const int slots = slot_count(model.lattice);
+  return std::all_of(piece.corner.begin(), piece.corner.end(), [&](int corner) {
+    if (corner < slots) return is_solid(model, state, corner);
+    const NodeCopy& copy = pieces.copies[std::size_t(corner - slots)];
+    return is_solid(model, state, copy.slot) && copy.source_count > 0;
+  });
+}
+
+/// Calls visit(cell, piece) for all pieces that bear something.
+template <class Visit>
+void for_bearing(const Model& model, const State& state, const Pieces& pieces, const Visit& visit) {
+  for (const CutCell& cell : pieces.cells) {
+    if (!is_parted(model, state, pieces, cell)) continue;
+    for (int p = 0; p < cell.piece_count; p++)
+      if (hangs_on_nodes(model, state, pieces, pieces.pieces[std::size_t(cell.first_piece + p)]))
+        visit(cell, p);
+  }
+}
+
+/// What lines along one axis say of a cell's pieces: lengths within each, how often a line goes from one to
+/// another, and how many of these times through a blade.
+struct Lengths {
+  std::vector<double> of;
+  double crossings = 0, cut = 0;
+};
+Lengths lengths_along(const Pieces& pieces, const State& state, const CutCell& cell, int axis) {
+  const FineLattice& f = pieces.fine;
+  const Int3 first = first_of_cell(f, slot_node(f.cells, cell.slot)), way = kFamilies[std::size_t(axis)];
+  Lengths found{.of = std::vector<double>(std::size_t(cell.piece_count))};
+  const auto label = [&](Int3 p) { return pieces.label[cell.places + std::size_t(place_in_cell(f, p))]; };
+  for_places(f, [&](Int3 p) {
+    if (!in_cell(f, p + way)) return;
+    double weight = 1;
+    for (int side = 0; side < 3; side++)
+      if (side != axis && (p[side] == 0 || p[side] == f.parts[side])) weight *= 0.5;
+    const int a = label(p), b = label(p + way);
+    double fraction = 0.5;
+    if (a != b) {
+      found.crossings += weight;
+      if (const Crossing cut = crossing(pieces, state, first + p, first + p + way); cut.edge)
+        fraction = double(cut.fraction), found.cut += weight;
+    }
+    if (a >= 0) found.of[std::size_t(a)] += weight * fraction;
+    if (b >= 0) found.of[std::size_t(b)] += weight * (1 - fraction);
+  });
+  return found;
+}
+
+/// A bridge beside a blade's end holds less than its share of the area, as it is bent and stretched most at
+/// the very end: this power of it, with which gapes are nearest to those of elements
+/// (docs/models/lattice.md).
+constexpr double kBridge = 8;
+
+/// How a cell's tissue is parted, measured along the axis that crosses the blades most. Where a blade ends in
+/// it, what the blade did not reach stays whole, on the nodes themselves.
+struct Shares {
+  std::vector<Real> of;  // of each piece in what is parted
+  Real parted = 1;       // of the cell
+};
+Shares shares_of(const Pieces& pieces, const State& state, const CutCell& cell) {
+  Lengths best = lengths_along(pieces, state, cell, 0);
+  for (int axis = 1; axis < 3; axis++)
+    if (Lengths found = lengths_along(pieces, state, cell, axis); found.crossings > best.crossings)
+      best = std::move(found);
+  constexpr double kLeast = 1e-3;
+  double sum = 0;
+  for (double& length : best.of) length = std::max(length, kLeast), sum += length;
+  Shares shares;
+  for (const double length : best.of) shares.of.push_back(Real(length / sum));
+  if (best.crossings > 0)
+    shares.parted = Real(std::max(kLeast, 1 - std::pow(1 - best.cut / best.crossings, kBridge)));
+  return shares;
+}
+
+void add_cells(const Model& model, State& state, const Pieces& pieces) {
+  int last = -1;
+  Shares shares;
+  for_bearing(model, state, pieces, [&](const CutCell& cell, int piece) {
+    const Real young = model.cell_young[std::size_t(cell.slot)];
+    if (cell.slot != last) {
+      last = cell.slot, shares = shares_of(pieces, state, cell);
+      state.cut[std::size_t(cell.slot)] |= kParted;
+      mark_rows(model, state, cell.slot);
+      if (shares.parted < 1)
+        state.parts.cells.push_back({corners_of(model, pieces, cell.slot, -1), young * (1 - shares.parted)});
+    }
+    state.parts.cells.push_back({pieces.pieces[std::size_t(cell.first_piece + piece)].corner,
+                                 young * shares.parted * shares.of[std::size_t(piece)]});
+  });
+}
+
+/// Share of a triangle in each piece of the cell that it lies in, by points.
+std::vector<int> count_points(const Pieces& pieces, const State& state, const CutCell& cell,
+                              const Vec3 (&corner)[3], int parts) {
+  std::vector<int> count(std::size_t(cell.piece_count));
+  const auto add = [&](Real a, Real b) {
+    const Vec3 at = corner[0] + (corner[1] - corner[0]) * a + (corner[2] - corner[0]) * b;
+    if (const int piece = piece_at(pieces, state, cell, at); piece >= 0) count[std::size_t(piece)]++;
+  };
+  const Real part = Real(1) / Real(parts);
+  for (int i = 0; i < parts; i++)
+    for (int j = 0; i + j < parts; j++) {
+      add((Real(i) + Real(1) / 3) * part, (Real(j) + Real(1) / 3) * part);
+      if (i + j + 1 < parts) add((Real(i) + Real(2) / 3) * part, (Real(j) + Real(2) / 3) * part);
+    }
+  return count;
+}
+
+void part_triangle(const Model& model, State& state, const Pieces& pieces, int t) {
+  constexpr int kParts = 8;
+  const Lattice& l = model.lattice;
+  Int3 node[3], low = l.size - Int3{2, 2, 2};
+  for (int c = 0; c < 3; c++) {
+    node[c] = slot_node(l, model.skin.triangles[std::size_t(t)].vertex[c]);
+    low = min(low, node[c]);
+  }
+  const CutCell* cell = find_cell(pieces, node_slot(l, low));
+  if (cell == nullptr) return;
+  const Vec3 places[3] = {Vec3(node[0] - low), Vec3(node[1] - low), Vec3(node[2] - low)};
+  const std::vector<int> count = count_points(pieces, state, *cell, places, kParts);
+  const Real parted = shares_of(pieces, state, *cell).parted;
+  if (parted < 1) state.parts.skin.push_back({t, model.skin.triangles[std::size_t(t)].vertex, 1 - parted});
+  for (int p = 0; p < cell->piece_count; p++) {
+    SkinPart part{
+        .triangle = t, .corner = {}, .share = parted * Real(count[std::size_t(p)]) / (kParts * kParts)};
+    bool borne = part.share > 0;
+    for (int c = 0; c < 3; c++) {
+      const Int3 at = node[c] - low;
+      part.corner[c] =
+          pieces.pieces[std::size_t(cell->first_piece + p)].corner[std::size_t(at.x + 2 * at.y + 4 * at.z)];
+      borne = borne && is_borne(model, state, pieces, part.corner[c]);
+    }
+    if (borne) state.parts.skin.push_back(part);
+  }
+}
+
+/// Copies of a node of skin take their share of its pull with them, by area.
+void share_pull(const Model& model, PartsOfCells& parts) {
+  const Skin& skin = model.skin;
+  const int slots = slot_count(model.lattice);
+  for (PartNode& copy : parts.copies) {
+    const auto at =
+        std::size_t(std::lower_bound(skin.nodes.begin(), skin.nodes.end(), copy.slot) - skin.nodes.begin());
+    if (at == skin.nodes.size() || skin.nodes[at] != copy.slot) continue;
+    const auto row = std::size_t(copy.slot / model.lattice.half);
+    const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
+    double whole = 0, part = 0;
+    for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++)
+      whole += double(skin.corners[std::size_t(skin.lanes_begin[row] + (c - first) / kSkinLanes)]
+                          .area[(c - first) % kSkinLanes]);
+    for (int u = copy.first; u < copy.first + copy.count; u++)
+      if (const int s = -1 - parts.uses[std::size_t(u)].part; s >= 0)
+        part += double(parts.skin[std::size_t(s)].share) *
+                skin.triangles[std::size_t(parts.skin[std::size_t(s)].triangle)].area;
+    copy.pull = skin.pull[at] * Real(part / whole);
+    const auto node = std::lower_bound(parts.nodes.begin(), parts.nodes.end(), copy.slot,
+                                       [](const PartNode& n, int slot) { return n.slot < slot; });
+    if (node != parts.nodes.end() && node->corner == copy.slot && copy.slot < slots) node->pull -= copy.pull;
+  }
+}
+
+/// The nodes and copies that parts hang on, and what of each hangs there.
+void add_nodes(const Model& model, const Pieces& pieces, PartsOfCells& parts) {
+  const int slots = slot_count(model.lattice);
+  std::vector<std::pair<int, PartUse>> uses;
+  for (std::size_t p = 0; p < parts.cells.size(); p++)
+    for (int n = 0; n < kCellCorners; n++)
+      uses.push_back({parts.cells[p].corner[std::size_t(n)], {int(p), n}});
+  for (std::size_t s = 0; s < parts.skin.size(); s++)
+    for (int n = 0; n < 3; n++) uses.push_back({parts.skin[s].corner[n], {-1 - int(s), n}});
+  std::stable_sort(uses.begin(), uses.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [corner, use] : uses) {
+    auto& list = corner < slots ? parts.nodes : parts.copies;
+    if (list.empty() || list.back().corner != corner)
+      list.push_back({.corner = corner,
+                      .slot = corner < slots ? corner : pieces.copies[std::size_t(corner - slots)].slot,
+                      .first = int(parts.uses.size())});
+    list.back().count++;
+    parts.uses.push_back(use);
+  }
+  for (int k = 0; k <= model.lattice.size.z; k++)
+    parts.layer_begin.push_back(
+        int(std::lower_bound(parts.copies.begin(), parts.copies.end(), row_slot(model.lattice, -1, k),
+                             [](const PartNode& n, int slot) { return n.slot < slot; }) -
+            parts.copies.begin()));
+}
+
+/// Where the copies are: those that are known from before where they were.
+void place_copies(const Model& model, State& state, const Pieces& pieces) {
+  const std::vector<CopyShift> before = std::exchange(state.copies, {});
+  std::vector<CopyShift> now;
+  const auto key = [](const NodeCopy& c) { return std::pair(c.slot, c.place); };
+  std::vector<std::pair<int, std::uint64_t>> known = std::exchange(state.parts.places, {});
+  for (std::size_t c = 0; c < pieces.copies.size(); c++) {
+    const auto at = std::find(
+        std::lower_bound(known.begin(), known.end(), std::pair(pieces.copies[c].slot, std::uint64_t(0))),
+        known.end(), key(pieces.copies[c]));
+    state.parts.places.push_back(key(pieces.copies[c]));
+    if (at != known.end() && before.size() == known.size()) {
+      now.push_back(before[std::size_t(at - known.begin())]);
+      continue;
+    }
+    const Vec3 u = corner_displacement(model, state, pieces, slot_count(model.lattice) + int(c));
+    now.push_back({u.x, u.y, u.z});
+  }
+  state.copies = state.copies_before = std::move(now);
+}
+
+}  // namespace
+
+void mark_rows(const Model& model, State& state, int slot) {
+  const int stride = row_stride(model.lattice), layer = layer_stride(model.lattice);
+  for (int dk = -1; dk <= 1; dk++)
+    for (int dj = -1; dj <= 1; dj++)
+      state.row_cut[std::size_t((slot + dk * layer + dj * stride) / stride)] = 1;
+}
+
+void find_bearing(const Model& model, const State& state, Pieces& pieces) {
+  if (!has_parts(model)) return;
+  const int slots = slot_count(model.lattice);
+  for_bearing(model, state, pieces, [&](const CutCell& cell, int piece) {
+    for (const int corner : pieces.pieces[std::size_t(cell.first_piece + piece)].corner)
+      if (corner >= slots) pieces.copies[std::size_t(corner - slots)].bears = true;
+  });
+}
+
+void part_cells(const Model& model, State& state) {
+  if (!has_parts(model) || state.cut_edges.empty()) return;
+  const Pieces pieces = make_pieces(model, state);
+  place_copies(model, state, pieces);
+  PartsOfCells& parts = state.parts;
+  parts = {.places = std::move(parts.places)};
+  add_cells(model, state, pieces);
+  for (std::size_t t = 0; t < state.skin_cut.size(); t++)
+    if (state.skin_cut[t]) part_triangle(model, state, pieces, int(t));
+  add_nodes(model, pieces, parts);
+  if (!model.skin.pull.empty()) share_pull(model, parts);
+}
+
+PartForces::PartForces(const Model& m, State& s)
+    : model(m),
+      nodes(node_arrays(m, s)),
+      parts(s.parts),
+      copies(s.copies),
+      solid(solid_law(m.lattice.step, m.params.tissue.poisson)),
+      skin(m) {}
+
+NodeSystem PartForces::gather(const PartNode& node) const {
+  NodeSystem s;
+  s.f -= node.pull;
+  const Vec3 here = u(node.corner);
+  for (int n = node.first; n < node.first + node.count; n++) {
+    const PartUse use = parts.uses[std::size_t(n)];
+    if (use.part < 0) {
+      add(s, skin_part(parts.skin[std::size_t(-1 - use.part)], use.at));
+      continue;
+    }
+    const CellPart& cell = parts.cells[std::size_t(use.part)];
+    Vec3 d[kCellCorners];
+    for (int c = 0; c < kCellCorners; c++) d[c] = u(cell.corner[std::size_t(c)]) - here;
+    add_cell(s, cell_gradient(d, use.at, solid.slope), use.at, solid, cell.young);
+  }
+  return s;
+}
+
+NodeSystem PartForces::skin_part(const SkinPart& part, int at) const {
+  const SkinTriangle& t = model.skin.triangles[std::size_t(part.triangle)];
+  const Vec3 places[3] = {{}, t.edge1, t.edge2};
+  const int b = (at + 1) % 3, c = (at + 2) % 3;
+  const Vec3 here = u(part.corner[at]) + places[at];
+  const Vec3 edge1 = u(part.corner[b]) + places[b] - here, edge2 = u(part.corner[c]) + places[c] - here;
+  NodeSystem s;
+  if (skin.law == SkinLaw::kFibre) {
+    add_skin_fibre(s, edge1, edge2, {t.along[at], t.along[b], t.along[c]},
+                   {t.across[at], t.across[b], t.across[c]}, t.area, skin.fibre);
+  } else {
+    const Real rest = skin.rest_ratio * t.area;
+    add_skin_area(s, {}, edge1, edge2, rest, skin.stiffness / rest, skin.amplification);
+  }
+  s.f = s.f * part.share;
+  for (Real* entry : {&s.xx, &s.yy, &s.zz, &s.xy, &s.xz, &s.yz}) *entry *= part.share;
+  return s;
+}
+
+std::span<const PartNode> PartForces::nodes_of(int slot, int count) const {
+  const auto before = [](const PartNode& n, int s) { return n.slot < s; };
+  const auto begin = std::lower_bound(parts.nodes.begin(), parts.nodes.end(), slot, before);
+  return {begin, std::lower_bound(begin, parts.nodes.end(), slot + count, before)};
+}
+
+std::span<const PartNode> PartForces::copies_of(int k) const {
+  if (parts.layer_begin.empty()) return {};
+  const auto begin = std::size_t(parts.layer_begin[std::size_t(k)]),
+             end = std::size_t(parts.layer_begin[std::size_t(k) + 1]);
+  return std::span(parts.copies).subspan(begin, end - begin);
+}
+
+void PartForces::solve(const PartNode& copy) const {
+  constexpr Real kWeightless = 1e3f;  // mobility, by stiffness
+  CopyShift& at = copies[std::size_t(copy.corner - slot_count(model.lattice))];
+  if (nodes.w[copy.slot] == 0) {
+    const Vec3 held = nodes.u(copy.slot);
+    at = {held.x, held.y, held.z};
+    return;
+  }
+  const NodeSystem s = gather(copy);
+  const Vec3 way = newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3));
+  at = {at.x + way.x, at.y + way.y, at.z + way.z};
+}
+
+}  // namespace turgor::lattice
