@@ -8,7 +8,7 @@ namespace turgor {
 namespace {
 
 constexpr std::size_t kMemory = std::size_t(8) << 30;  // bytes that a store may take
-constexpr int kSites = 256;                            // of contact; a haptic tick has fewer
+constexpr int kSites = 512;                            // of contact, so that none are clustered
 
 }  // namespace
 

@@ -76,13 +76,16 @@ Result<NoduleResult> validate_nodule(const Exec& exec, int columns, double width
 /// What a kind of elements answers on an organ's mesh, and what it costs beforehand.
 struct ElementsRow {
   std::string organ, elements;
+  bool quadratic = false;
+  int refinement = 1;
   double poisson = 0;
   int tetrahedra = 0, nodes = 0;  // of the organ's mesh; free ones of the elements
   double flops = 0, store_bytes = 0, factor_bytes = 0;
   double worst = 0, mean = 0;  // of the force's relative error over the places pressed
+  double said = 0;             // how far off a report says that the force may be
 };
-/// Balls on a tongue, and without `quick` on a liver, on meshes of the size that scenes have. The reference
-/// is quadratic on the same body, every tetrahedron cut in eight.
+/// Balls on a tongue, and without `quick` on a liver and a block, on meshes of the size that scenes have. The
+/// reference, each time the last, is quadratic on the same body, every tetrahedron cut in eight.
 Result<std::vector<ElementsRow>> validate_elements(const Exec& exec, bool quick, const Progress& progress);
 
 }  // namespace turgor

@@ -89,7 +89,7 @@ TEST(Palpation, APhantomsLiverIsMeshedFromItsLabel) {
   const Ended ended = run_program("run '" + scene +
                                       "' --out out --set 'body.liver.labels={ phantom = \"torso\", size = "
                                       "[96, 96, 60], spacing_mm = [4.2, "
-                                      "4.2, 5] }' --set body.liver.resolution=0.018 --set world.duration=0.4 "
+                                      "4.2, 5] }' --set body.liver.resolution=0.024 --set world.duration=0.4 "
                                       "--set output.video=false --set "
                                       "body.liver.cache=kept --set output.snapshots.size=[200,160]",
                                   folder);
@@ -107,7 +107,7 @@ TEST(Palpation, AnOrganOfARealSegmentationIsPressedByTheSameScene) {
   const Ended ended = run_program(
       "run '" + scene + "' --out out --set 'body.liver.labels=" + labels.string() +
           "' --set body.liver.inside={} --set body.liver.resolution=0.015 --set world.duration=0.7 "
-          "--set output.video=false --set body.liver.cache=false",
+          "--set body.liver.elements=linear --set output.video=false --set body.liver.cache=false",
       folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   const json report = report_in(folder / "out");
@@ -121,6 +121,25 @@ TEST(Palpation, AnOrganOfARealSegmentationIsPressedByTheSameScene) {
   EXPECT_NE(wrong.printed.find("label 60000 is not in the segmentation; it has 1 (255 mL)"),
             std::string::npos)
       << wrong.printed;
+}
+
+TEST(Palpation, TheReportSaysHowFarOffTheForceMayBeAndAFinerMeshLessSo) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", sfem_scene_text("cache = false\n"));
+  std::vector<double> said, force;
+  for (const char* count : {"[6,6,3]", "[12,12,6]"}) {
+    const Ended ended =
+        run_program(std::string("run s.toml --force --out out --set body.pad.block.count=") + count, folder);
+    ASSERT_EQ(ended.code, 0) << ended.printed;
+    EXPECT_NE(ended.printed.find("off by up to, for its elements"), std::string::npos) << ended.printed;
+    EXPECT_NE(bytes_of(folder / "out" / "report.html").find("off by up to, for its elements"),
+              std::string::npos);
+    const json tool = report_in(folder / "out")["tools"][0];
+    said.push_back(tool["force_error_expected_percent"]), force.push_back(tool["force_max_N"]);
+  }
+  EXPECT_LT(said[1], 0.4 * said[0]);
+  EXPECT_LE(100 * std::abs(force[0] / force[1] - 1), said[0] + said[1]);
+  EXPECT_LT(said[1], 20);
 }
 
 /// A tetrahedron file in Gmsh's format 2.2.

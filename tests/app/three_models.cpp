@@ -9,7 +9,7 @@ using namespace test;
 
 constexpr const char* kSmall =
     " --set 'body.elements.labels={phantom=\"torso\",size=[72,72,44],spacing_mm=[5.6,5.6,6.9]}'"
-    " --set body.elements.resolution=0.016 --set body.elements.cache=false"
+    " --set body.elements.resolution=0.028 --set body.elements.cache=false"
     " --set 'body.nodes.ct={phantom=\"torso\",size=[72,72,44],spacing_mm=[5.6,5.6,6.9]}'"
     " --set body.nodes.block=1 --set world.duration=1.1"
     " --set 'output.snapshots={every=0.5,size=[240,180]}'";

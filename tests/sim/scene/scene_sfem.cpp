@@ -89,7 +89,9 @@ TEST(SceneSfem, EveryKeyReachesItsField) {
   EXPECT_EQ(liver.cache, "/data/kept");
   EXPECT_EQ(liver.seen, "/data/fine.obj");
   EXPECT_EQ(liver.seen_scale, 0.001);
+  EXPECT_EQ(liver.elements, Elements::kLinear) << "with a formulation";
   const SfemScene& pad = scene->sfem_bodies[1];
+  EXPECT_EQ(pad.elements, Elements::kLinear) << "hexahedra";
   EXPECT_EQ(std::get<HexBlock>(pad.source).count, (Int3{1, 2, 3}));
   EXPECT_EQ(pad.patch.refinement, 1);
   EXPECT_FALSE(pad.cached);
@@ -148,6 +150,27 @@ TEST(SceneSfem, MistakesAreNamedWithTheirPlace) {
 
 TEST(SceneSfem, ToolsAreNotMadeByOverrides) {
   EXPECT_NE(error_of(kScene, {"tool.fingr.friction=1"}).find("has no tool fingr; did you mean finger?"),
+            std::string::npos);
+}
+
+TEST(SceneSfem, TetrahedraAreQuadraticUnlessASceneSaysOtherwise) {
+  const auto read = [](const std::string& keys) {
+    const Result<Scene> scene = parse_scene(small(keys), "s.toml");
+    EXPECT_TRUE(scene) << scene.error().message;
+    return scene->sfem_bodies[0];
+  };
+  const SfemScene unsaid = read("surface = \"a.obj\"");
+  EXPECT_EQ(unsaid.elements, Elements::kQuadratic);
+  EXPECT_EQ(unsaid.patch.refinement, kByElements);
+  EXPECT_EQ(std::get<ClosedSurface>(unsaid.source).resolution, 0.02)
+      << "about the nodes of linear ones of 10 mm";
+  EXPECT_EQ(read("surface = \"a.obj\"\nelements = \"linear\"").elements, Elements::kLinear);
+  EXPECT_EQ(read("surface = \"a.obj\"\nformulation = \"standard\"").elements, Elements::kLinear);
+  EXPECT_NE(error_of(small("surface = \"a.obj\"\nelements = \"quadratic\"\nformulation = \"averaged\""))
+                .find("one formulation, which does not lock"),
+            std::string::npos);
+  EXPECT_NE(error_of(small("block = { size = [1, 1, 1], count = [1, 1, 1] }\nelements = \"quadratic\""))
+                .find("body.b.elements: \"quadratic\" ones are tetrahedra, a block is of hexahedra"),
             std::string::npos);
 }
 

@@ -1,11 +1,13 @@
 #include "turgor/sim/report/report_touch.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/models/sfem/expected_error.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/report/off_the_body.hpp"
 #include "turgor/sim/report/report_compare.hpp"
@@ -87,7 +89,7 @@ const Quantity<B> kSfem[] = {
     {"poisson", kNone, "Poisson's ratio", [](const B& b) -> Json { return b.scene.material.poisson; }},
     {"formulation", kNone, "elements",
      [](const B& b) -> Json {
-       if (b.scene.elements == Elements::kQuadratic) return "quadratic";
+       if (b.body.model.body.mesh.corners == 10) return "quadratic";
        return b.scene.formulation == sfem::Formulation::kAveraged ? "averaged" : "standard";
      }},
     {"mesh.vertices", kCount, "nodes",
@@ -138,7 +140,7 @@ const Quantity<B> kSfem[] = {
      [](const B& b) -> Json { return sfem::memory_bytes(b.body.model); }},
     {"shape", kSeconds, "reading and meshing", [](const B& b) -> Json { return b.body.facts.shape_seconds; }},
     {"patch.radius", kMillimetres, "", [](const B& b) -> Json { return b.scene.patch.radius; }, kInReport},
-    {"patch.refinement", kCount, "", [](const B& b) -> Json { return b.scene.patch.refinement; }, kInReport},
+    {"patch.refinement", kCount, "", [](const B& b) -> Json { return b.body.refinement; }, kInReport},
     {"patch.local_nodes_most", kCount, "local nodes of the patch, most",
      [](const B& b) -> Json { return b.local_nodes; }, kEverywhere},
     {"patch.points_most", kCount, "", [](const B& b) -> Json { return b.points; }, kInReport},
@@ -201,6 +203,26 @@ ToolPart tool_part(const ToolScene& scene, const TouchingTool& tool, const World
   return part;
 }
 
+/// Of the ball or rod that presses finite elements; tools of other shapes and other bodies have none.
+Json expected_force_error(const ToolPart& t) {
+  const auto* ball = std::get_if<BallTool>(&t.scene.shape);
+  const auto* rod = std::get_if<RodTool>(&t.scene.shape);
+  if (t.tool.body.kind != BodyKind::kSfem || t.depth <= 0 || (!ball && !rod)) return absent();
+  const SfemBody& body = t.world.sfem_bodies[std::size_t(t.tool.body.index)];
+  const sfem::Model& model = body.model;
+  const std::span<const int> elements = body.now.patch->elements;
+  const int e = elements.front();
+  const std::vector<int>& material = model.body.material;
+  return sfem::expected_error(
+      {.corners = model.body.mesh.corners,
+       .formulation = model.params.formulation,
+       .poisson = model.body.materials[material.empty() ? 0 : std::size_t(material[std::size_t(e)])].poisson,
+       .edge = sfem::mean_edge(model.body.mesh, elements),
+       .refinement = body.refinement,
+       .patch = body.follow.radius,
+       .contact = std::sqrt((ball ? ball->radius : rod->radius) * t.depth)});
+}
+
 using T = ToolPart;
 const Quantity<T> kTool[] = {
     {"name", kNone, "", [](const T& t) -> Json { return t.tool.name; }, kInReport},
@@ -210,6 +232,7 @@ const Quantity<T> kTool[] = {
     {"force_max", kNewtons, "largest force", [](const T& t) -> Json { return norm(t.most.force); },
      kEverywhere, "largest force on {}"},
     {"force_max_at", kSeconds, "… at", [](const T& t) -> Json { return t.most.time; }, kEverywhere},
+    {"force_error_expected", kPercent, "… off by up to, for its elements", expected_force_error, kEverywhere},
     {"depth_max", kMillimetres, "deepest below the surface at rest",
      [](const T& t) -> Json { return t.depth; }, kEverywhere, "deepest press of {}"},
     {"contacts_max", kCount, "places that bear force, most", [](const T& t) -> Json { return t.contacts; }},

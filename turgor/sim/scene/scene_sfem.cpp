@@ -11,10 +11,12 @@ namespace turgor {
 namespace {
 
 const Allowed kResolution = within(1e-4, 1, "m");
+constexpr double kUsualEdge = 0.02;  // of quadratic tetrahedra: nodes lie half as far apart [m]
 const Allowed kScale = inside(0, 1e6, "m");
 
 LabelledOrgan read_labelled_organ(SceneTable& table, SceneLabels& names) {
   LabelledOrgan organ;
+  organ.resolution = kUsualEdge;
   const toml::node* labels = table.find("labels");
   if (labels->is_table())
     organ.phantom = read_phantom(table.table("labels"));
@@ -58,6 +60,7 @@ SolidSource read_source(SceneTable& body, SceneLabels& labels) {
   if (given == "block") return read_hex_block(body.table("block"));
   if (given == "surface") {
     ClosedSurface surface;
+    surface.resolution = kUsualEdge;
     body.read_path("surface", surface.file,
                    {"or a closed surface, filled with tetrahedra: OBJ, STL, PLY, VTP, VTK", "none"});
     body.read("scale", surface.scale, kScale,
@@ -95,6 +98,26 @@ void read_material(SceneTable& table, sfem::Material& material) {
                                "is infinite; 0.49 is nearly that), found {}",
                                *value));
   table.read("poisson", material.poisson, inside(-1, 0.5), "Poisson's ratio");
+}
+
+/// Elements with a formulation are linear, and so are hexahedra, which nobody can ask to be otherwise.
+void read_elements(SceneTable& body, SfemScene& scene) {
+  scene.elements = Elements::kQuadratic;
+  body.read_choice<Elements>(
+      "elements", scene.elements, {{"linear", Elements::kLinear}, {"quadratic", Elements::kQuadratic}},
+      {"tetrahedra whose edges bend (`\"quadratic\"`) have eight times the nodes on the same mesh, and the "
+       "right "
+       "force on one of twice the edge length; `\"linear\"` ones are up to a third too stiff",
+       "`\"quadratic\"`; `\"linear\"` for hexahedra and with a `formulation`"});
+  const bool asked = body.has("elements") && scene.elements == Elements::kQuadratic;
+  if (asked && std::holds_alternative<HexBlock>(scene.source))
+    body.fail("elements",
+              "\"quadratic\" ones are tetrahedra, a block is of hexahedra: leave `elements` out, and "
+              "take formulation = \"averaged\" for tissue near ν = 0.5");
+  if (asked && body.has("formulation"))
+    body.fail("formulation", "quadratic elements have one formulation, which does not lock: leave it out");
+  if (body.has("formulation") || std::holds_alternative<HexBlock>(scene.source))
+    scene.elements = Elements::kLinear;
 }
 
 /// A place in metres, or in fractions of the body's box; `key_fraction` says which.
@@ -150,7 +173,10 @@ void read_patch(SceneTable& body, PatchScene& patch) {
   }
   SceneTable table = body.table("patch");
   table.read("radius", patch.radius, inside(0, 1, "m"), "of the finer mesh where the tool is");
-  table.read("refinement", patch.refinement, within(1, 4), "edges are cut into so many parts; 1 = none");
+  if (!table.has("refinement")) patch.refinement = kByElements;
+  table.read("refinement", patch.refinement, within(1, 4),
+             {"edges are cut into so many parts; 1 = none",
+              "2; 1 for quadratic elements with edges below half of `radius`, whose nodes lie close enough"});
   table.read("hysteresis", patch.hysteresis, within(0, 1),
              "of the radius: how far a touch moves before the patch follows");
   table.finish();
@@ -181,12 +207,7 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name) {
   if (auto* organ = std::get_if<LabelledOrgan>(&scene.source)) organ->label_note = labels.note;
   scene.inclusions = read_inclusions(body, scene.material);
   scene.fixed = read_held(body);
-  body.read_choice<Elements>("elements", scene.elements,
-                             {{"linear", Elements::kLinear}, {"quadratic", Elements::kQuadratic}},
-                             "`\"quadratic\"`: tetrahedra whose edges bend, eight times the nodes on the "
-                             "same mesh, right near ν = 0.5");
-  if (scene.elements == Elements::kQuadratic && body.has("formulation"))
-    body.fail("formulation", "quadratic elements have one formulation, which does not lock: leave it out");
+  read_elements(body, scene);
   body.read_choice<sfem::Formulation>(
       "formulation", scene.formulation,
       {{"standard", sfem::Formulation::kStandard}, {"averaged", sfem::Formulation::kAveraged}},

@@ -6,6 +6,9 @@
 
 namespace turgor {
 
+/// PatchScene::refinement where a scene does not say: the body's elements decide.
+constexpr int kByElements = 0;
+
 SfemScene read_sfem_scene(SceneTable body, const std::string& name);
 
 }  // namespace turgor

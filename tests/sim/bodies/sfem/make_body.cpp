@@ -98,5 +98,15 @@ TEST(OrganBody, ABoxThatHoldsNothingIsToldWhereTheBodyIs) {
   EXPECT_TRUE(make_body(block(), scene));
 }
 
+TEST(OrganBody, TetrahedraGetMiddlesOfTheirEdgesWhereElementsAreQuadraticAndHexahedraStayAsTheyAre) {
+  SfemScene scene;
+  scene.elements = Elements::kQuadratic;
+  EXPECT_EQ(make_body(block(), scene)->mesh.corners, 8);
+  const SolidMesh tets = tetrahedralize(block());
+  EXPECT_EQ(make_body(tets, scene)->mesh.corners, 10);
+  scene.elements = Elements::kLinear;
+  EXPECT_EQ(make_body(tets, scene)->mesh.corners, 4);
+}
+
 }  // namespace
 }  // namespace turgor

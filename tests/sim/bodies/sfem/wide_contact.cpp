@@ -78,8 +78,8 @@ TEST(WideContact, NoForceIsLostOnALiver) {
   const fs::path liver = fs::path(TURGOR_SOURCE_DIR) / "../shared/data/mesh/liver.msh";
   if (!fs::exists(liver))
     GTEST_SKIP() << liver.string() << " is absent: real data is not part of the project";
-  const std::string body =
-      "mesh = \"" + fs::absolute(liver).string() + "\"\nscale = 0.005\nfixed = \"back\"\n";
+  const std::string body = "mesh = \"" + fs::absolute(liver).string() +
+                           "\"\nscale = 0.005\nfixed = \"back\"\nelements = \"linear\"\n";
   expect_no_force_lost(body, 0.003, 4);
 }
 

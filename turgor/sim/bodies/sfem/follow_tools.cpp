@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/timing.hpp"
+#include "turgor/models/sfem/patch_assembly.hpp"
 
 namespace turgor {
 
@@ -19,7 +20,8 @@ Status fetch_near(const Exec& exec, SfemBody& body, std::span<const Vec3d> place
   const sfem::Model& model = body.model;
   const auto elements_within = [&](double reach) { return sfem::patch_elements(model, places, reach); };
   std::vector<int> vertices;
-  for (const int e : elements_within(body.follow.radius * (1 + body.follow.hysteresis)))
+  const std::vector<int> near = elements_within(body.follow.radius * (1 + body.follow.hysteresis));
+  for (const int e : sfem::changed_elements(model, near))
     for (const int v : element(model.body.mesh, std::size_t(e))) vertices.push_back(v);
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());

@@ -1,6 +1,7 @@
 #include "turgor/sim/bodies/sfem/load_sfem.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -11,8 +12,10 @@
 #include "turgor/io/ct.hpp"
 #include "turgor/io/solid_files.hpp"
 #include "turgor/io/surface_files.hpp"
+#include "turgor/models/sfem/expected_error.hpp"
 #include "turgor/sim/bodies/sfem/green_cache.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
+#include "turgor/sim/scene/scene_sfem.hpp"
 
 namespace turgor {
 
@@ -181,6 +184,15 @@ Status load_seen(const Exec& exec, const SfemScene& scene, SfemBody& body) {
   return Done{};
 }
 
+/// Small quadratic elements have nodes as close as a patch makes those of large ones, and a patch of them
+/// would have thousands.
+int usual_refinement(const SfemBody& body) {
+  const SolidMesh& mesh = body.model.body.mesh;
+  std::vector<int> all(element_count(mesh));
+  std::iota(all.begin(), all.end(), 0);
+  return mesh.corners == 10 && sfem::mean_edge(mesh, all) < body.follow.radius / 2 ? 1 : 2;
+}
+
 Status prepare_turning(const Exec& exec, SfemBody& body, const BeginWork& begin) {
   if (const Status s = sfem::factorize(exec, body.model, begin_work(begin, "factor")); !s) return s.error();
   body.turning = Turning{sfem::make_corotation(exec, body.model), sfem::make_rotation_state(body.model)};
@@ -210,14 +222,14 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   Result<sfem::Model> model = sfem::build(exec, std::move(*elastic), params);
   if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
   body.model = std::move(*model);
+  body.follow.radius = scene.patch.radius;
   if (const Status status = prepare_green(exec, scene, body, begin); !status) return status.error();
   if (const Status status = load_seen(exec, scene, body); !status) return status.error();
   if (scene.rotations)
     if (const Status status = prepare_turning(exec, body, begin); !status) return status.error();
-  body.refinement = scene.patch.refinement;
+  body.refinement = scene.patch.refinement == kByElements ? usual_refinement(body) : scene.patch.refinement;
   body.contacts = scene.contacts;
   body.patch_memory = std::size_t(std::max(scene.memory, kLeastPatchMemory) * 1e9);
-  body.follow.radius = scene.patch.radius;
   body.follow.hysteresis = scene.patch.hysteresis;
   return body;
 }

@@ -107,11 +107,7 @@ Status check_held(std::span<const Vec3d> points, const HeldBy& held, const std::
 }
 
 Result<sfem::Body> make_body(SolidMesh mesh, const SfemScene& scene) {
-  const bool quadratic = scene.elements == Elements::kQuadratic;
-  if (quadratic && mesh.corners != 4)
-    return Error{scene.place +
-                 ".elements: \"quadratic\" ones are tetrahedra, the body's are hexahedra: leave `elements` "
-                 "out, and take formulation = \"averaged\" for tissue near ν = 0.5"};
+  const bool quadratic = scene.elements == Elements::kQuadratic && mesh.corners == 4;
   sfem::Body body;
   body.fixed = held_points(mesh.vertices, scene.fixed);
   if (const Status held = check_held(mesh.vertices, scene.fixed, body.fixed); !held)
