@@ -1,9 +1,8 @@
 // Obstacles that bear a sheet, solved together with it.
-#include "turgor/models/cloth/bearing.hpp"
-
 #include "tests/models/cloth_meshes.hpp"
 #include "tests/models/cloth_sheets.hpp"
 #include "turgor/contact/cloth_obstacle.hpp"
+#include "turgor/models/cloth/bearing.hpp"
 #include "turgor/models/cloth/obstacle.hpp"
 
 namespace turgor::cloth {
@@ -44,7 +43,8 @@ TEST(ClothBearing, a_sheet_that_falls_over_a_small_ball_stays_smooth_loses_energ
     double cell, ball, density, stiffness;
   };
   for (const auto& [pattern, cell, ball, density, stiffness] :
-       {Fall{Pattern::kAlternating, 0.014, 0.04, 0.15, 1000}, Fall{Pattern::kRandom, 0.012, 0.06, 0.3, 3000}}) {
+       {Fall{Pattern::kAlternating, 0.014, 0.04, 0.15, 1000},
+        Fall{Pattern::kRandom, 0.012, 0.06, 0.3, 3000}}) {
     Params params = solved();
     params.fabric.density = density, params.fabric.warp = params.fabric.weft = stiffness;
     TriMesh mesh = rectangle(pattern, -0.15, 0.15, 0.3, cell);
@@ -142,8 +142,10 @@ TEST(ClothBearing, what_a_ball_feels_of_a_taut_sheet_is_what_the_holds_take_and_
     double cell, radius, depth, seconds;
   };
   for (const auto& [pattern, cell, radius, depth, seconds] :
-       {Case{Pattern::kDiagonal, 0.01, 0.004, 0.014, 0.5}, Case{Pattern::kEquilateral, 0.01, 0.004, 0.02, 0.02},
-        Case{Pattern::kAlternating, 0.006, 0.012, 0.018, 0.3}, Case{Pattern::kRandom, 0.01, 0.02, 0.03, 0.4}}) {
+       {Case{Pattern::kDiagonal, 0.01, 0.004, 0.014, 0.5},
+        Case{Pattern::kEquilateral, 0.01, 0.004, 0.02, 0.02},
+        Case{Pattern::kAlternating, 0.006, 0.012, 0.018, 0.3},
+        Case{Pattern::kRandom, 0.01, 0.02, 0.03, 0.4}}) {
     const Pressed found = press(pattern, cell, radius, depth, seconds);
     EXPECT_GT(found.tool, 0.5) << name(pattern) << ", N";
     EXPECT_NEAR(found.tool / found.holds, 1, 0.005) << name(pattern) << ": " << found.tool << " N";

@@ -9,7 +9,7 @@ namespace turgor::cloth {
 
 namespace {
 
-constexpr double kFirmness = 50;  // of a contact, in multiples of what resists it in its vertices alone
+constexpr double kFirmness = 50;    // of a contact, in multiples of what resists it in its vertices alone
 constexpr double kWrong = 0.01;     // of all friction, that a step may have too much or too little
 constexpr Real kGive = Real(0.02);  // of the thickness, that a closed contact may give way in a step
 

@@ -22,8 +22,8 @@ struct Answer {
 };
 
 struct Bearing {
-  Contacts contacts;           // with obstacles alone
-  std::vector<Answer> answer;  // of each
+  Contacts contacts;                           // with obstacles alone
+  std::vector<Answer> answer;                  // of each
   std::vector<std::array<double, 6>> inverse;  // diagonal blocks of touched vertices without contacts [1/kg]
 
   /// Any of the sixteen vertices from i on?
@@ -36,8 +36,8 @@ struct Bearing {
 /// Contacts that the step may close, with the impulses of the step before, and their answers. The system was
 /// assembled.
 void find_bearing(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
-/// Sets impulses to what the latest solution asked of them, and looks which contacts are open, stick or slide.
-/// True: some are otherwise than they were solved, or gave way too far.
+/// Sets impulses to what the latest solution asked of them, and looks which contacts are open, stick or
+/// slide. True: some are otherwise than they were solved, or gave way too far.
 bool settle_bearing(const Model& model, State& state, double dt);
 
 /// What contacts add to force − W a, of the vertices from i on; without their loads, to −W a.
