@@ -93,8 +93,9 @@ TEST_P(ExpectedError, WhatIsSaidCoversWhatARefinedMeshShows) {
     }
     RecordProperty(std::to_string(way.corners) + " corners, r = " + std::to_string(way.refinement),
                    std::to_string(worst) + " found, said " + std::to_string(said));
-    if (way.corners == 10 && way.refinement == 2)
+    if (way.corners == 10 && way.refinement == 2) {
       EXPECT_LE(said, 0.03 + 3 * worst) << "says more than is of use";
+    }
   }
 }
 
