@@ -21,7 +21,7 @@ TEST(Palpation, LeavesForcesPicturesMeshesAndAReport) {
   EXPECT_NE(ended.printed.find("largest force"), std::string::npos);
   for (const char* name :
        {"report.json", "report.html", "recording.h5", "forces.csv", "pad.obj", "meshes.pvd",
-        "meshes/pad-0000.vtu", "meshes/tools/fingertip-0030.vtu", "meshes/forces/on-tools-0030.vtu",
+        "meshes/pad-0000.vtu", "meshes/tools/finger-0030.vtu", "meshes/forces/on-tools-0030.vtu",
         "meshes/pad-0030.vtu", "pad-near.png", "pad-whole.png", "pad-displacement.png", "pad-pressure.png",
         "frames/body-0015.png"})
     EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "turgor/sim/scene/scene.hpp"
+#include "turgor/sim/scene/scene_sfem.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace turgor;
@@ -34,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   for (const IncisionScene& incision : scene->incisions)
     if (incision.body < 0 || std::size_t(incision.body) >= scene->lattice_bodies.size()) std::abort();
   for (const SfemScene& body : scene->sfem_bodies)
-    if (!(body.material.young > 0) || !(body.material.poisson < 0.5) || body.patch.refinement < 1)
+    if (!(body.material.young > 0) || !(body.material.poisson < 0.5) || body.patch.refinement < kByElements)
       std::abort();
   for (const ToolScene& tool : scene->tools)
     if (!is_there(tool.body)) std::abort();

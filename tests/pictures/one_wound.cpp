@@ -80,8 +80,8 @@ Lips lips_of_ct(const LatticeBody& body, const Station& at, const Lips& near) {
     return (i - way * 0.5) * kSample - kSide / 2;
   };
   const auto at_lip = [&](int way, double depth) {
-    const double one = wall(20, way), two = wall(40, way), below = top + 20 * kSample;
-    return one + (two - one) * (depth - below) / (20 * kSample);
+    const double one = wall(10, way), two = wall(20, way), below = top + 10 * kSample;
+    return one + (two - one) * (depth - below) / (10 * kSample);
   };
   return {.left = at_lip(-1, near.left_depth), .right = at_lip(1, near.right_depth)};
 }
