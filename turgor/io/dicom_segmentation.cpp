@@ -65,6 +65,15 @@ Status check_kind(const fs::path& file, const DicomElements& set, const DicomSli
   return Done{};
 }
 
+/// SpacingBetweenSlices, which all frames share [mm].
+std::optional<double> said_spacing(const DicomElements& set) {
+  if (set.shared.empty()) return std::nullopt;
+  const auto said = set.shared.front().find(0x00180088);
+  if (said == set.shared.front().end()) return std::nullopt;
+  const std::vector<double> number = decimal_numbers(said->second);
+  return number.size() == 1 ? std::optional(number[0]) : std::nullopt;
+}
+
 /// A grid through all frames, from their places; they lie on planes of equal distance, some of them empty.
 Result<Grid> grid_of(const fs::path& file, const Segmentation& seg) {
   const DicomSlice& first = seg.frames.front();
@@ -79,10 +88,7 @@ Result<Grid> grid_of(const fs::path& file, const Segmentation& seg) {
     places.push_back(dot(*s.position, k));
   }
   std::sort(places.begin(), places.end());
-  double spacing = first.thickness;
-  for (const auto& values : {seg.elements.shared.empty() ? DicomValues{} : seg.elements.shared.front()})
-    if (const auto said = values.find(0x00180088); said != values.end())
-      if (const auto number = decimal_numbers(said->second); number.size() == 1) spacing = number[0];
+  const double spacing = said_spacing(seg.elements).value_or(first.thickness);
   if (!(spacing > 0)) return refusal(file, "neither SpacingBetweenSlices nor SliceThickness is said");
   const double count = (places.back() - places.front()) / spacing + 1;
   for (const double place : places) {
