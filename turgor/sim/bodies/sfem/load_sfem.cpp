@@ -228,6 +228,7 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   Result<sfem::Model> model = sfem::build(exec, std::move(*elastic), params);
   if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
   body.model = std::move(*model);
+  body.inside = inner_parts(scene, body.model.body);
   body.follow.radius = scene.patch.radius;
   if (const Status status = prepare_green(exec, scene, body, begin); !status) return status.error();
   if (const Status status = load_seen(exec, scene, body); !status) return status.error();

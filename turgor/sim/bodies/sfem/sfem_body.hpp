@@ -14,6 +14,7 @@
 #include "turgor/models/sfem/rotation.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
+#include "turgor/sim/bodies/sfem/inner_parts.hpp"
 #include "turgor/sim/bodies/sfem/patch_worker.hpp"
 #include "turgor/sim/frame.hpp"
 #include "turgor/sim/live/known.hpp"
@@ -87,6 +88,7 @@ struct SfemBody : TouchedBody {
   SfemFacts facts;
   sfem::Model model;
   std::optional<SeenSurface> seen;
+  std::vector<InnerPart> inside;
 
   std::optional<Turning> turning;
   std::optional<ClothPress> press;
