@@ -34,7 +34,8 @@ Off off_the_ball(const SolidMesh& mesh, Vec3d centre, double radius) {
   Off off;
   for (const auto [a, b, c] : surface(mesh).triangles) {
     const auto from = [&](Vec3d x) { return std::abs(norm(x - centre) - radius); };
-    const Vec3d x[] = {mesh.vertices[std::size_t(a)], mesh.vertices[std::size_t(b)], mesh.vertices[std::size_t(c)]};
+    const Vec3d x[] = {mesh.vertices[std::size_t(a)], mesh.vertices[std::size_t(b)],
+                       mesh.vertices[std::size_t(c)]};
     for (const Vec3d corner : x) off.corner = std::max(off.corner, from(corner));
     off.middle = std::max(off.middle, from((x[0] + x[1] + x[2]) / 3));
   }
@@ -87,7 +88,8 @@ TEST(CurveSides, a_quadratic_map_s_volume_is_exact) {
 
 TEST(CurveSides, one_and_eight_threads_give_the_same_bits) {
   const TriMesh ball = test::sphere_surface({0, 0, 0}, 0.04, 3);
-  const SolidMesh one = filled(ball, 0.017, Sides::kCurved, 1), eight = filled(ball, 0.017, Sides::kCurved, 8);
+  const SolidMesh one = filled(ball, 0.017, Sides::kCurved, 1),
+                  eight = filled(ball, 0.017, Sides::kCurved, 8);
   ASSERT_EQ(one.vertices.size(), eight.vertices.size());
   for (std::size_t v = 0; v < one.vertices.size(); v++) EXPECT_EQ(one.vertices[v], eight.vertices[v]);
 }

@@ -74,15 +74,15 @@ TEST_F(MeshView, APartMarkedSoIsSeenThroughWhatHidesItAndShadowsOfOthersStay) {
   inner.through = true;
   for (const auto& parts : {std::vector{outer, inner}, std::vector{inner, outer}}) {
     const Image seen = draw(parts);
-    const auto greener = test::find_pixels(seen, [&](int x, int y) {
-      return int(seen.at(x, y).g) > int(hidden.at(x, y).g) + 20;
-    });
+    const auto greener = test::find_pixels(
+        seen, [&](int x, int y) { return int(seen.at(x, y).g) > int(hidden.at(x, y).g) + 20; });
     const Vec3d place = test::project(kFront, {0.05, 0, 0}, kWidth, kHeight);
     const double expected = test::silhouette_area(kFront, 0.05, kHeight);
     EXPECT_NEAR(greener.count, expected, 0.08 * expected);
     EXPECT_NEAR(greener.x, place.x, 2);
     EXPECT_NEAR(greener.y, place.y, 2);
-    EXPECT_LE(test::difference(seen.at(kWidth / 2 - 30, kHeight / 2), without.at(kWidth / 2 - 30, kHeight / 2)), 2);
+    EXPECT_LE(
+        test::difference(seen.at(kWidth / 2 - 30, kHeight / 2), without.at(kWidth / 2 - 30, kHeight / 2)), 2);
   }
   EXPECT_EQ(find(hidden, is_green).count, 0);
 }

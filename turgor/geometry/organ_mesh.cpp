@@ -169,7 +169,8 @@ Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, st
   if (!part) return part.error();
   // Smooth away the voxels' steps, and details that the lattice could only catch in part.
   const Vec3d h = labels.grid.spacing;
-  const double smoothing = std::max(0.75 * std::max({h.x, h.y, h.z}), (sides == Sides::kCurved ? 0.1 : 0.2) * size);
+  const double smoothing =
+      std::max(0.75 * std::max({h.x, h.y, h.z}), (sides == Sides::kCurved ? 0.1 : 0.2) * size);
   Result<OrganMesh> organ =
       mesh_of_shape(exec, distance_to_voxels(exec, labels.grid, part->inside, smoothing), part->volume, size,
                     part->notes, sides, progress);

@@ -17,8 +17,8 @@
 
 namespace turgor {
 
-/// What lies between the corners of a mesh's outer faces: planes, or quadratic tetrahedra whose middles are on
-/// the surface (curve_sides.hpp), a polyhedron in it whose edges are half as long.
+/// What lies between the corners of a mesh's outer faces: planes, or quadratic tetrahedra whose middles are
+/// on the surface (curve_sides.hpp), a polyhedron in it whose edges are half as long.
 enum class Sides : std::uint8_t { kFlat, kCurved };
 
 struct OrganMesh {
@@ -35,7 +35,6 @@ Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, doub
 /// The same inside all voxels that have one of the labels, such as an organ and the nodules in it. Every
 /// element's region is the label at its centroid; where that is none of them, the first label.
 Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> wanted,
-                                 double size, const Progress& progress = {},
-                                 Sides sides = Sides::kFlat);
+                                 double size, const Progress& progress = {}, Sides sides = Sides::kFlat);
 
 }  // namespace turgor

@@ -29,7 +29,8 @@ std::array<Vec3d, 10> quadratic_slopes(const std::array<double, 4>& linear);
 /// come behind them.
 SolidMesh with_middles(const SolidMesh& tetrahedra);
 
-/// The tetrahedra between the corners of quadratic ones; vertices keep their numbers, the middles are left out.
+/// The tetrahedra between the corners of quadratic ones; vertices keep their numbers, the middles are left
+/// out.
 SolidMesh without_middles(const SolidMesh& quadratic);
 
 /// Every quadratic tetrahedron as eight linear ones between its ten nodes.

@@ -91,7 +91,8 @@ std::vector<std::int32_t> numbers_of(const std::vector<Int3>& triangles) {
 }
 
 /// None if one of them is no vertex.
-std::optional<std::vector<Int3>> triangles_of(const std::vector<std::int32_t>& numbers, std::size_t vertices) {
+std::optional<std::vector<Int3>> triangles_of(const std::vector<std::int32_t>& numbers,
+                                              std::size_t vertices) {
   std::vector<Int3> triangles;
   if (numbers.size() % 3 != 0) return {};
   for (std::size_t i = 0; i < numbers.size(); i += 3) {
@@ -107,8 +108,7 @@ bool read_inside(Reading& reading, TriMesh& inside) {
   const std::size_t count = reading.count("inside", 3 * kMostVertices) / 3;
   const auto places = reading.array<float>("inside", 3 * count);
   const std::size_t corners = reading.count("inside_triangles", 3 * 3 * kMostVertices);
-  const auto triangles =
-      triangles_of(reading.array<std::int32_t>("inside_triangles", corners), count);
+  const auto triangles = triangles_of(reading.array<std::int32_t>("inside_triangles", corners), count);
   if (!triangles || !is_finite(places)) return false;
   inside.vertices = vectors(places), inside.triangles = *triangles;
   inside.normals = vertex_normals(inside);

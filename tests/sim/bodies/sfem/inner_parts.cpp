@@ -4,10 +4,10 @@
 #include <numbers>
 
 #include "sim/sfem_scene_text.hpp"
+#include "turgor/geometry/hex_block.hpp"
 #include "turgor/geometry/quadratic.hpp"
 #include "turgor/models/sfem/elements.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
-#include "turgor/geometry/hex_block.hpp"
 
 namespace turgor {
 namespace {

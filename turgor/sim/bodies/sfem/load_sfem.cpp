@@ -39,7 +39,8 @@ Result<OrganMesh> from_surface(const Exec& exec, const ClosedSurface& source, Si
   Result<ReadSurface> read = read_surface(source.file, source.scale);
   if (!read) return read.error();
   turn_up(read->mesh.vertices, source.up);
-  Result<OrganMesh> made = mesh_of_surface(exec, read->mesh, source.resolution, begin_work(begin, "meshing"), sides);
+  Result<OrganMesh> made =
+      mesh_of_surface(exec, read->mesh, source.resolution, begin_work(begin, "meshing"), sides);
   if (!made) return Error{fmt::format("{}: {}", source.file.string(), made.error().message)};
   append(made->notes, read->notes);
   return made;
