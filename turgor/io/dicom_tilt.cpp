@@ -1,6 +1,6 @@
-// A tilted gantry's slices on a straight grid. They lie straight above each other in time, but each is shifted
-// in its own plane against the one before: within a slice the samples are moved back, between slices nothing
-// changes.
+// A tilted gantry's slices on a straight grid. They lie straight above each other in time, but each is
+// shifted in its own plane against the one before: within a slice the samples are moved back, between slices
+// nothing changes.
 #include <algorithm>
 #include <cmath>
 
