@@ -64,7 +64,7 @@ TEST(InnerParts, APartMovesWithWhatPressesTheBodyAboveIt) {
   show(exec, world, shown);
   const TriMesh before = shown.bodies[0].inside;
   ASSERT_FALSE(before.triangles.empty());
-  for (int frame = 0; frame < 13; frame++) step(exec, world);  // the finger is above it
+  for (int frame = 0; frame < 13; frame++) ASSERT_TRUE(step(exec, world));  // the finger is above it
   show(exec, world, shown);
   const TriMesh& after = shown.bodies[0].inside;
   ASSERT_EQ(after.vertices.size(), before.vertices.size());
