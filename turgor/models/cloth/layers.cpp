@@ -10,7 +10,8 @@ namespace turgor::cloth {
 
 namespace {
 
-constexpr double kFarAlong = 3;  // thicknesses along edges, which go zigzag, from which on it is another layer
+constexpr double kFarAlong =
+    3;  // thicknesses along edges, which go zigzag, from which on it is another layer
 
 /// Vertices within a way along edges, found again and again from other vertices.
 class Surroundings {
@@ -33,8 +34,8 @@ class Surroundings {
       open.pop();
       if (-minus_way > way_[std::size_t(v)]) continue;
       for (const int next : edges_[std::size_t(v)]) {
-        const double way = -minus_way + double(norm(mesh_.vertices[std::size_t(next)] -
-                                                    mesh_.vertices[std::size_t(v)]));
+        const double way =
+            -minus_way + double(norm(mesh_.vertices[std::size_t(next)] - mesh_.vertices[std::size_t(v)]));
         if (way > reach || way >= way_[std::size_t(next)]) continue;
         if (way_[std::size_t(next)] == kNone) reached_.push_back(next);
         way_[std::size_t(next)] = way;
