@@ -3,7 +3,7 @@
 #pragma once
 
 #include "turgor/geometry/tri_mesh.hpp"
-#include "turgor/models/cloth/near_points.hpp"
+#include "turgor/models/cloth/contact.hpp"
 
 namespace turgor::cloth {
 
