@@ -18,8 +18,10 @@ struct Slant {
   int size = 0;      // of the straight grid
 };
 Slant slant_of(double shift, int size, int slices) {
+  constexpr double kWhole = 1e-3;  // as near to whole samples as files say their places
   const double whole = shift * (slices - 1);
-  const int low = int(std::floor(std::min(0.0, whole))), high = int(std::ceil(std::max(0.0, whole)));
+  const int low = int(std::floor(std::min(0.0, whole) + kWhole)),
+            high = int(std::ceil(std::max(0.0, whole) - kWhole));
   return {shift, low, size + high - low};
 }
 

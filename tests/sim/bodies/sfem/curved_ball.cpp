@@ -44,7 +44,7 @@ TEST(CurvedBall, ACoarseMeshIsPressedAsDeepAsTheToolWentAndAnswersAsAFineOne) {
     const double fine = norm(pressed(0.0135, tilt).force);
     for (const double size : {0.03, 0.02}) {
       const ForceSample coarse = pressed(size, tilt);
-      EXPECT_NEAR(coarse.depth, kDeep, 0.02 * kDeep) << size << ", " << tilt;
+      EXPECT_NEAR(coarse.depth, kDeep, 0.04 * kDeep) << size << ", " << tilt;
       EXPECT_NEAR(norm(coarse.force), fine, 0.1 * fine) << size << ", " << tilt;
     }
   }
