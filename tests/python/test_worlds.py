@@ -143,6 +143,18 @@ class Views(unittest.TestCase):
         self.assertEqual(points[:, 2].min(), kept.min())
         np.testing.assert_array_equal(np.sort(sheet.points[:, 2]), np.sort(z))
 
+    def test_a_live_view_stays_where_it_is_when_a_state_comes_back(self):
+        for text, of in ((CLOTH, lambda w: w["sheet"].live.x.z), (TORSO, lambda w: w["torso"].live.u.y)):
+            world = turgor.World(text=text)
+            world.step(1)
+            view, state = of(world), world.get_state()
+            kept = view.copy()
+            world.step(5)  # through a cut
+            self.assertFalse(np.array_equal(view, kept))
+            world.set_state(state)
+            np.testing.assert_array_equal(view, kept)
+            self.assertEqual(view.__array_interface__["data"], of(world).__array_interface__["data"])
+
     def test_views_outlive_their_world(self):
         world = turgor.World(text=TORSO)
         world.step(4)

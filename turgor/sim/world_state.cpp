@@ -20,7 +20,7 @@ void settle(const SfemBody& body) {
 
 template <class Body>
 void move_unchanging(Body& from, Body& to) {
-  to.model = std::move(from.model);
+  if constexpr (requires { from.model; }) to.model = std::move(from.model);
   if constexpr (std::is_same_v<Body, LatticeBody>) to.ct = std::move(from.ct);
 }
 
