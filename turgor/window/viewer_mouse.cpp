@@ -123,9 +123,10 @@ bool begin_on_body(Viewer& viewer, bool shift) {
   const auto picked = pick(viewer.now->shown, ray_at_cursor(viewer));
   if (!picked) return false;
   if (viewer.mode == MouseMode::kCut) return begin_line(viewer, *picked, BodyKind::kLattice, viewer.cut);
-  if (begin_line(viewer, *picked, BodyKind::kCloth, viewer.wind)) return true;
-  if (viewer.mode == MouseMode::kWind) return false;
-  return begin_touch(viewer, *picked, shift || viewer.mode == MouseMode::kGrab);
+  if (viewer.mode != MouseMode::kWind &&
+      begin_touch(viewer, *picked, shift || viewer.mode == MouseMode::kGrab))
+    return true;
+  return begin_line(viewer, *picked, BodyKind::kCloth, viewer.wind);
 }
 
 /// Where it is looked at, some times a second; an answer costs frames, not ticks.
@@ -140,7 +141,8 @@ void ask_for_ct(Viewer& viewer) {
 }
 
 constexpr MouseHelp kMouse[] = {
-    {"left on a body", "press it with its tool, and slide; on cloth: wind; in cut mode: a cut on skin"},
+    {"left on a body",
+     "press it with its tool, and slide; on cloth without one: wind; in cut mode: a cut on skin"},
     {"Shift + left on a body", "take hold and pull; forceps close"},
     {"wheel while pressing", "deeper, and less deep"},
     {"left beside it, or right", "turn"},

@@ -102,6 +102,33 @@ FeltRun felt_by_hand(const fs::path& folder) {
   return saved_run(session, folder / "felt.h5");
 }
 
+TEST(FeltRun, a_hand_on_a_sheet_is_done_again_to_the_same_bits) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "sheet.toml") << R"(
+[world]
+gravity = [0, 0, -9.81]
+[body.sheet]
+model = "cloth"
+sheet = { corner = [0, 0, 0], side = [0.12, 0, 0], up = [0, 0.1, 0], columns = 12, rows = 10 }
+fabric = { law = "sheet" }
+solver = { method = "blocks" }
+hold.left = { box = [[-1, -1, -1], [0.001, 1, 1]] }
+hold.right = { box = [[0.119, -1, -1], [1, 1, 1]] }
+)";
+  Session session(folder / "sheet.toml", {}, kParams);
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.shown.frame > 2; }));
+  ASSERT_EQ(session.now().mouse.size(), 1u) << "the mouse has a fingertip for it";
+  press_all(session, -0.2, 1);
+  go_on(session, 0.4);
+  press_all(session, 0.2, 1);
+  go_on(session, 0.3);
+  const FeltRun run = saved_run(session, folder / "felt.h5");
+  ASSERT_EQ(run.tools.size(), 1u);
+  EXPECT_GT(run.tools[0].ticks.size(), 400u);
+  EXPECT_EQ(replayed_hash(run, 1), run.hash);
+  EXPECT_EQ(replayed_hash(run, 3), run.hash);
+}
+
 TEST(FeltRun, hands_on_every_model_cuts_winds_and_changes_are_done_again_to_the_same_bits) {
   FeltRun run = felt_by_hand(fresh_folder());
   ASSERT_EQ(run.tools.size(), 3u);

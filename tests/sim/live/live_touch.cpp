@@ -93,6 +93,33 @@ TEST(LiveTouch, a_lattice_that_is_pressed_and_held_answers_as_in_a_run_without_a
   EXPECT_NEAR(norm(live.tools[kTip].samples.back().force), expected, 0.1 * expected);
 }
 
+TEST(LiveTouch, a_sheet_that_is_pressed_and_held_answers_as_in_a_run_without_a_hand) {
+  const std::string text = R"(
+[world]
+gravity = [0, 0, 0]
+[body.sheet]
+model = "cloth"
+sheet = { corner = [0, 0, 0], side = [0.1, 0, 0], up = [0, 0.1, 0], columns = 10, rows = 10 }
+solver = { method = "blocks" }
+damping = { motion = 4 }
+collision = { thickness = 0.008 }
+hold.left = { box = [[-1, -1, -1], [0.001, 1, 1]] }
+hold.right = { box = [[0.099, -1, -1], [1, 1, 1]] }
+[tool.ball]
+body = "sheet"
+shape = { sphere = 0.01 }
+path = [[0, 0.05, 0.05, 0.02], [0.3, 0.05, 0.05, 0.001]]
+)";
+  const Result<Scene> scene = parse_scene(text, "sheet.toml", {});
+  ASSERT_TRUE(scene);
+  Result<World> alone = load_world(Exec(2), *scene), live = load_world(Exec(2), *scene);
+  for (int frame = 0; frame < 60; frame++) ASSERT_TRUE(step(Exec(1), *alone));
+  EXPECT_GT(feel(*live, 0, 60), 0.2) << "N: the device was made to feel it";
+  const double expected = norm(alone->tools[0].samples.back().force);
+  EXPECT_GT(expected, 0.2) << "N";
+  EXPECT_NEAR(norm(live->tools[0].samples.back().force), expected, 0.1 * expected);
+}
+
 TEST(LiveTouch, frames_wait_for_the_clock_and_the_world_is_its_own_again_at_the_end) {
   World world = four_kinds();
   const Timer timer;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "turgor/models/cloth/cloth.hpp"
 
@@ -42,8 +43,8 @@ std::array<double, 6> diagonal_inverse(const System& system, std::size_t v) {
 }
 
 /// Normal velocity that uses up the room of a contact in the step.
-Real least_speed(const Contact& c, double dt) {
-  return dot(c.drift, c.normal) - std::max(c.room, Real(0)) / Real(dt);
+Real least_speed(const Contact& c, const Answer& a, double dt) {
+  return dot(c.drift, c.normal) + a.out - std::max(c.room, Real(0)) / Real(dt);
 }
 
 Vec3 across(const Contact& c, Vec3 u) { return u - c.drift - c.normal * dot(u - c.drift, c.normal); }
@@ -56,11 +57,11 @@ void set_answer(const Contact& c, const State& state, double dt, bool is_closed,
   if (!is_closed) return;
   const Vec3 aside = across(c, u);
   const Real limit = c.friction * c.impulse, speed = norm(aside);
-  const bool moves = a.stiff * speed > limit;
+  const bool moves = a.stick * speed > limit;
   a.firm = a.stiff, a.held = moves ? Vec3{} : c.rub;
-  a.grip = limit == 0 ? 0 : moves ? limit / speed : slips && dot(aside, c.rub) <= 0 ? 0 : a.stiff;
+  a.grip = limit == 0 ? 0 : moves ? limit / speed : slips && dot(aside, c.rub) <= 0 ? 0 : a.stick;
   const Vec3 before = weighted(c, state.v);
-  a.load = c.normal * (c.impulse + a.firm * (least_speed(c, dt) - dot(before, c.normal))) + a.held -
+  a.load = c.normal * (c.impulse + a.firm * (least_speed(c, a, dt) - dot(before, c.normal))) + a.held -
            across(c, before) * a.grip;
 }
 
@@ -103,6 +104,67 @@ double resistance(const Contact& c, const State& state) {
   return mobility > 0 ? 1 / mobility : 0;
 }
 
+/// Does an obstacle press the cloth there, or will it?
+bool presses(const Contact& c, const State& state, double dt) {
+  return c.obstacle >= 0 && (c.impulse > 0 || dot(weighted(c, state.v), c.normal) < least_speed(c, {}, dt));
+}
+
+/// Which vertices are pressed by several obstacles.
+std::vector<char> squeezed_vertices(const State& state, double dt) {
+  const Contacts& contacts = state.bearing.contacts;
+  std::vector<char> squeezed(contacts.begin.size(), 0);
+  for (const int v : contacts.touched) {
+    int first = -1;
+    for (int m = contacts.begin[std::size_t(v)]; m < contacts.begin[std::size_t(v) + 1]; m++) {
+      const Contact& c = contacts.list[std::size_t(contacts.item[std::size_t(m)]) / 4];
+      if (!presses(c, state, dt)) continue;
+      if (first >= 0 && first != c.obstacle) squeezed[std::size_t(v)] = 1;
+      first = c.obstacle;
+    }
+  }
+  return squeezed;
+}
+
+/// Contacts with an obstacle, and those of them where another one presses as well.
+struct Pressing {
+  int all = 0, caught = 0;
+};
+
+/// A cloth between a tool and a body cannot be freed by moving it: what is too near shows that their forces
+/// lack something. The body gives way to these a frame later; by a stiffness beyond its own it would be
+/// thrown away and come back.
+void soften_squeezed(const Inputs& inputs, double dt, State& state) {
+  constexpr Real kLedOut = Real(0.25);  // of what is too near, in a step
+  std::vector<Contact>& list = state.bearing.contacts.list;
+  const std::vector<char> squeezed = squeezed_vertices(state, dt);
+  const auto is_caught = [&squeezed](const Contact& c) {
+    return std::any_of(c.vertex.begin(), c.vertex.end(),
+                       [&](int v) { return v >= 0 && squeezed[std::size_t(v)] != 0; });
+  };
+  std::vector<Pressing> pressing(inputs.obstacles.size());
+  for (const Contact& c : list)
+    if (presses(c, state, dt)) {
+      Pressing& counts = pressing[std::size_t(c.obstacle)];
+      counts.all++, counts.caught += is_caught(c);
+    }
+  bool any_yields = false;
+  for (std::size_t o = 0; o < pressing.size(); o++)
+    any_yields = any_yields || (pressing[o].caught > 0 && inputs.obstacles[o].compliance > 0);
+  for (std::size_t n = 0; n < list.size() && any_yields; n++) {
+    Contact& c = list[n];
+    Answer& a = state.bearing.answer[n];
+    if (c.obstacle < 0 || !(a.stiff > 0)) continue;
+    const auto [all, caught] = pressing[std::size_t(c.obstacle)];
+    const double yields = inputs.obstacles[std::size_t(c.obstacle)].compliance / (dt * dt);
+    const bool gives_way = is_caught(c);
+    if (gives_way) a.out = kLedOut * std::max(-c.room, Real(0)) / Real(dt);
+    if (caught == 0 || yields == 0) continue;
+    a.stick = Real(1 / (1 / double(a.stick) + yields * all));
+    a.stiff = Real(1 / (1 / double(a.stiff) + yields * (gives_way ? caught : all)));
+    if (gives_way) c.plane = std::numeric_limits<Real>::lowest();  // its places are left to the body
+  }
+}
+
 }  // namespace
 
 void find_bearing(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
@@ -116,13 +178,16 @@ void find_bearing(const Exec& exec, const Model& model, State& state, const Inpu
   bearing.inverse.clear();
   for (const int v : bearing.contacts.touched)
     bearing.inverse.push_back(diagonal_inverse(state.system, std::size_t(v)));
+  for (std::size_t n = 0; n < list.size(); n++)
+    bearing.answer[n].stiff = bearing.answer[n].stick =
+        Real((list[n].obstacle < 0 ? kOwnFirmness : kFirmness) * resistance(list[n], state));
+  if (inputs.obstacles.size() > 1 && !list.empty()) soften_squeezed(inputs, dt, state);
   for (std::size_t n = 0; n < list.size(); n++) {
     Contact& c = list[n];
     Answer& answer = bearing.answer[n];
     c.is_borne = true;
-    answer.stiff = Real((c.obstacle < 0 ? kOwnFirmness : kFirmness) * resistance(c, state));
     const Vec3 u = weighted(c, state.v);
-    const bool closes = dot(u, c.normal) < least_speed(c, dt);
+    const bool closes = dot(u, c.normal) < least_speed(c, answer, dt);
     const bool slips = norm(c.rub) >= Real(0.999) * c.friction * c.impulse;
     set_answer(c, state, dt, c.impulse > 0 || closes, slips, u, answer);
   }
@@ -139,7 +204,7 @@ bool settle_bearing(const Model& model, State& state, double dt) {
     Answer& a = bearing.answer[n];
     const bool was_closed = a.firm > 0;
     const Vec3 u = weighted(c, state.v) + weighted(c, state.system.change);
-    const Real lack = least_speed(c, dt) - dot(u, c.normal);
+    const Real lack = least_speed(c, a, dt) - dot(u, c.normal);
     bool is_closed = lack > give, slips = false;
     if (was_closed) {
       c.impulse += a.firm * lack;
@@ -147,7 +212,7 @@ bool settle_bearing(const Model& model, State& state, double dt) {
       c.rub = a.held - across(c, u) * a.grip;
       const Real limit = c.friction * std::max(c.impulse, Real(0)), size = norm(c.rub);
       slips = size > Real(0.999) * limit;
-      const bool moves = a.grip < a.stiff;
+      const bool moves = a.grip < a.stick;
       wrong += double(moves ? std::abs(size - limit) : std::max(Real(0), size - limit)), all += double(limit);
       if (size > limit) c.rub *= limit / size;
       is_other = is_other || lack > give;

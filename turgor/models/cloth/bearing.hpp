@@ -16,9 +16,11 @@ namespace turgor::cloth {
 struct Answer {
   Real firm = 0;   // along its normal [kg]; 0 = it is open
   Real grip = 0;   // across it, of friction [kg]
-  Real stiff = 0;  // what both are when it is closed and sticks [kg]
+  Real stiff = 0;  // what `firm` is when it is closed [kg]
+  Real stick = 0;  // what `grip` is when it sticks [kg]
   Vec3 held;       // friction that it has without moving [N·s]
   Vec3 load;       // impulse that it gives where velocities do not change [N·s]
+  Real out = 0;    // of what is pressed between two obstacles: how fast it is led out of one of them [m/s]
 };
 
 struct Bearing {

@@ -170,6 +170,8 @@ struct Obstacle {
   double speed = 0;       // no part of its surface is faster [m/s]
   double friction = 0.3;  // Coulomb's coefficient [1]
   double gap = 0.002;     // the cloth stays this far away [m]
+  double compliance = 0;  // how far it gives way where the cloth is pressed between it and another, by the
+                          // sum of the force; 0 = it is rigid [m/N]
 };
 
 struct Inputs {

@@ -63,8 +63,8 @@ struct Contacts {
   std::vector<int> begin, item;  // contacts of each vertex: item[begin[i]] … item[begin[i + 1] - 1]
   std::vector<int> touched;      // vertices that have any
   std::vector<std::vector<Contact>> found;  // by chunk, while looking
-  Vectors middles;                          // of coarse edges [m]
-  NearPoints midpoints;                     // the same, sorted
+  NearPoints midpoints;                     // of coarse edges, sorted [m]
+  Vectors middles;                          // the same as they come; then these edges from end to end [m]
   Real longest_half = 0;                    // half of the longest coarse edge [m]
 
   bool touches(int vertex) const {

@@ -11,7 +11,17 @@ namespace turgor::cloth {
 
 namespace {
 
-constexpr std::size_t kPieces = 128;  // triangles or edges that are done at once
+constexpr std::size_t kPieces = 128;   // triangles or edges that are done at once
+constexpr Real kStraight = Real(0.9);  // of the way along the sheet: what is farther apart is not folded
+
+/// How far two places must be apart whose distance along the sheet is `along`: a sheet that turns round in
+/// half a circle of its thickness θ has them θ sin(along/θ) apart. 0 = they are neighbours, nothing keeps
+/// them.
+Real least_distance(Real along, Real thickness) {
+  constexpr Real kTurn = Real(1.5707963);  // from here on they may face each other
+  const Real turns = along / thickness;
+  return turns < 1 ? 0 : turns < kTurn ? thickness * std::sin(turns) : thickness;
+}
 
 /// Where two segments a + s·p and b + t·q, 0 ≤ s, t ≤ 1, are nearest inside of both; false when that is at an
 /// end, where vertices are nearest.
@@ -47,6 +57,28 @@ unsigned inside(Vec3 low, Vec3 high, Lanes3 p) {
   return lanes_below(larger(x, larger(y, z)), 0);
 }
 
+/// Which of sixteen edges, given by their middles, come nearest to an edge a + s·p inside of both, and within
+/// reach. Hardly any does in a sheet that lies flat. Rounding lets some more through.
+struct NearEdges {
+  const Vectors& way;  // from end to end, in the order of the middles
+  Vec3 low, high, a, p;
+  Real reach;
+
+  unsigned operator()(Lanes3 middle, std::size_t first) const {
+    constexpr Real kSlack = Real(1e-3), kParallel = Real(5e-7);
+    const Lanes3 q = load(way, first);
+    const auto by_p = [&](const Lanes3& r) { return r.x * p.x + r.y * p.y + r.z * p.z; };
+    const Lanes3 d{middle.x - q.x * 0.5f - a.x, middle.y - q.y * 0.5f - a.y, middle.z - q.z * 0.5f - a.z};
+    const Lanes pq = by_p(q), qq = dot(q, q), dp = by_p(d), dq = dot(d, q);
+    const Lanes product = qq * dot(p, p), determinant = product - pq * pq;
+    const Lanes s = (dp * qq - dq * pq) / determinant, t = (dp * pq - dq * dot(p, p)) / determinant;
+    const Lanes beyond = larger(larger(-s, s - 1), larger(-t, t - 1));
+    const Lanes3 gap{d.x + q.x * t - s * p.x, d.y + q.y * t - s * p.y, d.z + q.z * t - s * p.z};
+    return lanes_below(beyond, kSlack) & lanes_below(product * kParallel - determinant, 0) &
+           lanes_below(dot(gap, gap), reach * reach * (1 + 10 * kSlack)) & inside(low, high, middle);
+  }
+};
+
 struct FindCoarse {
   const Model& model;
   const State& state;
@@ -66,13 +98,13 @@ struct FindCoarse {
       mine.touches = mine.touches || state.contacts.touches(c.vertex[k]);
     }
     Real distance = norm(d);
-    const Real thickness = Real(model.params.collision.thickness);
-    if (!(distance < reach) || !(distance > 0) || dot(at_rest, at_rest) < thickness * thickness) return;
+    const Real along = norm(at_rest), least = least_distance(along, Real(model.params.collision.thickness));
+    if (!(distance < reach) || !(distance > 0) || least == 0 || distance > kStraight * along) return;
     c.normal = d / distance;
     const Contact* old = find_old(state.contacts, c);
     if (old && dot(old->normal, c.normal) < 0) c.normal = -c.normal, distance = -distance;
-    if (!is_wanted(state, c, old, look, side[0], side[1], distance, thickness, dt)) return;
-    c.plane = thickness, c.room = distance - thickness;
+    if (!is_wanted(state, c, old, look, side[0], side[1], distance, least, dt)) return;
+    c.plane = least, c.room = distance - least;
     c.friction = Real(model.params.collision.friction);
     if (old) c.impulse = old->impulse * old->carry, c.rub = old->rub * old->carry;
     found.push_back(c);
@@ -88,7 +120,7 @@ struct FindCoarse {
                              normalized(cross(a - c, normal))},
                             reach};
     visit_box(
-        state.near_points, low, high, [&](Lanes3 p) { return planes(p) & inside(low, high, p); },
+        state.near_points, low, high, [&](Lanes3 p, std::size_t) { return planes(p) & inside(low, high, p); },
         [&](int v, Vec3 p) {
           if (v == t.x || v == t.y || v == t.z) return;
           const TrianglePoint at = nearest_on_triangle(Vec3d(p), Vec3d(a), Vec3d(b), Vec3d(c));
@@ -103,16 +135,9 @@ struct FindCoarse {
     const auto ends = model.coarse.edges[e];
     const int ea = ends[0], eb = ends[1];
     const Vec3 a = state.x[std::size_t(ea)], p = state.x[std::size_t(eb)] - a;
-    const Real r = reach + state.contacts.longest_half;  // of a middle from this edge
+    const Real r = Real(1.01) * (reach + state.contacts.longest_half);  // of a middle from this edge
     const Vec3 low = min(a, a + p) - Vec3{r, r, r}, high = max(a, a + p) + Vec3{r, r, r};
-    const Real length2 = dot(p, p), inverse = length2 > 0 ? 1 / length2 : 0;
-    const auto is_near = [&](Lanes3 q) {
-      const Lanes3 d{q.x - a.x, q.y - a.y, q.z - a.z};
-      const Lanes along =
-          smaller(larger((d.x * p.x + d.y * p.y + d.z * p.z) * inverse, all_lanes(0)), all_lanes(1));
-      const Lanes3 off{d.x - p.x * along, d.y - p.y * along, d.z - p.z * along};
-      return lanes_below(dot(off, off), r * r);
-    };
+    const NearEdges is_near{state.contacts.middles, low, high, a, p, reach};
     visit_box(state.contacts.midpoints, low, high, is_near, [&](int other, Vec3) {
       if (std::size_t(other) <= e) return;
       const auto [fa, fb] = model.coarse.edges[std::size_t(other)];
@@ -147,11 +172,11 @@ struct FindMet {
   }
 };
 
-/// Middles of the edges, and half of the longest.
+/// Middles of the edges, sorted, the ways from end to end in their order, and half of the longest.
 void place_midpoints(const Exec& exec, const Model& model, State& state) {
   Contacts& contacts = state.contacts;
   const std::size_t count = model.coarse.edges.size();
-  contacts.middles.resize(count);
+  contacts.middles.resize(count + std::size_t(kLanes));
   Real longest2 = 0;
   for (std::size_t e = 0; e < count; e++) {
     const Vec3 a = state.x[std::size_t(model.coarse.edges[e][0])],
@@ -161,6 +186,10 @@ void place_midpoints(const Exec& exec, const Model& model, State& state) {
   }
   contacts.longest_half = std::sqrt(longest2) / 2;
   sort_points(exec, contacts.middles, int(count), model.coarse.longest, contacts.midpoints);
+  for (std::size_t n = 0; n < count; n++) {  // the middles are sorted: now from end to end of each, likewise
+    const auto ends = model.coarse.edges[std::size_t(contacts.midpoints.index[n])];
+    contacts.middles.set(n, state.x[std::size_t(ends[1])] - state.x[std::size_t(ends[0])]);
+  }
 }
 
 }  // namespace

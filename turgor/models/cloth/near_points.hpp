@@ -37,12 +37,13 @@ inline std::uint32_t row_bucket(int cy, int cz) {
   return (h ^ h >> 15) * 0x2c1b3c6du;
 }
 
-/// Calls visit(point, place) for the sorted points [from, to) that pass, sixteen at a time.
+/// Calls visit(point, place) for the sorted points [from, to) that pass, sixteen at a time; `passes` is given
+/// which is the first of them.
 template <class Passes, class Visit>
 void visit_run(const NearPoints& near, int from, int to, const Passes& passes, const Visit& visit) {
   for (int n = from; n < to; n += kLanes) {
     const auto s = std::size_t(n);
-    unsigned hits = passes(Lanes3{load_lanes(&near.x[s]), load_lanes(&near.y[s]), load_lanes(&near.z[s])});
+    unsigned hits = passes(Lanes3{load_lanes(&near.x[s]), load_lanes(&near.y[s]), load_lanes(&near.z[s])}, s);
     if (to - n < kLanes) hits &= (1u << (to - n)) - 1;
     for (; hits != 0; hits &= hits - 1) {
       const std::size_t hit = s + std::size_t(std::countr_zero(hits));
@@ -51,8 +52,8 @@ void visit_run(const NearPoints& near, int from, int to, const Passes& passes, c
   }
 }
 
-/// Calls visit(point, place) once for every point that passes. `passes` takes sixteen places and returns a
-/// bit for each; no point outside of the box may pass.
+/// Calls visit(point, place) once for every point that passes. `passes` takes sixteen places, and where they
+/// are among the sorted ones, and returns a bit for each; no point outside of the box may pass.
 template <class Passes, class Visit>
 void visit_box(const NearPoints& near, Vec3 low, Vec3 high, const Passes& passes, const Visit& visit) {
   const Real inverse = 1 / near.cell;
@@ -76,7 +77,7 @@ void visit_box(const NearPoints& near, Vec3 low, Vec3 high, const Passes& passes
 template <class Visit>
 void visit_near(const NearPoints& near, Vec3 p, Real reach, const Visit& visit) {
   const Real half = near.cell / 2, reach2 = reach * reach;
-  const auto passes = [&](Lanes3 q) {
+  const auto passes = [&](Lanes3 q, std::size_t) {
     const Lanes3 d{q.x - p.x, q.y - p.y, q.z - p.z};
     return lanes_below(dot(d, d), reach2);
   };

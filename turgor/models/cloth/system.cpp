@@ -238,13 +238,16 @@ namespace {
 /// The sheet and what bears it: solved until no contact opens, closes or gives way any more. What is left of
 /// stiff forces would be much of the force of a contact: there is less left of them.
 void solve_with_bearing(const Exec& exec, const Model& model, State& state, double dt) {
-  constexpr int kRounds = 4;
+  constexpr int kRounds = 4, kSqueezedRounds = 10;
   constexpr double kCare = 0.1;
   const Solver& solver = model.params.solver;
   const bool is_borne = !state.bearing.contacts.list.empty();
   const Stop stop{solver.sweeps, solver.tolerance * (is_borne ? kCare : 1), solver.method == Method::kBlocks};
+  const auto& answers = state.bearing.answer;
+  const bool is_squeezed =
+      std::any_of(answers.begin(), answers.end(), [](const Answer& a) { return a.out > 0; });
   int iterations = 0;
-  for (int round = 0; round < kRounds; round++) {
+  for (int round = 0; round < (is_squeezed ? kSqueezedRounds : kRounds); round++) {
     solve_by_conjugate_gradients(exec, model, state, stop);
     iterations += state.system.iterations;
     if (!is_borne || !settle_bearing(model, state, dt)) break;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "turgor/geometry/box.hpp"
+#include "turgor/sim/scene/scene_tool.hpp"
 
 namespace turgor {
 
@@ -13,9 +14,11 @@ bool has_tool(const Scene& scene, BodyId id) {
                      [id](const ToolScene& tool) { return tool.body == id; });
 }
 
-/// A lattice that is solved by position-based dynamics knows no contact.
+/// A lattice that is solved by position-based dynamics knows no contact, nor does cloth that is solved by
+/// sweeps.
 bool can_be_touched(const Scene& scene, BodyId id) {
-  if (id.kind == BodyKind::kCloth) return false;
+  if (id.kind == BodyKind::kCloth)
+    return why_untouched(scene.cloth_bodies[std::size_t(id.index)], scene).empty();
   if (id.kind != BodyKind::kLattice) return true;
   return scene.lattice_bodies[std::size_t(id.index)].params.solver.method == lattice::Method::kDescent;
 }

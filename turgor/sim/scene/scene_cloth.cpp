@@ -75,9 +75,9 @@ void read_solver(SceneTable table, cloth::Solver& solver) {
                              {"blocks", Method::kBlocks}},
                             "`\"blocks\"`: conjugate gradients that solve blocks of vertices at once; "
                             "`\"chebyshev\"` or `\"jacobi\"` sweeps; `\"conjugate gradients\"`");
-  if (!cloth::uses_gradients(solver.method) && !table.has("sweeps")) solver.sweeps = 16;
+  if (cloth::uses_gradients(solver.method)) solver.sweeps = 200;
   table.read("sweeps", solver.sweeps, within(1, 10000),
-             "a frame, 16 if there is none here; of conjugate gradients: iterations at most");
+             "a frame; of conjugate gradients: iterations at most, 200 if there is none here");
   table.read(
       "tolerance", solver.tolerance, within(0, 1),
       "of conjugate gradients: they stop when what is left of the forces is this part of them; 0 = never");

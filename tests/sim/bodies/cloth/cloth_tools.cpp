@@ -1,6 +1,7 @@
 // Tools that touch cloth, and cloth that they feel.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -30,12 +31,16 @@ wind = { density = 0 }
 box = [[-0.001, -1, -1], [0.001, 1, 1]]
 )";
 
+World must_load_scene(const Scene& scene) {
+  Result<World> world = load_world(Exec(2), scene);
+  EXPECT_TRUE(world) << (world ? "" : world.error().message);
+  return std::move(*world);
+}
+
 World must_load(const std::string& text, const std::vector<std::string>& overrides = {}) {
   const Result<Scene> scene = parse_scene(text, "sheet.toml", overrides);
   EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-  Result<World> world = load_world(Exec(2), *scene);
-  EXPECT_TRUE(world) << (world ? "" : world.error().message);
-  return std::move(*world);
+  return must_load_scene(*scene);
 }
 
 std::string error_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
@@ -205,6 +210,110 @@ TEST(ClothTools, what_a_tool_feels_has_the_same_bits_on_any_number_of_threads) {
     if (threads == 1) expected = state_hash(world);
     EXPECT_EQ(state_hash(world), expected) << threads;
   }
+}
+
+/// A soft block with a soft sheet on it, and a finger that goes down on the sheet.
+constexpr const char* kPad = R"(
+[world]
+gravity = [0, 0, -9.81]
+frame_rate = 60
+[body.pad]
+model = "sfem"
+block = { size = [0.06, 0.06, 0.03], count = [8, 8, 4] }
+fixed = { sides = "bottom", depth = 0 }
+young = 5e3
+poisson = 0.3
+precision = "double"
+cache = false
+)";
+constexpr const char* kSheetOnPad = R"(
+[body.sheet]
+model = "cloth"
+sheet = { corner = [0, 0, 0.033], side = [0.06, 0, 0], up = [0, 0.06, 0], columns = 12, rows = 12 }
+fabric = { law = "sheet", density = 0.3, warp = 20, weft = 20, shear = 5 }
+solver = { method = "blocks" }
+collision = { thickness = 0.004 }
+damping = { motion = 2 }
+wind = { density = 0 }
+[body.sheet.obstacle.pad]
+body = "pad"
+)";
+
+TEST(ClothTools, a_finger_on_a_sheet_presses_the_organ_below_about_as_without_the_sheet) {
+  const std::string path =
+      "friction = 0.3\npath = [[0, 0.03, 0.03, 0.045], [0.5, 0.03, 0.03, 0.040], [1.0, 0.03, 0.03, 0.036]]\n";
+  // The gaps of sheet and pad, 2 mm each, make the finger thicker.
+  World bare =
+      must_load(std::string(kPad) + "[tool.finger]\nbody = \"pad\"\nshape = { sphere = 0.012 }\n" + path);
+  World world = must_load(std::string(kPad) + kSheetOnPad +
+                          "[tool.finger]\nbody = \"sheet\"\nshape = { sphere = 0.008 }\n" + path);
+  run(bare, 70), run(world, 150);
+  const double expected = bare.tools[0].samples.back().force.z, weight = weight_of(world);
+  const Vec3d tool = felt(world, 60), pad = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
+  EXPECT_GT(expected, 0.3) << "N";
+  EXPECT_NEAR(tool.z, expected, 0.1 * expected) << "N, without the sheet, which spreads the push";
+  EXPECT_NEAR(-pad.z, tool.z + weight, 0.02 * tool.z) << "N: the pad bears finger and sheet";
+  const SfemBody& body = world.sfem_bodies[0];
+  double sunk = 0;
+  for (const Vec3d& u : body.press->displacement) sunk = std::min(sunk, u.z);
+  EXPECT_LT(sunk, -0.004) << "m: the pad has given way";
+}
+
+TEST(ClothTools, a_finger_on_a_sheet_presses_the_lattice_below) {
+  const std::filesystem::path folder = test::fresh_folder();
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  const Result<Scene> scene = parse_scene(R"(
+[world]
+gravity = [0, 9.81, 0]
+[body.fat]
+model = "lattice"
+ct = "block.nii"
+block = 2
+gravity = false
+skin = false
+tissue = { fat = 5e3 }
+[body.sheet]
+model = "cloth"
+sheet = { corner = [-0.032, -0.022, -0.032], side = [0, 0, 0.064], up = [0.064, 0, 0], columns = 13, rows = 13 }
+fabric = { law = "sheet", density = 1, warp = 20, weft = 20, shear = 5 }
+solver = { method = "blocks" }
+collision = { self = false, thickness = 0.004 }
+damping = { motion = 2 }
+wind = { density = 0 }
+[body.sheet.obstacle.fat]
+body = "fat"
+[tool.finger]
+body = "sheet"
+shape = { sphere = 0.012 }
+path = [[0, 0, -0.05, 0], [0.5, 0, -0.037, 0], [1.2, 0, -0.033, 0]]
+)",
+                                          folder / "sheet.toml", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  World world = must_load_scene(*scene);
+  run(world, 150);
+  const Vec3d tool = felt(world, 60), fat = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
+  EXPECT_LT(tool.y, -0.05) << "N: it is pushed back";
+  EXPECT_NEAR(fat.y, weight_of(world) - tool.y, 0.02 * fat.y) << "N";
+  EXPECT_LT(longest_edge(world), 1.3);
+}
+
+TEST(ClothTools, a_sheet_on_rhombus_chains_is_no_sheet_for_tools) {
+  const std::string error = error_of(R"(
+[body.liver]
+model = "rhombus"
+surface = { phantom = "liver", detail = 0.3 }
+[body.sheet]
+model = "cloth"
+sheet = { side = [0.1, 0, 0], up = [0, 0.1, 0], columns = 10, rows = 10 }
+solver = { method = "blocks" }
+[body.sheet.obstacle.liver]
+body = "liver"
+[tool.finger]
+body = "sheet"
+shape = { sphere = 0.01 }
+path = [[0, 0, 0, 0.1]]
+)");
+  EXPECT_NE(error.find("lies on liver, whose chains do not feel"), std::string::npos) << error;
 }
 
 TEST(ClothTools, forceps_are_refused) {

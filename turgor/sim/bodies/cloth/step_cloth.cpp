@@ -70,6 +70,16 @@ Vec3d force_of(const ClothBody& body, const ClothHold& hold, const cloth::Vector
   return sum;
 }
 
+/// How far a body gives way at most where a force like that of the cloth acts [m/N].
+double compliance_of(const World& world, BodyId id) {
+  constexpr double kCare = 2;
+  const auto largest = [](const Vec3d& a) { return kCare * std::max({a.x, a.y, a.z}); };
+  if (id.kind == BodyKind::kLattice) return largest(world.lattice_bodies[std::size_t(id.index)].cloth.answer);
+  if (id.kind != BodyKind::kSfem) return 0;
+  const SfemBody& body = world.sfem_bodies[std::size_t(id.index)];
+  return body.press ? largest(body.press->load.answer) : 0;
+}
+
 cloth::Obstacle made(const Exec& exec, ClothObstacle& obstacle, World& world) {
   cloth::Obstacle result;
   if (obstacle.plane)
@@ -81,6 +91,7 @@ cloth::Obstacle made(const Exec& exec, ClothObstacle& obstacle, World& world) {
   else
     follow_body(exec, *obstacle.support, world), result = cloth::surface_obstacle(obstacle.support->moving);
   result.friction = obstacle.friction, result.gap = obstacle.gap;
+  if (obstacle.support) result.compliance = compliance_of(world, obstacle.support->body);
   return result;
 }
 
