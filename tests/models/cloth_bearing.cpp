@@ -72,6 +72,51 @@ TEST(ClothBearing, a_sheet_that_falls_over_a_small_ball_stays_smooth_loses_energ
   }
 }
 
+TEST(ClothBearing, where_a_sheet_folds_onto_itself_it_is_no_longer_and_nothing_is_gained_by_it) {
+  struct Fold {
+    Pattern pattern;
+    double cell, ball, density, stiffness, thickness;  // the last in cells
+  };
+  for (const auto& [pattern, cell, ball, density, stiffness, thickness] :
+       {Fold{Pattern::kAlternating, 0.014, 0.04, 0.15, 1000, 0.7},
+        Fold{Pattern::kEquilateral, 0.012, 0.03, 0.2, 1000, 0.8},
+        Fold{Pattern::kDiagonal, 0.012, 0.05, 0.2, 2000, 0.45}}) {
+    Params params = solved(true);
+    params.fabric.density = density, params.fabric.warp = params.fabric.weft = stiffness;
+    params.collision.thickness = thickness * cell;
+    TriMesh mesh = rectangle(pattern, -0.15, 0.15, 0.3, cell);
+    for (Vec3& x : mesh.vertices) x += Vec3{0.004f, -0.145f, Real(ball + 0.015)};
+    const Model model = must_build(mesh, params);
+    State state = make_state(model);
+    const contact::Shape shape = contact::Sphere{ball};
+    Inputs inputs = in_vacuum();
+    inputs.obstacles.push_back(contact::cloth_obstacle(shape, {}, {}, kFrame));
+    inputs.obstacles.back().friction = 0.5;
+    double before = INFINITY, borne = 0;
+    int pressed = 0;
+    for (int n = 1; n <= 80; n++) {
+      ASSERT_TRUE(step(Exec(2), model, state, inputs, kFrame).finite);
+      for (const Contact& c : state.contacts.list) pressed += n > 40 && c.obstacle < 0 && c.impulse > 0;
+      if (n > 70) borne += obstacle_load(state, 0, {}).impulse.z / kFrame / 10;
+      if (n % 10 != 0) continue;
+      const Shape now = shape_of(model, state);
+      if (n > 10) {  // the landing stretches it, with and without folds
+        EXPECT_LT(now.longest, 1.05) << cell << " m, frame " << n;
+      }
+      const Energy e = energy(model, state, inputs.gravity);
+      EXPECT_LT(e.elastic + e.kinetic + e.potential, before) << cell << " m, frame " << n;
+      before = e.elastic + e.kinetic + e.potential;
+    }
+    EXPECT_NEAR(borne / (model.total_mass * -kGravity), 1, 0.05) << cell;
+    if (thickness > 0.5) {
+      EXPECT_GT(pressed, 40) << cell << ": layers press each other";
+    }
+    const SelfDistance d = self_distance(Exec(2), model, state);
+    EXPECT_EQ(d.crossings, 0) << cell;
+    EXPECT_EQ(d.too_near, 0) << cell;
+  }
+}
+
 TEST(ClothBearing, a_sheet_on_a_slope_stays_below_the_angle_of_friction_and_slides_above_it_as_coulomb_says) {
   constexpr double kSlope = 0.35;  // rad: its tangent is 0.365
   for (const double friction : {0.5, 0.38, 0.3, 0.1, 0.0}) {

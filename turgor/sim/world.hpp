@@ -35,11 +35,9 @@ struct World {
 
 inline double time_of(const World& world) { return world.frame * world.dt; }
 
-/// Can tools touch bodies of this kind? Cloth has what that takes, but scenes do not offer it: what a tool
-/// feels of a taut sheet is not right yet.
+/// Can tools touch bodies of this kind?
 template <class Body>
-constexpr bool is_touched = std::is_base_of_v<TouchedBody, std::remove_cvref_t<Body>> &&
-                            !std::is_same_v<ClothBody, std::remove_cvref_t<Body>>;
+constexpr bool is_touched = std::is_base_of_v<TouchedBody, std::remove_cvref_t<Body>>;
 
 /// visit(id, body) for every body that tools can touch.
 template <class AnyWorld, class Visit>

@@ -9,9 +9,10 @@ namespace turgor::cloth {
 
 namespace {
 
-constexpr double kFirmness = 50;    // of a contact, in multiples of what resists it in its vertices alone
-constexpr double kWrong = 0.01;     // of all friction, that a step may have too much or too little
-constexpr Real kGive = Real(0.02);  // of the thickness, that a closed contact may give way in a step
+constexpr double kFirmness = 50;     // of a contact, in multiples of what resists it in its vertices alone
+constexpr double kOwnFirmness = 20;  // of one between layers, where firmer ones take more iterations
+constexpr double kWrong = 0.01;      // of all friction, that a step may have too much or too little
+constexpr Real kGive = Real(0.02);   // of the thickness, that a closed contact may give way in a step
 
 /// Σ of weights times a field.
 Vec3 weighted(const Contact& c, const Vectors& field) {
@@ -87,14 +88,17 @@ void stiffen_diagonal(State& state) {
   }
 }
 
-/// What a contact's vertices alone have against its normal, by their blocks on the diagonal [kg].
+/// What a contact's vertices alone have against its normal, by their blocks on the diagonal [kg]. Of layers
+/// of the cloth every vertex is split among its contacts, so that together these are no firmer than one.
 double resistance(const Contact& c, const State& state) {
+  const std::vector<int>& begin = state.bearing.contacts.begin;
   double mobility = 0;
   for (std::size_t k = 0; k < 4; k++) {
     if (c.vertex[k] < 0 || state.free_mass[std::size_t(c.vertex[k])] == 0) continue;
-    const double w = double(c.weight[k]);
+    const auto v = std::size_t(c.vertex[k]);
+    const double w = double(c.weight[k]), shares = c.obstacle < 0 ? begin[v + 1] - begin[v] : 1;
     const Vec3d n(c.normal);
-    mobility += w * w * dot(n, times(diagonal_inverse(state.system, std::size_t(c.vertex[k])), n));
+    mobility += shares * w * w * dot(n, times(diagonal_inverse(state.system, v), n));
   }
   return mobility > 0 ? 1 / mobility : 0;
 }
@@ -103,7 +107,7 @@ double resistance(const Contact& c, const State& state) {
 
 void find_bearing(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   Bearing& bearing = state.bearing;
-  find_obstacle_contacts(exec, model, state, inputs, dt, bearing.contacts.found);
+  find_step_contacts(exec, model, state, inputs, Look::kAhead, dt, bearing.contacts.found);
   std::vector<Contact>& list = bearing.contacts.list;
   list.clear();
   for (const auto& found : bearing.contacts.found) list.insert(list.end(), found.begin(), found.end());
@@ -113,9 +117,10 @@ void find_bearing(const Exec& exec, const Model& model, State& state, const Inpu
   for (const int v : bearing.contacts.touched)
     bearing.inverse.push_back(diagonal_inverse(state.system, std::size_t(v)));
   for (std::size_t n = 0; n < list.size(); n++) {
-    const Contact& c = list[n];
+    Contact& c = list[n];
     Answer& answer = bearing.answer[n];
-    answer.stiff = Real(kFirmness * resistance(c, state));
+    c.is_borne = true;
+    answer.stiff = Real((c.obstacle < 0 ? kOwnFirmness : kFirmness) * resistance(c, state));
     const Vec3 u = weighted(c, state.v);
     const bool closes = dot(u, c.normal) < least_speed(c, dt);
     const bool slips = norm(c.rub) >= Real(0.999) * c.friction * c.impulse;

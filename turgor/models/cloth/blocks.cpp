@@ -67,20 +67,25 @@ void add_coupling(const double (&b)[3][3], Vec3d r, Vec3d q, double sign, Block&
   }
 }
 
-/// What the contacts of a vertex with obstacles add to its block on the diagonal.
-void add_bearing(const State& state, std::size_t v, double (&d)[3][3]) {
+/// Calls visit(own weight, contact, how it answers) for the closed contacts of a vertex.
+template <class Visit>
+void for_each_bearing(const State& state, std::size_t v, const Visit& visit) {
   const Contacts& contacts = state.bearing.contacts;
   if (contacts.begin.empty()) return;
   for (int m = contacts.begin[v]; m < contacts.begin[v + 1]; m++) {
     const auto item = std::size_t(contacts.item[std::size_t(m)]);
-    const Contact& c = contacts.list[item / 4];
-    const Answer& a = state.bearing.answer[item / 4];
-    const double square = double(c.weight[item % 4]) * double(c.weight[item % 4]);
-    const Vec3d n(c.normal);
-    for (int p = 0; p < 3; p++)
-      for (int q = 0; q < 3; q++)
-        d[p][q] += square * (double(a.firm - a.grip) * n[p] * n[q] + (p == q ? double(a.grip) : 0));
+    const Answer& answer = state.bearing.answer[item / 4];
+    if (answer.firm > 0)
+      visit(double(contacts.list[item / 4].weight[item % 4]), contacts.list[item / 4], answer);
   }
+}
+
+/// d += f (firm n nᵀ + grip (1 − n nᵀ)).
+void add_answer_matrix(const Contact& c, const Answer& a, double f, double (&d)[3][3]) {
+  const Vec3d n(c.normal);
+  for (int p = 0; p < 3; p++)
+    for (int q = 0; q < 3; q++)
+      d[p][q] += f * (double(a.firm - a.grip) * n[p] * n[q] + (p == q ? double(a.grip) : 0));
 }
 
 }  // namespace
@@ -117,25 +122,58 @@ Blocks make_blocks(const Model& model) {
 }
 
 struct BlockSystem::Parts {
-  std::vector<Vec3d> centre;           // of each block's vertices [m]
-  std::vector<Block> coupling;         // by pair
-  Eigen::SparseMatrix<double> matrix;  // lower triangle
-  std::vector<int> entry;              // of each value: 36 · pair + place
+  std::vector<std::array<int, 2>> touching;  // blocks, the larger first, that only contacts join, ascending
+  std::vector<int> pair_begin, pair;         // as of Blocks, with these
+  std::vector<Vec3d> centre;                 // of each block's vertices [m]
+  std::vector<Block> coupling;               // by pair
+  Eigen::SparseMatrix<double> matrix;        // lower triangle
+  std::vector<int> entry;                    // of each value: 36 · pair + place
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
   Eigen::VectorXd load, answer;
 
-  void lay_out(const Blocks& blocks);
+  void lay_out(const Blocks& blocks, std::vector<std::array<int, 2>> by_contacts);
   void couple(const Model& model, const State& state, int block);
 };
 
-void BlockSystem::Parts::lay_out(const Blocks& blocks) {
+/// Pairs of blocks that closed contacts join and no edge does.
+std::vector<std::array<int, 2>> touching_blocks(const Blocks& blocks, const Bearing& bearing) {
+  std::vector<std::array<int, 2>> pairs;
+  for (std::size_t n = 0; n < bearing.answer.size(); n++) {
+    const Contact& c = bearing.contacts.list[n];
+    if (c.obstacle >= 0 || !(bearing.answer[n].firm > 0)) continue;
+    for (const int i : c.vertex)
+      for (const int j : c.vertex) {
+        if (i < 0 || j < 0 || blocks.of[std::size_t(i)] <= blocks.of[std::size_t(j)]) continue;
+        const int a = blocks.of[std::size_t(i)], b = blocks.of[std::size_t(j)];
+        const auto begin = blocks.pair.begin() + blocks.pair_begin[std::size_t(a)],
+                   end = blocks.pair.begin() + blocks.pair_begin[std::size_t(a) + 1];
+        if (!std::binary_search(begin, end, b)) pairs.push_back({a, b});
+      }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+void BlockSystem::Parts::lay_out(const Blocks& blocks, std::vector<std::array<int, 2>> by_contacts) {
   const int count = int(blocks.begin.size()) - 1;
+  touching = std::move(by_contacts);
+  pair.clear(), pair_begin.assign(1, 0), entry.clear();
+  auto joined = touching.begin();
+  for (std::size_t a = 0; a < std::size_t(count); a++) {
+    const auto from = std::ptrdiff_t(pair.size());
+    pair.insert(pair.end(), blocks.pair.begin() + blocks.pair_begin[a],
+                blocks.pair.begin() + blocks.pair_begin[a + 1]);
+    for (; joined != touching.end() && (*joined)[0] == int(a); ++joined) pair.push_back((*joined)[1]);
+    std::sort(pair.begin() + from, pair.end());
+    pair_begin.push_back(int(pair.size()));
+  }
   std::vector<Eigen::Triplet<double>> places;
   for (int a = 0; a < count; a++)
-    for (int n = blocks.pair_begin[std::size_t(a)]; n < blocks.pair_begin[std::size_t(a) + 1]; n++)
+    for (int n = pair_begin[std::size_t(a)]; n < pair_begin[std::size_t(a) + 1]; n++)
       for (int r = 0; r < kRigid; r++)
         for (int c = 0; c < kRigid; c++) {
-          const int row = kRigid * a + r, column = kRigid * blocks.pair[std::size_t(n)] + c;
+          const int row = kRigid * a + r, column = kRigid * pair[std::size_t(n)] + c;
           if (row >= column) places.emplace_back(row, column, double(kRigid * kRigid * n + kRigid * r + c));
         }
   matrix.resize(kRigid * count, kRigid * count);
@@ -143,7 +181,7 @@ void BlockSystem::Parts::lay_out(const Blocks& blocks) {
   for (int n = 0; n < matrix.nonZeros(); n++) entry.push_back(int(matrix.valuePtr()[n]));
   for (int n = 0; n < matrix.nonZeros(); n++) matrix.valuePtr()[n] = 1;
   factor.analyzePattern(matrix);
-  coupling.resize(blocks.pair.size());
+  coupling.resize(pair.size());
   centre.resize(std::size_t(count));
   load.resize(kRigid * count), answer.resize(kRigid * count);
 }
@@ -153,7 +191,7 @@ void BlockSystem::Parts::couple(const Model& model, const State& state, int bloc
   const Rows& rows = model.rows;
   const System& system = state.system;
   const auto a = std::size_t(block);
-  const int first = blocks.pair_begin[a], last = blocks.pair_begin[a + 1];
+  const int first = pair_begin[a], last = pair_begin[a + 1];
   for (int n = first; n < last; n++) coupling[std::size_t(n)].fill(0);
   Block& own = coupling[std::size_t(last - 1)];  // the block itself is the largest of its pairs
   for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++) {
@@ -166,7 +204,20 @@ void BlockSystem::Parts::couple(const Model& model, const State& state, int bloc
     const Vec3d off(system.air[1][i]);
     d[0][1] += off.x, d[1][0] += off.x, d[0][2] += off.y, d[2][0] += off.y, d[1][2] += off.z,
         d[2][1] += off.z;
-    add_bearing(state, i, d);
+    for_each_bearing(state, i, [&](double w, const Contact& c, const Answer& its) {
+      add_answer_matrix(c, its, w * w, d);
+      for (std::size_t k = 0; k < 4; k++) {
+        if (c.vertex[k] < 0 || c.vertex[k] == int(i)) continue;
+        const auto j = std::size_t(c.vertex[k]);
+        if (blocks.of[j] > block || state.free_mass[j] == 0) continue;
+        const auto other = std::size_t(blocks.of[j]);
+        const auto pair_at = std::lower_bound(pair.begin() + first, pair.begin() + last, int(other));
+        double b[3][3] = {};
+        add_answer_matrix(c, its, w * double(c.weight[k]), b);
+        add_coupling(b, r, Vec3d(state.x[j]) - centre[other], 1,
+                     coupling[std::size_t(pair_at - pair.begin())]);
+      }
+    });
     double turn[3][3] = {};  // by sides within the block
     const std::size_t batch = i / std::size_t(kLanes), l = i % std::size_t(kLanes);
     for (int s = rows.slot_begin[batch]; s < rows.slot_begin[batch + 1]; s++) {
@@ -188,9 +239,9 @@ void BlockSystem::Parts::couple(const Model& model, const State& state, int bloc
         for (int q = 0; q < 3; q++) d[p][q] += b[p][q];
       if (blocks.of[j] >= block || state.free_mass[j] == 0) continue;
       const auto other = std::size_t(blocks.of[j]);
-      const auto pair = std::lower_bound(blocks.pair.begin() + first, blocks.pair.begin() + last, int(other));
+      const auto pair_at = std::lower_bound(pair.begin() + first, pair.begin() + last, int(other));
       add_coupling(b, r, Vec3d(state.x[j]) - centre[other], -1,
-                   coupling[std::size_t(pair - blocks.pair.begin())]);
+                   coupling[std::size_t(pair_at - pair.begin())]);
     }
     add_coupling(d, r, r, 1, own);
     for (int p = 0; p < 3; p++)
@@ -212,7 +263,10 @@ BlockSystem& BlockSystem::operator=(const BlockSystem&) { return parts.reset(), 
 
 bool BlockSystem::factor(const Exec& exec, const Model& model, const State& state) {
   const Blocks& blocks = model.blocks;
-  if (!parts) parts = std::make_unique<Parts>(), parts->lay_out(blocks);
+  std::vector<std::array<int, 2>> touching = touching_blocks(blocks, state.bearing);
+  const bool is_new = !parts;
+  if (is_new) parts = std::make_unique<Parts>();
+  if (is_new || touching != parts->touching) parts->lay_out(blocks, std::move(touching));
   const std::size_t count = blocks.begin.size() - 1;
   parallel_for(exec, count, [&](std::size_t a) {
     Vec3d sum;

@@ -44,15 +44,16 @@ struct Contact {
   std::array<Real, 4> weight{};  // their sum is 0, or 1 against an obstacle
   int obstacle = -1;             // which one of the inputs; -1 = the cloth itself
   Vec3 normal;                   // towards the side of the first vertex
-  Real room = 0;      // how far the weighted sum may still go against the normal; negative = too near [m]
-  Real plane = 0;     // normal · weighted sum where the room ends [m]
-  Vec3 drift;         // velocity of the obstacle [m/s]
-  Real friction = 0;  // [1]
-  Real mass = 0;      // that an impulse moves, with every vertex split among its contacts [kg]
-  Real impulse = 0;   // along the normal [N·s]
-  Vec3 rub;           // across it: friction [N·s]
-  Real carry = 0;     // part of both that the next step begins with [1]
-  Vec3 allowed;       // impulse of the latest iteration before it is extrapolated [N·s]
+  Real room = 0;          // how far the weighted sum may still go against the normal; negative = too near [m]
+  Real plane = 0;         // normal · weighted sum where the room ends [m]
+  Vec3 drift;             // velocity of the obstacle [m/s]
+  Real friction = 0;      // [1]
+  Real mass = 0;          // that an impulse moves, with every vertex split among its contacts [kg]
+  Real impulse = 0;       // along the normal [N·s]
+  Vec3 rub;               // across it: friction [N·s]
+  Real carry = 0;         // part of both that the next step begins with [1]
+  bool is_borne = false;  // it was solved with the sheet (bearing.hpp)
+  Vec3 allowed;           // impulse of the latest iteration before it is extrapolated [N·s]
   Real push = 0, push_allowed = 0;  // the same for places, from 0 in each step [kg·m]
   Vec3 kick;                        // change of the impulse in the present iteration [N·s]
 };
@@ -72,19 +73,25 @@ struct Contacts {
   }
 };
 
-/// All contacts of a step from x with the velocities v, with the impulses that contacts of the step before
-/// had.
+/// The contacts that the velocities of a step make, with those that were solved with it.
 void find_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
 
-/// Those with obstacles, by pieces of the cloth; impulses are those of Contacts::list.
-void find_obstacle_contacts(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
-                            double dt, std::vector<std::vector<Contact>>& found);
+/// Which contacts of a cloth with itself are looked for.
+enum class Look : std::uint8_t {
+  kAhead,  // what may come too near in a step whose velocities are not known yet
+  kLeft    // what does with the velocities of the step, but for what was solved with it
+};
+
+/// All that is looked for in a step from x with the velocities v, by pieces of the cloth; impulses are those
+/// of Contacts::list. Obstacles are among kLeft where no bearing is solved.
+void find_step_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, Look look,
+                        double dt, std::vector<std::vector<Contact>>& found);
 /// Those of a vertex and a large triangle and of two large edges, in as many pieces as coarse_pieces says.
-void find_coarse_contacts(const Exec& exec, const Model& model, State& state, Real reach, double dt,
-                          std::span<std::vector<Contact>> found);
+void find_coarse_contacts(const Exec& exec, const Model& model, State& state, Look look, Real reach,
+                          double dt, std::span<std::vector<Contact>> found);
 std::size_t coarse_pieces(const Model& model);
 /// Those of what would have met in steps before, as long as it is nearer than the thickness.
-void find_met_contacts(const Model& model, State& state, double dt, std::vector<Contact>& found);
+void find_met_contacts(const Model& model, State& state, Look look, double dt, std::vector<Contact>& found);
 
 /// How far two groups of vertices may approach each other in a step, along the normal towards the first [m].
 /// `v` and `change` are their mean velocities and how much of it is new; what touched something may be
@@ -99,6 +106,11 @@ inline Real approach(const Group& a, const Group& b, Vec3 normal, Real dt) {
   const Real alone_b = a.touches || b.touches ? vb : dot(b.change, normal);
   return dt * std::max(va + vb, std::max(alone_a, alone_b));
 }
+
+/// Whether a contact between two groups at a distance is one of those that are looked for, `old` being the
+/// same one in the step before.
+bool is_wanted(const State& state, const Contact& contact, const Contact* old, Look look, const Group& a,
+               const Group& b, Real distance, Real thickness, Real dt);
 
 /// The contact of the same vertices in the step before; null = there was none.
 const Contact* find_old(const Contacts& contacts, const Contact& wanted);

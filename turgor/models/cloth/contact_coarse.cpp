@@ -50,6 +50,7 @@ unsigned inside(Vec3 low, Vec3 high, Lanes3 p) {
 struct FindCoarse {
   const Model& model;
   const State& state;
+  Look look;
   Real reach, dt;
 
   /// Keeps the contact when it will be too near, or was; fills in what follows from vertices and weights.
@@ -70,8 +71,7 @@ struct FindCoarse {
     c.normal = d / distance;
     const Contact* old = find_old(state.contacts, c);
     if (old && dot(old->normal, c.normal) < 0) c.normal = -c.normal, distance = -distance;
-    if (distance - approach(side[0], side[1], c.normal, dt) >= thickness && !(old && old->impulse > 0))
-      return;
+    if (!is_wanted(state, c, old, look, side[0], side[1], distance, thickness, dt)) return;
     c.plane = thickness, c.room = distance - thickness;
     c.friction = Real(model.params.collision.friction);
     if (old) c.impulse = old->impulse * old->carry, c.rub = old->rub * old->carry;
@@ -170,8 +170,8 @@ std::size_t coarse_pieces(const Model& model) {
          (model.coarse.edges.size() + kPieces - 1) / kPieces;
 }
 
-void find_met_contacts(const Model& model, State& state, double dt, std::vector<Contact>& found) {
-  const FindMet find{{model, state, Real(model.params.collision.thickness), Real(dt)}};
+void find_met_contacts(const Model& model, State& state, Look look, double dt, std::vector<Contact>& found) {
+  const FindMet find{{model, state, look, Real(model.params.collision.thickness), Real(dt)}};
   std::vector<Meeting>& met = state.crossing.met;
   met.insert(met.end(), state.crossing.meetings.begin(), state.crossing.meetings.end());
   std::sort(met.begin(), met.end());
@@ -184,10 +184,10 @@ void find_met_contacts(const Model& model, State& state, double dt, std::vector<
   });
 }
 
-void find_coarse_contacts(const Exec& exec, const Model& model, State& state, Real reach, double dt,
-                          std::span<std::vector<Contact>> found) {
+void find_coarse_contacts(const Exec& exec, const Model& model, State& state, Look look, Real reach,
+                          double dt, std::span<std::vector<Contact>> found) {
   place_midpoints(exec, model, state);
-  const FindCoarse find{model, state, reach, Real(dt)};
+  const FindCoarse find{model, state, look, reach, Real(dt)};
   const auto& triangles = model.coarse.triangles;
   const auto& edges = model.coarse.edges;
   const std::size_t triangle_pieces = (triangles.size() + kPieces - 1) / kPieces;

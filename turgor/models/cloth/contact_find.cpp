@@ -7,7 +7,8 @@ namespace turgor::cloth {
 
 namespace {
 
-constexpr std::size_t kGrain = 8;  // chunks of vertices
+constexpr std::size_t kGrain = 8;   // chunks of vertices
+constexpr Real kAhead = Real(0.3);  // of the thickness, by which two places may come nearer by surprise
 
 bool is_near_at_rest(const NeighbourLists& near, int a, int b) {
   const auto from = near.item.begin() + near.begin[std::size_t(a)],
@@ -18,6 +19,7 @@ bool is_near_at_rest(const NeighbourLists& near, int a, int b) {
 struct FindPairs {
   const Model& model;
   const State& state;
+  Look look;
   Real reach, dt;
 
   Group group(int i) const {
@@ -36,10 +38,11 @@ struct FindPairs {
       const Real distance = norm(d);
       const Vec3 normal = distance > 0 ? d / distance : Vec3{0, 0, 1};
       Contact contact{.vertex = {i, j, -1, -1}, .weight = {1, -1, 0, 0}};
+      contact.normal = normal;
       const Contact* old = find_old(state.contacts, contact);
-      if (distance - approach(mine, group(j), normal, dt) >= thickness && !(old && old->impulse > 0)) return;
+      if (!is_wanted(state, contact, old, look, mine, group(j), distance, thickness, dt)) return;
       if (is_near_at_rest(model.near, i, j)) return;
-      contact.normal = normal, contact.plane = thickness, contact.room = distance - thickness;
+      contact.plane = thickness, contact.room = distance - thickness;
       contact.friction = Real(params.friction);
       if (old) contact.impulse = old->impulse * old->carry, contact.rub = old->rub * old->carry;
       found.push_back(contact);
@@ -132,39 +135,29 @@ const Contact* find_old(const Contacts& contacts, const Contact& wanted) {
   return nullptr;
 }
 
-void find_obstacle_contacts(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
-                            double dt, std::vector<std::vector<Contact>>& found) {
-  const FindObstacles find{model, state, inputs.obstacles, Real(dt)};
-  const bool between = finds_between(inputs);
-  found.resize((std::size_t(model.count) + kChunk - 1) / kChunk);
-  parallel_for(
-      exec, found.size(),
-      [&](std::size_t chunk) {
-        found[chunk].clear();
-        if (inputs.obstacles.empty()) return;
-        const int end = std::min(int((chunk + 1) * kChunk), model.count);
-        for (int i = int(chunk * kChunk); i < end; i++) {
-          find(i, found[chunk]);
-          if (between) find.in_triangles(i, found[chunk]);
-        }
-      },
-      kGrain);
+bool is_wanted(const State& state, const Contact& contact, const Contact* old, Look look, const Group& a,
+               const Group& b, Real distance, Real thickness, Real dt) {
+  if (look == Look::kAhead)
+    return distance - dt * norm(a.v - b.v) < (1 + kAhead) * thickness || (old && old->impulse > 0);
+  if (distance - approach(a, b, contact.normal, dt) >= thickness && !(old && old->impulse > 0)) return false;
+  return !find_old(state.bearing.contacts, contact);
 }
 
-void find_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+void find_step_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, Look look,
+                        double dt, std::vector<std::vector<Contact>>& found) {
   const Collision& params = model.params.collision;
-  Contacts& contacts = state.contacts;
   const std::size_t chunks = (std::size_t(model.count) + kChunk - 1) / kChunk;
   const std::size_t pieces = params.self ? coarse_pieces(model) : 0;
-  contacts.found.resize(chunks + pieces + 1);
+  found.resize(chunks + pieces + 1);
   // Two vertices can come as much nearer in a step as both of them move: as far is looked, within bounds.
-  const Real thickness = Real(params.thickness);
+  const Real thickness = Real(params.thickness), least = look == Look::kAhead ? 1 + kAhead : Real(1.1);
   const Real reach =
-      thickness * std::clamp(1 + 2 * Real(dt) * state.largest_speed / thickness, Real(1.1), Real(2));
-  const FindPairs pairs{model, state, reach, Real(dt)};
-  const bool are_borne = uses_gradients(model.params.solver.method);
+      thickness * std::clamp(1 + 2 * Real(dt) * state.largest_speed / thickness, least, Real(2));
+  const FindPairs pairs{model, state, look, reach, Real(dt)};
   const FindObstacles obstacles{model, state, inputs.obstacles, Real(dt)};
-  const bool between = finds_between(inputs);
+  const bool is_whole = look == Look::kAhead || !uses_gradients(model.params.solver.method);
+  const bool others = is_whole && !inputs.obstacles.empty();
+  const bool between = others && finds_between(inputs);
   if (params.self) {
     const Real coarse = model.coarse.triangles.empty() ? 0 : model.coarse.longest / 2;
     sort_points(exec, state.x, model.count, std::max(Real(2.02) * reach, coarse), state.near_points);
@@ -172,21 +165,26 @@ void find_contacts(const Exec& exec, const Model& model, State& state, const Inp
   parallel_for(
       exec, chunks,
       [&](std::size_t chunk) {
-        std::vector<Contact>& found = contacts.found[chunk];
-        found.clear();
+        found[chunk].clear();
         const int end = std::min(int((chunk + 1) * kChunk), model.count);
         for (int i = int(chunk * kChunk); i < end; i++) {
-          if (params.self) pairs(i, found);
-          if (!inputs.obstacles.empty() && !are_borne) obstacles(i, found);
-          if (between && !are_borne) obstacles.in_triangles(i, found);
+          if (params.self) pairs(i, found[chunk]);
+          if (others) obstacles(i, found[chunk]);
+          if (between) obstacles.in_triangles(i, found[chunk]);
         }
       },
       kGrain);
   if (pieces > 0)
-    find_coarse_contacts(exec, model, state, reach, dt, std::span(contacts.found).subspan(chunks, pieces));
-  if (params.self) find_met_contacts(model, state, dt, contacts.found.back());
+    find_coarse_contacts(exec, model, state, look, reach, dt, std::span(found).subspan(chunks, pieces));
+  found.back().clear();
+  if (params.self && is_whole) find_met_contacts(model, state, look, dt, found.back());
+}
+
+void find_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+  Contacts& contacts = state.contacts;
+  find_step_contacts(exec, model, state, inputs, Look::kLeft, dt, contacts.found);
   contacts.list.clear();
-  if (are_borne) add_borne(state, Real(dt));
+  add_borne(state, Real(dt));
   for (const auto& found : contacts.found)
     contacts.list.insert(contacts.list.end(), found.begin(), found.end());
   link_contacts(model, state, contacts);

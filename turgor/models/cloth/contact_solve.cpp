@@ -85,12 +85,12 @@ Real contact_mass(const Contact& c, const std::vector<int>& begin, const aligned
 
 /// What the next step begins with: an impulse that moves its vertices by more than a few thicknesses belongs
 /// to a state that holds make impossible, and would grow from step to step.
-void set_carry(Contact& c, const aligned_vector<Real>& free_mass, Real largest_change, bool is_borne) {
+void set_carry(Contact& c, const aligned_vector<Real>& free_mass, Real largest_change) {
   Real mass = 0;
   for (const int v : c.vertex)
     if (v >= 0) mass += free_mass[std::size_t(v)];
   const Real limit = mass * largest_change;
-  c.carry = c.impulse > limit && !is_borne ? limit / c.impulse : 1;
+  c.carry = c.impulse > limit && !c.is_borne ? limit / c.impulse : 1;
 }
 
 /// Gives every vertex its share of the kicks.
@@ -112,23 +112,22 @@ struct Kick {
   }
 };
 
-/// Solved with the sheet, and the cloth itself touches none of its vertices: it has its impulse already.
+/// Solved with the sheet, as all that touches its vertices: it has its impulse already.
 bool is_settled(const Contacts& contacts, const Contact& c) {
-  if (c.obstacle < 0 || !(c.impulse > 0)) return false;
+  if (!c.is_borne) return false;
   for (const int v : c.vertex) {
     if (v < 0) continue;
     for (int n = contacts.begin[std::size_t(v)]; n < contacts.begin[std::size_t(v) + 1]; n++)
-      if (contacts.list[std::size_t(contacts.item[std::size_t(n)]) / 4].obstacle < 0) return false;
+      if (!contacts.list[std::size_t(contacts.item[std::size_t(n)]) / 4].is_borne) return false;
   }
   return true;
 }
 
 /// The contacts whose velocities are looked at here.
-std::vector<std::size_t> unsettled(const Model& model, const Contacts& contacts) {
-  const bool are_borne = uses_gradients(model.params.solver.method);
+std::vector<std::size_t> unsettled(const Contacts& contacts) {
   std::vector<std::size_t> list;
   for (std::size_t c = 0; c < contacts.list.size(); c++)
-    if (!are_borne || !is_settled(contacts, contacts.list[c])) list.push_back(c);
+    if (!is_settled(contacts, contacts.list[c])) list.push_back(c);
   return list;
 }
 
@@ -164,7 +163,7 @@ int solve_velocities(const Exec& exec, const Model& model, State& state, double 
   if (contacts.list.empty()) return 0;
   bool was_near = false;
   for (Contact& c : contacts.list) c.allowed = c.normal * c.impulse + c.rub, c.kick = {};
-  const std::vector<std::size_t> open = unsettled(model, contacts);
+  const std::vector<std::size_t> open = unsettled(contacts);
   for (int iteration = 1; iteration <= params.iterations; iteration++) {
     Largest largest;
     const bool is_last = iteration == params.iterations || was_near;
@@ -177,8 +176,7 @@ int solve_velocities(const Exec& exec, const Model& model, State& state, double 
     was_near = largest.value() < small;
     if (is_last) {
       for (Contact& c : contacts.list)
-        set_carry(c, state.free_mass, Real(kCarriedThicknesses * params.thickness / dt),
-                  c.obstacle >= 0 && uses_gradients(model.params.solver.method));
+        set_carry(c, state.free_mass, Real(kCarriedThicknesses * params.thickness / dt));
       return iteration;
     }
   }

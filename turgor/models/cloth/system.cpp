@@ -101,10 +101,9 @@ struct AssembleBatch {
 };
 
 /// Impulses of contacts: known from the step before, so that what lies still need not find them again.
-/// Those with obstacles that bear the sheet are solved with it instead.
-void add_contact_impulses(State& state, bool are_borne) {
+void add_contact_impulses(State& state) {
   for (const Contact& c : state.contacts.list) {
-    if (!(c.impulse > 0) || (c.obstacle >= 0 && are_borne)) continue;
+    if (!(c.impulse > 0)) continue;
     for (std::size_t k = 0; k < 4; k++) {
       if (c.vertex[k] < 0) continue;
       const auto v = std::size_t(c.vertex[k]);
@@ -170,7 +169,7 @@ void assemble(const Exec& exec, const Model& model, State& state, const Inputs& 
                AssembleBatch{model, state, Vec3(inputs.gravity), Real(dt), system.square,
                              Real(dt * damping.motion), has_air, keeps_air},
                kGrain);
-  add_contact_impulses(state, uses_gradients(model.params.solver.method));
+  if (!uses_gradients(model.params.solver.method)) add_contact_impulses(state);  // else: bearing.hpp
   aim_holds(state, Real(dt));
 }
 

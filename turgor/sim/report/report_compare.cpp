@@ -42,6 +42,7 @@ std::vector<Ring> rings_of(const ShownBody& surface) {
 double build_seconds(const SfemBody& body) { return body.facts.shape_seconds + body.facts.green_seconds; }
 double build_seconds(const RhombusBody& body) { return body.build_seconds; }
 double build_seconds(const LatticeBody& body) { return body.read_seconds + body.build_seconds; }
+double build_seconds(const ClothBody& body) { return body.build_seconds; }
 
 struct Cost {
   const TouchedBody& body;

@@ -9,13 +9,19 @@ namespace {
 
 BodyId read_touched(SceneTable& tool, const Scene& scene) {
   tool.require({"body"}, "the name of the body that is touched");
-  const BodyId id = read_body(tool, "body", scene, {BodyKind::kSfem, BodyKind::kRhombus, BodyKind::kLattice});
-  if (id.kind != BodyKind::kLattice || std::size_t(id.index) >= scene.lattice_bodies.size()) return id;
-  const LatticeScene& body = scene.lattice_bodies[std::size_t(id.index)];
-  if (body.params.solver.method == lattice::Method::kPbd)
+  const BodyId id = read_body(tool, "body", scene,
+                              {BodyKind::kSfem, BodyKind::kRhombus, BodyKind::kLattice, BodyKind::kCloth});
+  const auto index = std::size_t(id.index);
+  if (id.kind == BodyKind::kLattice && index < scene.lattice_bodies.size() &&
+      scene.lattice_bodies[index].params.solver.method == lattice::Method::kPbd)
     tool.fail("body", fmt::format("{} has solver.method = \"pbd\", which knows no forces in newtons; tools "
                                   "touch lattices with \"descent\"",
-                                  body.name));
+                                  scene.lattice_bodies[index].name));
+  if (id.kind == BodyKind::kCloth && index < scene.cloth_bodies.size() &&
+      !cloth::uses_gradients(scene.cloth_bodies[index].params.solver.method))
+    tool.fail("body", fmt::format("{} is solved by sweeps, which know no force in what is taut; tools touch "
+                                  "cloth with solver.method = \"blocks\"",
+                                  scene.cloth_bodies[index].name));
   return id;
 }
 
@@ -198,7 +204,7 @@ ToolScene read_tool_scene(SceneTable tool, const std::string& name, const Scene&
   tool.begin_group("tool");
   made.name = name, made.place = tool.place();
   tool.describe("body", "", "required",
-                "the name of a body with `model = \"sfem\"`, `\"rhombus\"` or `\"lattice\"`");
+                "the name of a body with `model = \"sfem\"`, `\"rhombus\"`, `\"lattice\"` or `\"cloth\"`");
   made.body = read_touched(tool, scene);
   made.shape = read_shape(tool);
   tool.read("friction", made.friction, within(0, 10), "Coulomb's; rhombus chains know none");

@@ -1,0 +1,228 @@
+// Tools that touch cloth, and cloth that they feel.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "sim/block_scene.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+namespace {
+
+constexpr double kGravity = 9.81;
+
+/// A sheet of 0.2 m with its first column held, in cells of 10 mm.
+constexpr const char* kSheet = R"(
+[world]
+gravity = [0, 0, -9.81]
+frame_rate = 60
+[body.sheet]
+model = "cloth"
+sheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0.1, 0], columns = 20, rows = 10 }
+fabric = { law = "sheet", density = 0.3 }
+solver = { method = "blocks", sweeps = 200 }
+damping = { motion = 4 }
+collision = { thickness = 0.008 }
+wind = { density = 0 }
+[body.sheet.hold.left]
+box = [[-0.001, -1, -1], [0.001, 1, 1]]
+)";
+
+World must_load(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const Result<Scene> scene = parse_scene(text, "sheet.toml", overrides);
+  EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+  Result<World> world = load_world(Exec(2), *scene);
+  EXPECT_TRUE(world) << (world ? "" : world.error().message);
+  return std::move(*world);
+}
+
+std::string error_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const Result<Scene> scene = parse_scene(text, "sheet.toml", overrides);
+  if (!scene) return scene.error().message;
+  const Result<World> world = load_world(Exec(1), *scene);
+  return world ? "no error" : world.error().message;
+}
+
+void run(World& world, int frames) {
+  for (int n = 0; n < frames; n++) {
+    const Result<FrameReport> report = step(Exec(2), world);
+    ASSERT_TRUE(report && report->finite) << "frame " << world.frame;
+  }
+}
+
+Vec3d mean_of_last(const std::vector<Vec3d>& forces, std::size_t count) {
+  Vec3d sum;
+  for (std::size_t n = forces.size() - count; n < forces.size(); n++) sum += forces[n];
+  return sum / double(count);
+}
+
+/// What a tool felt, in the mean of the last frames [N].
+Vec3d felt(const World& world, std::size_t frames) {
+  std::vector<Vec3d> forces;
+  for (const ForceSample& s : world.tools[0].samples) forces.push_back(Vec3d(s.force));
+  return mean_of_last(forces, frames);
+}
+
+Vec3d taken_by_holds(const World& world, std::size_t frames) {
+  Vec3d sum;
+  for (const ClothHold& hold : world.cloth_bodies[0].holds) sum += mean_of_last(hold.force, frames);
+  return sum;
+}
+
+double weight_of(const World& world) { return world.cloth_bodies[0].model.total_mass * kGravity; }
+
+double longest_edge(const World& world) {
+  const ClothBody& body = world.cloth_bodies[0];
+  return cloth::largest_stretch(body.model, body.state);
+}
+
+TEST(ClothTools, a_ball_and_a_rod_that_a_hand_holds_still_bear_what_the_holds_do_not) {
+  struct Case {
+    const char *shape, *turn;
+    std::vector<std::string> more;
+  };
+  const std::string springs = "body.sheet.fabric.law=springs";
+  for (const auto& [shape, turn, more] :
+       {Case{"{ sphere = 0.03 }", "", {}},
+        Case{"{ capsule = [0.015, 0.08] }", ", 0, 0.70710678, 0.70710678, 0, 0", {}},
+        Case{"{ capsule = [0.015, 0.08] }", ", 0, 0.70710678, 0.70710678, 0, 0", {springs}},
+        Case{"{ sphere = 0.02 }", "", {"body.sheet.sheet.columns=13", "body.sheet.sheet.rows=8"}}}) {
+    World world =
+        must_load(std::string(kSheet) + "[tool.hand]\nbody = \"sheet\"\nfriction = 0.8\nshape = " + shape +
+                      "\npath = [[0, 0.08, 0.05, -0.04" + turn + "]]\n",
+                  more);
+    run(world, 150);
+    const double weight = weight_of(world);
+    const Vec3d tool = felt(world, 30), hold = taken_by_holds(world, 30);
+    EXPECT_LT(tool.z, -0.3 * weight) << shape;
+    EXPECT_NEAR((hold.z - tool.z) / weight, 1, 0.02) << shape;
+    EXPECT_NEAR((hold.x - tool.x) / weight, 0, 0.02) << shape << ": they pull at each other";
+    EXPECT_NEAR((hold.y - tool.y) / weight, 0, 0.02) << shape;
+    EXPECT_LT(longest_edge(world), 1.05) << shape;
+  }
+}
+
+/// Held all around; a ball of 4 mm, smaller than a cell, is pressed 20 mm into its middle.
+constexpr const char* kFrame = R"(
+[body.sheet.hold.around]
+box = [[0.199, -1, -1], [0.201, 1, 1]]
+[body.sheet.hold.front]
+box = [[-1, -0.001, -1], [1, 0.001, 1]]
+[body.sheet.hold.back]
+box = [[-1, 0.099, -1], [1, 0.101, 1]]
+)";
+
+TEST(ClothTools, a_ball_smaller_than_a_cell_and_fast_does_not_pass_and_its_push_is_that_of_the_frame) {
+  for (const char* law : {"sheet", "springs"})
+    for (const char* seconds : {"0.5", "0.02"}) {  // the way of 40 mm
+      World world =
+          must_load(std::string(kSheet) + kFrame +
+                        "[tool.ball]\nbody = \"sheet\"\nshape = { sphere = 0.004 }\npath = [[0, 0.103, "
+                        "0.052, 0.03], [" +
+                        seconds + ", 0.103, 0.052, -0.01]]\n",
+                    {std::string("body.sheet.fabric.law=") + law});
+      run(world, 100);
+      const ClothBody& sheet = world.cloth_bodies[0];
+      double lowest = 0;
+      for (std::size_t v = 0; v < std::size_t(sheet.model.count); v++)
+        lowest = std::min(lowest, double(sheet.state.x.z[v]));
+      EXPECT_LT(lowest, -0.012) << seconds;
+      const double tool = felt(world, 20).z;
+      EXPECT_GT(tool, 0.5) << "N: it is pushed back";
+      EXPECT_NEAR((taken_by_holds(world, 20).z - weight_of(world)) / tool, 1, 0.02)
+          << law << ", action and reaction; " << seconds;
+    }
+}
+
+TEST(ClothTools, a_ball_that_is_drawn_over_a_sheet_rubs_it_by_coulomb_s_ratio) {
+  struct Case {
+    const char* path;
+    double friction;
+    Vec3d way;
+  };
+  for (const auto& [path, friction, way] :
+       {Case{"[[0, 0.06, 0.05, 0.02], [0.3, 0.06, 0.05, 0.008], [0.9, 0.14, 0.05, 0.008]]", 0.25, {1, 0, 0}},
+        Case{"[[0, 0.12, 0.075, 0.02], [0.3, 0.12, 0.075, 0.01], [0.9, 0.08, 0.025, 0.01]]",
+             0.6,
+             {-0.62, -0.78, 0}}}) {
+    World world = must_load(fmt::format(
+        "{}{}[tool.ball]\nbody = \"sheet\"\nfriction = {}\nshape = {{ sphere = 0.012 }}\npath = {}\n", kSheet,
+        kFrame, friction, path));
+    double rub = 0, push = 0;
+    for (int n = 0; n < 54; n++) {
+      run(world, 1);
+      if (n < 36) continue;
+      for (const cloth::Contact& c : world.cloth_bodies[0].state.contacts.list) {
+        if (!(c.impulse > 0) || c.obstacle != 0) continue;
+        rub += double(norm(c.rub)), push += double(c.impulse);
+        EXPECT_LE(norm(c.rub), 1.001 * friction * double(c.impulse));
+      }
+    }
+    EXPECT_NEAR(rub / push, friction, 0.02 * friction);
+    EXPECT_LT(dot(felt(world, 18), way), 0) << "against its way";
+  }
+}
+
+TEST(ClothTools, a_ball_that_rises_under_a_sheet_takes_from_the_table_what_it_lifts) {
+  World world =
+      must_load(std::string(kSheet) +
+                    "[body.sheet.obstacle.table]\nplane = { through = [0, 0, -0.002] }\nfriction = 0.5\n"
+                    "[tool.ball]\nbody = \"sheet\"\nfriction = 0.5\nshape = { sphere = 0.015 }\n"
+                    "path = [[0, 0.11, 0.045, -0.02], [0.5, 0.11, 0.045, 0.03]]\n",
+                {"body.sheet.hold.left.end=0.01", "body.sheet.fabric.density=0.6"});
+  run(world, 150);
+  const double weight = weight_of(world), tool = felt(world, 30).z,
+               table = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 30).z;
+  EXPECT_LT(tool, -0.2 * weight) << "N: it lifts";
+  EXPECT_NEAR((tool + table) / -weight, 1, 0.02) << tool << " N and " << table << " N";
+}
+
+TEST(ClothTools, a_rod_that_pushes_a_hanging_sheet_aside_feels_what_its_holds_are_pulled_aside_by) {
+  World world =
+      must_load(std::string(kSheet) +
+                    "[tool.rod]\nbody = \"sheet\"\nfriction = 0.3\nshape = { capsule = "
+                    "[0.01, 0.06] }\npath = [[0, 0.05, 0.05, -0.12], [0.6, 0.05, 0.05, "
+                    "-0.12], [1.2, -0.03, 0.06, -0.12]]\n",
+                {"body.sheet.sheet={ corner = [0, 0, 0], side = [0, 0.12, 0], up = [0, 0, -0.18], columns = "
+                 "11, rows = 15 }",
+                 "body.sheet.hold.left.box=[[-1, -1, -0.001], [1, 1, 0.001]]"});
+  run(world, 140);
+  const Vec3d tool = felt(world, 20), hold = taken_by_holds(world, 20);
+  EXPECT_GT(tool.x, 0.02 * weight_of(world)) << "N: it is pushed back";
+  EXPECT_NEAR(hold.x / tool.x, 1, 0.02);
+  EXPECT_NEAR((hold.z - tool.z) / weight_of(world), 1, 0.02);
+}
+
+TEST(ClothTools, what_a_tool_feels_has_the_same_bits_on_any_number_of_threads) {
+  std::uint64_t expected = 0;
+  for (const int threads : {1, 2, 8}) {
+    World world = must_load(std::string(kSheet) +
+                            "[tool.ball]\nbody = \"sheet\"\nshape = { sphere = 0.006 }\n"
+                            "path = [[0, 0.1, 0.05, 0.02], [0.2, 0.1, 0.05, -0.02]]\n");
+    for (int n = 0; n < 15; n++) ASSERT_TRUE(step(Exec(threads), world));
+    if (threads == 1) expected = state_hash(world);
+    EXPECT_EQ(state_hash(world), expected) << threads;
+  }
+}
+
+TEST(ClothTools, forceps_are_refused) {
+  EXPECT_NE(
+      error_of(std::string(kSheet) + "[tool.jaws]\nbody = \"sheet\"\nshape = { forceps = \"phantom\" }\n"
+                                     "path = [[0, 0.1, 0.05, 0.02]]\n")
+          .find("forceps do not grasp cloth"),
+      std::string::npos);
+}
+
+TEST(ClothTools, sweeps_which_know_no_force_in_what_is_taut_are_refused_with_the_setting_that_can) {
+  const std::string error = error_of(std::string(kSheet) +
+                                         "[tool.ball]\nbody = \"sheet\"\nshape = { sphere = 0.01 }\n"
+                                         "path = [[0, 0.1, 0.05, 0.02]]\n",
+                                     {"body.sheet.solver.method=chebyshev"});
+  EXPECT_NE(error.find("solver.method = \"blocks\""), std::string::npos) << error;
+  EXPECT_NE(error.find("tool.ball"), std::string::npos) << error;
+}
+
+}  // namespace
+}  // namespace turgor
