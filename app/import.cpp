@@ -12,11 +12,12 @@ namespace {
 
 struct ImportOptions {
   std::string path, output, series;
+  bool straighten = false;
 };
 
 Result<CtFile> read_with_bar(const ImportOptions& options, const Exec& exec) {
   ProgressBar bar("reading");
-  return read_ct(exec, options.path, {options.series, bar.callback()});
+  return read_ct(exec, options.path, {options.series, bar.callback(), options.straighten});
 }
 
 void run_import(const ImportOptions& options, const Global& global) {
@@ -40,6 +41,8 @@ void add_import_command(CLI::App& program, Global& global) {
   command->add_option("-o,--output", options->output, "The file to write: .nii, .nii.gz, .nrrd or .mha")
       ->required();
   command->add_option("--series", options->series, "DICOM: which series, by number or SeriesInstanceUID");
+  command->add_flag("--straighten", options->straighten,
+                    "DICOM: resample the slices of a tilted gantry to a straight grid");
   command->footer("Example:\n  turgor import ct/ -o patient.nii.gz");
   command->callback([options, &global] { run_import(*options, global); });
 }

@@ -51,7 +51,7 @@ inline nlohmann::json report_in(const fs::path& folder) { return read_json(folde
 inline std::string small_scene(const std::string& body = "", const std::string& rest = "") {
   return "[world]\nduration = 0.2\nframe_rate = 50\n[body.torso]\nmodel = \"lattice\"\n"
          "ct = { phantom = \"torso\", size = [64, 48, 40], spacing_mm = [6.5, 6.5, 6.5] }\nblock = 2\n"
-         "fixed = [\"bone\", \"ends\"]\ntissue = { volume = 2 }\n" +
+         "fixed = [\"bone\", \"ends\"]\ntissue = { law = \"springs\", volume = 2 }\n" +
          body +
          "\n[incision.midline]\nbody = \"torso\"\nfrom_fraction = [0.5, 0.0, 0.7]\nto_fraction = [0.5, 0.0, "
          "0.3]\n"

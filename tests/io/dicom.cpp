@@ -1,6 +1,7 @@
 #include "turgor/io/dicom.hpp"
 
 #include "io/dicom_series.hpp"
+#include "turgor/geometry/hounsfield.hpp"
 
 namespace turgor {
 namespace {
@@ -109,16 +110,78 @@ TEST(Dicom, AUnevenDistanceIsRefused) {
   EXPECT_REFUSED(s.read(), "uneven distance", "slice-00003.dcm", "1.25 mm");
 }
 
-TEST(Dicom, GantryTiltIsRefusedWithItsAngle) {
-  const Series s;
-  for (int number = 1; number <= 6; number++) {
-    const Vec3d p = (point_at(s.ct.grid, {0, 0, number - 1.0}) +
-                     s.ct.grid.axes.column[1] * ((number - 1) * 1.25e-3 * std::tan(18.5 * M_PI / 180))) *
-                    1e3;
+/// Moves every slice in its plane, by so many millimetres a slice along its rows and columns.
+void shear(const Series& s, int slices, double along_rows, double along_columns) {
+  for (int number = 1; number <= slices; number++) {
+    const Mat3d& axes = s.ct.grid.axes;
+    const Vec3d p = point_at(s.ct.grid, {0, 0, number - 1.0}) * 1e3 +
+                    (axes.column[0] * along_rows + axes.column[1] * along_columns) * (number - 1);
     set_value(s.slice(number), 0x20, 0x32,
               std::to_string(p.x) + "\\" + std::to_string(p.y) + "\\" + std::to_string(p.z));
   }
-  EXPECT_REFUSED(s.read(), "gantry tilt of 18.5 degrees");
+}
+
+TEST(Dicom, GantryTiltIsRefusedWithItsAngleAndWithWhatResamplesIt) {
+  const Series s;
+  shear(s, 6, 0, 1.25 * std::tan(18.5 * M_PI / 180));
+  EXPECT_REFUSED(s.read(), "gantry tilt of 18.5 degrees", "turgor import --straighten");
+}
+
+TEST(Dicom, SlicesShiftedByWholePixelsAreStraightenedToTheBit) {
+  for (const int down : {1, -2}) {
+    const Series s;
+    shear(s, 6, -0.75, 0.5 * down);  // a pixel to the right and `down` pixels
+    const auto read = read_ct(kExec, s.path, {"", {}, true});
+    ASSERT_TRUE(read) << read.error().message;
+    const Grid& grid = read->ct.grid;
+    EXPECT_EQ(grid.size, (Int3{9 + 5, 7 + 5 * std::abs(down), 6}));
+    const Vec3d first = index_at(grid, s.ct.grid.origin);  // where the first slice begins
+    for (int k = 0; k < 6; k++)
+      for (int j = 0; j < 7; j++)
+        for (int i = 0; i < 9; i++)
+          ASSERT_EQ(
+              read->ct.at(int(std::lround(first.x)) + i - k, int(std::lround(first.y)) + j + down * k, k),
+              s.ct.at(i, j, k));
+    EXPECT_EQ(std::count(read->ct.samples.begin(), read->ct.samples.end(), kAirHu),
+              long(sample_count(grid)) - 9 * 7 * 6);
+    ASSERT_FALSE(read->notes.empty());
+    EXPECT_NE(read->notes[0].find("gantry tilt of"), std::string::npos);
+  }
+}
+
+TEST(Dicom, WhatIsLinearInSpaceIsTheSameAfterAnyTilt) {
+  Series s;
+  const Vec3d slope{31, -47, 23};  // HU a millimetre, along the CT's axes
+  for (int k = 0; k < 6; k++)
+    for (int j = 0; j < 7; j++)
+      for (int i = 0; i < 9; i++)  // as the sheared slices will lie
+        s.ct.at(i, j, k) = std::int16_t(std::lround(slope.x * (0.75 * i + 0.31 * k) +
+                                                    slope.y * (0.5 * j + 0.43 * k) + slope.z * 1.25 * k));
+  fs::remove_all(s.path);
+  ASSERT_TRUE(write_dicom(kExec, s.path, s.ct, patient_alone("Test^Patient")));
+  shear(s, 6, 0.31, 0.43);
+  const auto read = read_ct(kExec, s.path, {"", {}, true});
+  ASSERT_TRUE(read) << read.error().message;
+  int inside = 0;
+  for (int k = 0; k < 6; k++)
+    for (int j = 0; j < read->ct.grid.size.y; j++)
+      for (int i = 0; i < read->ct.grid.size.x; i++) {
+        const Vec3d p = index_at(s.ct.grid, point_at(read->ct.grid, {double(i), double(j), double(k)}));
+        const double x = 0.75 * p.x, y = 0.5 * p.y, own_x = x - 0.31 * k, own_y = y - 0.43 * k;
+        if (own_x < 0 || own_y < 0 || own_x > 0.75 * 8 || own_y > 0.5 * 6) continue;
+        EXPECT_NEAR(read->ct.at(i, j, k), slope.x * x + slope.y * y + slope.z * 1.25 * k, 1.5);
+        inside++;
+      }
+  EXPECT_GT(inside, 250);
+}
+
+TEST(Dicom, SlicesThatLeanUnevenlyAreRefusedEvenSo) {
+  const Series s;
+  shear(s, 6, 0, 0.42);
+  const Vec3d p = point_at(s.ct.grid, {0, 0, 2}) * 1e3;
+  set_value(s.slice(3), 0x20, 0x32,
+            std::to_string(p.x) + "\\" + std::to_string(p.y) + "\\" + std::to_string(p.z));
+  EXPECT_REFUSED(read_ct(kExec, s.path, {"", {}, true}), "slice-00003.dcm", "beside the line");
 }
 
 TEST(Dicom, ASliceOfAnotherOrientationSizeOrPixelIsRefusedByName) {

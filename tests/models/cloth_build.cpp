@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "tests/models/cloth_sheets.hpp"
@@ -19,6 +20,37 @@ TEST(ClothBuild, a_sheet_weighs_its_area_times_its_density) {
   EXPECT_NEAR(std::accumulate(model.mass.begin(), model.mass.end(), 0.0), 0.012, 1e-7);
   EXPECT_EQ(model.count, 121);
   EXPECT_EQ(model.mass.size(), 128u);
+}
+
+/// Two sheets of 20 × 20 cells of 10 mm, the upper one so far above the lower one [m].
+TriMesh two_layers(double gap) {
+  TriMesh mesh = flat_sheet(21, 0.01);
+  const TriMesh lower = mesh;
+  for (const Vec3 x : lower.vertices) mesh.vertices.push_back(x + Vec3{0.003f, 0.001f, Real(gap)});
+  const int first = int(lower.vertices.size());
+  for (const Int3 t : lower.triangles) mesh.triangles.push_back({t.x + first, t.y + first, t.z + first});
+  return mesh;
+}
+
+/// The note that tells of layers, if there is one.
+std::string told_layers(const TriMesh& mesh, double thickness) {
+  for (const std::string& note : must_build(mesh, {.collision = {.thickness = thickness}}).notes)
+    if (note.find("another layer") != std::string::npos) return note;
+  return "";
+}
+
+TEST(ClothBuild, layers_nearer_than_the_thickness_at_rest_are_told_and_fine_meshes_and_folds_are_not) {
+  EXPECT_EQ(told_layers(two_layers(0.004), 0.006).substr(0, 13), "882 vertices ");
+  EXPECT_EQ(told_layers(two_layers(0.007), 0.006), "");
+  EXPECT_EQ(told_layers(flat_sheet(41, 0.0101), 0.01), "") << "neighbours along the sheet";
+  TriMesh roll = flat_sheet(61, 0.01);  // rolled up: 0.6 m around a spiral whose turns are 8 mm apart
+  for (Vec3& x : roll.vertices) {
+    const double angle = std::sqrt(0.4 + 2 * double(x.x) / (0.008 / (2 * M_PI))),
+                 r = 0.008 * angle / (2 * M_PI);
+    x = {Real(r * std::cos(angle)), x.y, Real(r * std::sin(angle))};
+  }
+  EXPECT_EQ(told_layers(roll, 0.006), "");
+  EXPECT_NE(told_layers(roll, 0.0095), "");
 }
 
 TEST(ClothBuild, a_sheet_that_is_numbered_row_by_row_needs_hardly_any_gathers) {

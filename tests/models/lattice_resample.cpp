@@ -125,19 +125,25 @@ struct Placed {
           if (is_tissue(p)) {
             sum = u(p), count = 1;
           } else {
-            Vec3d across_sum;
-            int across_count = 0;
+            Vec3d sums[3];  // along axes, other edges of the lattice and none of them
+            int counts[3] = {};
             for (int n = 0; n < 27; n++) {
               const Int3 way{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
               if (!is_tissue(p + way)) continue;
               const bool is_edge = family_of(way) >= 0 || family_of(-way) >= 0,
-                         goes_on = is_tissue(p + way + way);
+                         is_axis = std::abs(way.x) + std::abs(way.y) + std::abs(way.z) == 1;
               if (is_edge) beside_sum += u(p + way), beside_count++;
-              if (!goes_on) continue;
-              (is_edge ? sum : across_sum) += u(p + way) * 2.0 - u(p + way + way);
-              (is_edge ? count : across_count)++;
+              if (!is_tissue(p + way + way)) continue;
+              // As far again as from the node behind to the next, but no less than at rest.
+              const Vec3d rest = hadamard(Vec3d(-way), m.grid.spacing);
+              const Vec3d now = rest + u(p + way) - u(p + way + way);
+              const std::size_t kind = is_axis ? 0 : is_edge ? 1 : 2;
+              sums[kind] += u(p + way) + now * std::max(1.0, norm(rest) / norm(now)) - rest, counts[kind]++;
             }
-            if (count == 0 && beside_count > 0) sum = across_sum, count = across_count;
+            for (int kind = 0; kind < 3 && count == 0; kind++) {
+              if (kind == 2 && beside_count == 0) break;
+              sum = sums[kind], count = counts[kind];
+            }
             if (count == 0) sum = beside_sum, count = beside_count;
           }
           if (count > 0)

@@ -204,7 +204,7 @@ TEST(OneWound, ReportPictureMeshAndDeformedCtAgreeOnThePhantom) {
   const Result<Scene> scene = parse_scene(
       "[world]\nduration = 0.6\n[body.torso]\nmodel = \"lattice\"\n"
       "ct = { phantom = \"torso\", size = [128, 96, 75], spacing_mm = [3.1, 3.1, 4] }\nstep = 0.008\n"
-      "fixed = [\"bone\", \"ends\"]\ntissue = { volume = 2 }\n"
+      "fixed = [\"bone\", \"ends\"]\ntissue = { law = \"springs\", volume = 2 }\n"
       "[incision.midline]\nbody = \"torso\"\nfrom_fraction = [0.5, 0, 0.62]\nto_fraction = [0.5, 0, 0.22]\n",
       "phantom.toml");
   ASSERT_TRUE(scene) << scene.error().message;

@@ -98,6 +98,24 @@ TEST(RunScene, AVideoRunsAtThePaceOfTheRunAlsoInAReplay) {
       << "four snapshots, a tenth of a second each";
 }
 
+TEST(RunScene, EveryWoundHasAVideoFromNear) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::four_kinds_scene(
+      folder,
+      {"output.video=true", "incision.second.body=block", "incision.second.from=[-0.04, -0.02, -0.02]",
+       "incision.second.to=[-0.04, -0.02, 0.02]", "incision.second.depth=0.012"});
+  const Json report = must_run(scene, folder / "out");
+  for (const char* name : {"video-cut.mp4", "video-second.mp4"}) {
+    EXPECT_GT(video_seconds(folder / "out" / name), 0.2);
+    EXPECT_NE(test::bytes_of(folder / "out/report.html").find(name), std::string::npos);
+    EXPECT_EQ(std::count(report["files"].begin(), report["files"].end(), name), 1);
+  }
+  EXPECT_NE(test::bytes_of(folder / "out/video-cut.mp4"), test::bytes_of(folder / "out/video-second.mp4"));
+  EXPECT_FALSE(fs::exists(folder / "out/video.mp4"));
+  EXPECT_FALSE(fs::exists(folder / "out/.video"));
+}
+
 TEST(RunScene, ACameraOfTheSceneTakesPicturesOfItsOwn) {
   const fs::path folder = test::fresh_folder();
   const Scene scene = test::four_kinds_scene(

@@ -1,8 +1,5 @@
 """The Python module against the program: TURGOR (the program) and PYTHONPATH come from scripts/python."""
-import json
-import os
 import pathlib
-import subprocess
 import tempfile
 import threading
 import unittest
@@ -10,67 +7,7 @@ import unittest
 import numpy as np
 
 import turgor
-
-PROGRAM = os.environ["TURGOR"]
-
-
-def scene(duration, text, every=0.1):
-    """What is in `text`, with few pictures and small ones; it may begin with more of [world]."""
-    return (f"[world]\nduration = {duration}\nframe_rate = 50\n{text}"
-            f"[output]\nvideo = false\nsnapshots = {{ every = {every}, size = [160, 120] }}\n")
-
-
-FORCEPS = scene(0.4, """
-[body.liver]
-model = "rhombus"
-surface = { phantom = "liver", detail = 0.3 }
-[tool.forceps]
-body = "liver"
-shape = { forceps = "phantom" }
-grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.004, pull = 0.006, start = 0, duration = 0.1 }
-""", every=0.2)
-PAD = scene(0.2, """
-[body.pad]
-model = "sfem"
-block = { size = [0.06, 0.06, 0.03], count = [6, 6, 3] }
-fixed = "bottom"
-young = 5e3
-poisson = 0.4
-cache = false
-[tool.finger]
-body = "pad"
-shape = { sphere = 0.006 }
-path = [[0, 0.03, 0.03, 0.05]]
-""")
-CLOTH = scene(0.2, """gravity = [0, 0, -9.81]
-[body.sheet]
-model = "cloth"
-sheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0.2, 0], columns = 12, rows = 12 }
-[body.sheet.hold.edge]
-box = [[-1, 0.19, -1], [1, 1, 1]]
-""")
-TORSO = scene(0.2, """
-[body.torso]
-model = "lattice"
-ct = { phantom = "torso", size = [64, 48, 40], spacing_mm = [6.5, 6.5, 6.5] }
-block = 2
-fixed = ["bone", "ends"]
-[incision.midline]
-body = "torso"
-from_fraction = [0.5, 0.0, 0.7]
-to_fraction = [0.5, 0.0, 0.3]
-depth = 0.02
-start = 0.02
-duration = 0.05
-""")
-
-
-def hash_of_program(text, *arguments):
-    with tempfile.TemporaryDirectory() as folder:
-        scene = pathlib.Path(folder) / "s.toml"
-        scene.write_text(text)
-        subprocess.run([PROGRAM, "run", scene, "-q", "-o", f"{folder}/out", *arguments], check=True)
-        return json.loads((pathlib.Path(folder) / "out/report.json").read_text())["state_hash"]
+from scenes import CLOTH, FORCEPS, PAD, TORSO, hash_of_program
 
 
 class Turgor(unittest.TestCase):
@@ -133,6 +70,8 @@ class Turgor(unittest.TestCase):
             turgor.World(text=PAD).drive("finger", np.array([[0.1, 2.0]]))
         with self.assertRaises(TypeError):
             turgor.World()
+        with self.assertRaisesRegex(turgor.Error, "ct"):
+            turgor.World({"body": {"torso": {"model": "lattice", "fixed": ["bone"]}}})
 
     def test_overrides_are_written_as_toml(self):
         world = turgor.World(text=FORCEPS, set={"body.liver.surface": {"phantom": "liver", "detail": 0.25},

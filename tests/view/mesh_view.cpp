@@ -66,6 +66,27 @@ TEST_F(MeshView, NearerHidesFartherInEitherOrder) {
   }
 }
 
+TEST_F(MeshView, APartMarkedSoIsSeenThroughWhatHidesItAndShadowsOfOthersStay) {
+  const TriMesh nodule = test::sphere({0.05f, 0, 0}, 0.05f), body = test::sphere({}, 0.2f);
+  const MeshPart outer{.mesh = &body, .color = kRed};
+  MeshPart inner{.mesh = &nodule, .color = kGreen};
+  const Image hidden = draw({outer, inner}), without = draw({outer});
+  inner.through = true;
+  for (const auto& parts : {std::vector{outer, inner}, std::vector{inner, outer}}) {
+    const Image seen = draw(parts);
+    const auto greener = test::find_pixels(
+        seen, [&](int x, int y) { return int(seen.at(x, y).g) > int(hidden.at(x, y).g) + 20; });
+    const Vec3d place = test::project(kFront, {0.05, 0, 0}, kWidth, kHeight);
+    const double expected = test::silhouette_area(kFront, 0.05, kHeight);
+    EXPECT_NEAR(greener.count, expected, 0.08 * expected);
+    EXPECT_NEAR(greener.x, place.x, 2);
+    EXPECT_NEAR(greener.y, place.y, 2);
+    EXPECT_LE(
+        test::difference(seen.at(kWidth / 2 - 30, kHeight / 2), without.at(kWidth / 2 - 30, kHeight / 2)), 2);
+  }
+  EXPECT_EQ(find(hidden, is_green).count, 0);
+}
+
 TEST_F(MeshView, BothSidesOfATriangleAreLit) {
   TriMesh plate{{{-0.2f, 0, -0.2f}, {0.2f, 0, -0.2f}, {0.2f, 0, 0.2f}, {-0.2f, 0, 0.2f}},
                 {{0, 1, 2}, {0, 2, 3}},

@@ -21,8 +21,17 @@ struct Sum {
   double weight = 0;    // of `place` [N]
   double gap = std::numeric_limits<double>::infinity();  // of the nearest place [m]
   double node_stiffness = 0, stiffest = 0;  // of nodes that bear force, together; of the nearest [N/m]
+  int last_node = -1;                       // that was counted among those
   bool is_held = false;
 };
+
+/// Of the node of a contact as it gives way itself, without the others [N/m]. Its contacts share it.
+double node_stiffness(const LatticeTouch& touch, std::size_t contact) {
+  const lattice::NodeContact& node = touch.nodes[contact];
+  const auto same = std::equal_range(touch.nodes.begin(), touch.nodes.end(), node,
+                                     [](const auto& a, const auto& b) { return a.slot < b.slot; });
+  return double(node.stiffness) * double(same.second - same.first) / double(lattice::kContactStiffness);
+}
 
 struct Place {
   Vec3d x, normal;     // patient frame; from the tissue at the tool
@@ -32,18 +41,20 @@ struct Place {
 Place place_of(const lattice::Model& model, const lattice::State& state, const LatticeTouch& touch,
                const LatticeContact& contact, const Tool& tool) {
   const LatticePlace& place = touch.places[std::size_t(contact.place)];
-  const Vec3d x = place.rest + Vec3d(state.u[std::size_t(place.slot)]);
+  const Vec3d x = place_now(state, place);
   const Pose& pose = touch.poses[std::size_t(contact.tool)].pose;
   const ShapeDistance d = distance(tool.shape, pose, x);
   return {model.grid.origin + model.grid.axes * x, model.grid.axes * -d.normal, d.distance};
 }
 
-void add(const Place& place, const LatticeContact& contact, double stiffness, Sum& sum) {
+void add(const Place& place, const LatticeContact& contact, int node, double stiffness, Sum& sum) {
   sum.is_held = sum.is_held || contact.is_held;
   const double force = norm(contact.force);
   if (force > 0) {
     sum.normal += place.normal * force, sum.place += place.x * force;
-    sum.weight += force, sum.node_stiffness += stiffness;
+    sum.weight += force;
+    if (node != sum.last_node) sum.node_stiffness += stiffness;
+    sum.last_node = node;
   }
   if (place.outside >= sum.gap) return;
   sum.gap = place.outside, sum.stiffest = stiffness;
@@ -63,7 +74,7 @@ LocalContact local_contact(const lattice::Model& model, const lattice::State& st
     if (contact.tool != tool_index) continue;
     const Place place = place_of(model, state, touch, contact, tool);
     if (norm(contact.force) > 0 && sum.weight == 0) sum.normal = {};
-    add(place, contact, double(touch.nodes[c].stiffness) / double(lattice::kContactStiffness), sum);
+    add(place, contact, touch.nodes[c].slot, node_stiffness(touch, c), sum);
     force -= pose.pose.axes * contact.force;
   }
   LocalContact made{.is_near = sum.gap < std::numeric_limits<double>::infinity(),

@@ -1,57 +1,95 @@
 #include "turgor/contact/lattice_touch.hpp"
 
 #include <algorithm>
-#include <optional>
+#include <tuple>
 #include <utility>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
 
 namespace turgor::contact {
 
 namespace {
 
-/// How far from a node of body towards one of air the skin is, as their densities tell.
-double skin_fraction(const lattice::Model& model, std::size_t body, std::size_t air) {
-  const double threshold = model.params.tissue.air_max, a = model.hu[body], b = model.hu[air];
-  return a > threshold && b < threshold ? std::clamp((a - threshold) / (a - b), 0.05, 0.95) : 0.5;
-}
-
-/// The place of a node in the skin: the mean of where its edges to air leave the body. Where the scan ends,
-/// the node itself. None inside.
-std::optional<Vec3d> skin_place(const lattice::Model& model, Int3 node) {
-  const Lattice& l = model.lattice;
-  const auto slot = std::size_t(node_slot(l, node));
-  const Vec3d rest(rest_position(l, node));
-  Vec3d sum;
-  int count = 0;
-  bool ends = false;
+/// Does tissue end at this node: beside air, or because the scan does?
+bool is_outermost(const lattice::Model& model, Int3 node) {
   for (int n = 0; n < lattice::kNeighbourCount; n++) {
     const Int3 other = node + lattice::neighbour_offset(n);
-    if (!contains(l, other)) {
-      ends = true;
-      continue;
-    }
-    const auto there = std::size_t(node_slot(l, other));
-    if (is_body(model.tissue[there])) continue;
-    sum += (Vec3d(rest_position(l, other)) - rest) * skin_fraction(model, slot, there), count++;
+    if (!contains(model.lattice, other)) return true;
+    if (!is_body(model.tissue[std::size_t(node_slot(model.lattice, other))])) return true;
   }
-  if (count > 0) return rest + sum / double(count);
-  return ends ? std::optional(rest) : std::nullopt;
+  return false;
 }
 
-/// One for every node that has skin and can move.
-void add_skin_places(const lattice::Model& model, const lattice::State& state,
-                     std::vector<LatticePlace>& places) {
+/// The outermost nodes by slot, and the point of the drawn skin that is nearest to each.
+struct Foot {
+  int slot = 0;
+  Int3 node;
+  Vec3d place;  // lattice frame [m]
+};
+std::vector<Foot> feet_of(const lattice::Model& model, const TriangleTree& skin) {
+  std::vector<Foot> feet;
   const Int3 size = model.lattice.size;
   for (int k = 0; k < size.z; k++)
     for (int j = 0; j < size.y; j++)
       for (int i = 0; i < size.x; i++) {
-        const int slot = node_slot(model.lattice, i, j, k);
-        if (!(model.inverse_mass[std::size_t(slot)] > 0) || state.removed[std::size_t(slot)]) continue;
-        if (const std::optional<Vec3d> place = skin_place(model, {i, j, k}))
-          places.push_back({slot, *place, false});
+        const Int3 node{i, j, k};
+        const int slot = node_slot(model.lattice, node);
+        if (!is_body(model.tissue[std::size_t(slot)]) || !is_outermost(model, node)) continue;
+        const Vec3d rest(rest_position(model.lattice, node));
+        feet.push_back({slot, node, nearest_point(skin, rest).place});
       }
+  std::sort(feet.begin(), feet.end(), [](const Foot& a, const Foot& b) { return a.slot < b.slot; });
+  return feet;
+}
+
+/// Halfway between the feet of neighbours, where a tool would sink in between them. Neighbours above each
+/// other stand on the same skin.
+void add_places_between(const lattice::Model& model, const TriangleTree& skin, const std::vector<Foot>& feet,
+                        std::vector<LatticePlace>& places) {
+  const Vec3 h = model.lattice.step;
+  const double nearest = 0.5 * double(std::min({h.x, h.y, h.z}));
+  for (const Foot& foot : feet)
+    for (const Int3 family : kFamilies) {
+      const Int3 node = foot.node + family;
+      if (!contains(model.lattice, node)) continue;
+      const int slot = node_slot(model.lattice, node);
+      const auto other = std::lower_bound(feet.begin(), feet.end(), slot,
+                                          [](const Foot& f, int sought) { return f.slot < sought; });
+      if (other == feet.end() || other->slot != slot) continue;
+      if (!(norm(other->place - foot.place) > nearest)) continue;
+      const Vec3d place = nearest_point(skin, (foot.place + other->place) * 0.5).place;
+      places.push_back({foot.slot, place, false, slot});
+      places.push_back({slot, place, false, foot.slot});
+    }
+}
+
+/// At rest, without cuts: one for every node that has skin, and one between any two of them.
+std::vector<LatticePlace> skin_places(const lattice::Model& model, const lattice::BodySurface& surface) {
+  std::vector<LatticePlace> places;
+  if (surface.skin_triangles == 0) return places;
+  const auto triangles = surface.triangles.begin();
+  const TriangleTree skin = build_triangle_tree({surface.rest.begin(), surface.rest.end()},
+                                                {triangles, triangles + surface.skin_triangles});
+  const std::vector<Foot> feet = feet_of(model, skin);
+  for (const Foot& foot : feet) places.push_back({foot.slot, foot.place});
+  add_places_between(model, skin, feet, places);
+  std::erase_if(places,
+                [&](const LatticePlace& p) { return !(model.inverse_mass[std::size_t(p.slot)] > 0); });
+  return places;
+}
+
+/// Has it lost its node, or its neighbour to a blade?
+bool is_gone(const lattice::Model& model, const lattice::State& state, const LatticePlace& place) {
+  const auto removed = [&](int slot) { return state.removed[std::size_t(slot)] != 0; };
+  if (removed(place.slot)) return true;
+  if (place.other < 0) return false;
+  const Int3 way = slot_node(model.lattice, place.other) - slot_node(model.lattice, place.slot);
+  const bool up = family_of(way) >= 0;
+  const int family = up ? family_of(way) : family_of(-way);
+  const int lower = up ? place.slot : place.other;
+  return removed(place.other) || (state.cut[std::size_t(lower)] >> family & 1);
 }
 
 /// One for every node that carries walls of cuts: the mean of what it carries of them.
@@ -73,18 +111,8 @@ void add_wall_places(const lattice::Model& model, const lattice::BodySurface& su
   }
 }
 
-/// A node holds at most one place of the skin and one of the walls of cuts. Those of the skin are the
-/// lattice's own: what is drawn of it is finer, and carried by the outermost nodes alone.
-std::vector<LatticePlace> places_of(const lattice::Model& model, const lattice::State& state,
-                                    const lattice::BodySurface& surface) {
-  std::vector<LatticePlace> places;
-  add_skin_places(model, state, places);
-  add_wall_places(model, surface, places);
-  std::stable_sort(places.begin(), places.end(), [](const LatticePlace& a, const LatticePlace& b) {
-    return std::pair(a.slot, a.wall) < std::pair(b.slot, b.wall);
-  });
-  return places;
-}
+auto key(const LatticePlace& place) { return std::tuple(place.slot, place.wall, place.other); }
+bool comes_first(const LatticePlace& a, const LatticePlace& b) { return key(a) < key(b); }
 
 ToolPose in_lattice(const Grid& grid, const ToolPose& pose) {
   const Mat3d to_lattice = inverse(grid.axes);
@@ -114,21 +142,18 @@ struct FindContacts {
   double reach = 0;  // of contacts beyond a tool [m]
   double dt = 0;
 
-  Vec3d place_now(const LatticePlace& place) const {
-    return place.rest + Vec3d(state.u[std::size_t(place.slot)]);
-  }
-
   void add(int p, int t, const ToolStep& s, const LatticeContact& before) const {
     const LatticePlace& place = touch.places[std::size_t(p)];
-    const Vec3d x = place_now(place), local = to_tool(s.from.pose, x);
+    const Vec3d x = place_now(state, place), local = to_tool(s.from.pose, x);
     LatticeContact contact{p, t, before.is_held, before.anchor, before.force};
     if (!s.to.hold) contact.is_held = false;
     if (s.to.hold && !s.from.hold && norm(before.force) > 0) contact.is_held = true, contact.anchor = local;
     const Vec3d carried = to_world(s.to.pose, contact.is_held ? contact.anchor : local);
-    const Vec3d led = x + Vec3d(state.v[std::size_t(place.slot)]) * dt;
+    const Vec3d led = x + mean_of(state.v, place) * dt;
     const ShapeDistance d = distance(s.tool.shape, s.to.pose, led);
     if (d.distance > reach && !contact.is_held) return;
     lattice::NodeContact node{.slot = place.slot,
+                              .other = place.other,
                               .normal = Vec3(d.normal),
                               .friction = Real(s.tool.friction),
                               .is_held = contact.is_held,
@@ -145,7 +170,7 @@ struct FindContacts {
     auto known = before.begin();
     touch.contacts.clear(), touch.nodes.clear();
     for (std::size_t p = 0; p < touch.places.size(); p++) {
-      const Vec3d x = place_now(touch.places[p]);
+      const Vec3d x = place_now(state, touch.places[p]);
       for (std::size_t t = 0; t < steps.size(); t++) {
         LatticeContact contact{.place = int(p), .tool = int(t)};
         while (known != before.end() && comes_before(*known, contact)) ++known;
@@ -166,7 +191,7 @@ void read_forces(const lattice::Model& model, const lattice::State& state, std::
     const lattice::NodeContact& node = touch.nodes[c];
     const Pose& pose = touch.poses[std::size_t(contact.tool)].pose;
     const LatticePlace& place = touch.places[std::size_t(contact.place)];
-    const Vec3d x = place.rest + Vec3d(state.u[std::size_t(place.slot)]), force(node.force);
+    const Vec3d x = place_now(state, place), force(node.force);
     for (int axis = 0; axis < 3; axis++) contact.force[axis] = dot(pose.axes.column[axis], force);
     ToolForce& felt = forces[std::size_t(contact.tool)];
     const double outside = distance(tools[std::size_t(contact.tool)].shape, pose, x).distance;
@@ -187,19 +212,21 @@ void read_forces(const lattice::Model& model, const lattice::State& state, std::
 LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::State& state,
                                 const lattice::BodySurface& surface, std::span<const ToolPose> poses) {
   LatticeTouch touch;
-  touch.places = places_of(model, state, surface);
+  touch.places = skin_places(model, surface);
   for (const ToolPose& pose : poses) touch.poses.push_back(in_lattice(model.grid, pose));
+  take_surface(touch, model, state, surface);
   return touch;
 }
 
 void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattice::State& state,
                   const lattice::BodySurface& surface) {
-  const std::vector<LatticePlace> before = std::exchange(touch.places, places_of(model, state, surface));
-  const auto key = [](const LatticePlace& p) { return std::pair(p.slot, p.wall); };
+  const std::vector<LatticePlace> before = touch.places;
+  std::erase_if(touch.places, [&](const LatticePlace& p) { return p.wall || is_gone(model, state, p); });
+  add_wall_places(model, surface, touch.places);
+  std::sort(touch.places.begin(), touch.places.end(), comes_first);
   std::erase_if(touch.contacts, [&](LatticeContact& contact) {
     const LatticePlace& was = before[std::size_t(contact.place)];
-    const auto now = std::lower_bound(touch.places.begin(), touch.places.end(), was,
-                                      [&](const auto& a, const auto& b) { return key(a) < key(b); });
+    const auto now = std::lower_bound(touch.places.begin(), touch.places.end(), was, comes_first);
     contact.place = int(now - touch.places.begin());
     return now == touch.places.end() || key(*now) != key(was);
   });

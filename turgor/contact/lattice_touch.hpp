@@ -1,7 +1,7 @@
-// Tools on a lattice. Every node of the surface carries one place that tools can touch: the middle of its
-// part of the drawn surface. Before a step the places near a tool become contacts of their nodes
-// (lattice::NodeContact), and after it their forces become that on the tool. One step is one frame: forces
-// come at the frame rate.
+// Tools on a lattice. Places on the drawn skin are what they touch: the nearest one to every outermost node,
+// and one halfway between any two of those, which both bear. Before a step the places near a tool become
+// contacts of their nodes (lattice::NodeContact), and after it their forces become that on the tool. One step
+// is one frame: forces come at the frame rate.
 #pragma once
 
 #include <span>
@@ -18,6 +18,7 @@ struct LatticePlace {
   int slot = 0;       // of the node that carries it
   Vec3d rest;         // as in the CT, lattice frame [m]
   bool wall = false;  // of a cut
+  int other = -1;     // of a neighbour that carries it as well, and has a place of its own there
 };
 
 /// A place near a tool, between steps.
@@ -29,13 +30,23 @@ struct LatticeContact {
 };
 
 struct LatticeTouch {
-  std::vector<LatticePlace> places;         // slots ascend
+  std::vector<LatticePlace> places;         // by slot, wall and other
   std::vector<LatticeContact> contacts;     // by place, then by tool
   std::vector<ToolPose> poses;              // of the end of the last step, lattice frame
   std::vector<lattice::NodeContact> nodes;  // of the last step, one a contact
 };
 
-/// Tools at their first poses [patient frame].
+/// Of a field, at a place.
+inline Vec3d mean_of(const lattice::VecField& field, const LatticePlace& place) {
+  const Vec3d own(field[std::size_t(place.slot)]);
+  return place.other < 0 ? own : (own + Vec3d(field[std::size_t(place.other)])) * 0.5;
+}
+/// Where a place is now, lattice frame [m].
+inline Vec3d place_now(const lattice::State& state, const LatticePlace& place) {
+  return place.rest + mean_of(state.u, place);
+}
+
+/// Tools at their first poses [patient frame]. `surface` without cuts.
 LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::State& state,
                                 const lattice::BodySurface& surface, std::span<const ToolPose> poses);
 /// The surface was built anew: there are new cuts. What tools hold, they still hold.

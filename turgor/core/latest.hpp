@@ -13,6 +13,18 @@ class latest {  // NOLINT(readability-identifier-naming): reads as a word in dec
  public:
   latest() = default;
   explicit latest(const T& first) : slots_{first, first, first} {}
+  /// While no other thread is at either of them.
+  latest(const latest& other)
+      : slots_{other.slots_[0], other.slots_[1], other.slots_[2]},
+        writing_(other.writing_),
+        middle_(other.middle_.load()),
+        reading_(other.reading_) {}
+  latest& operator=(const latest& other) {
+    for (int slot = 0; slot < 3; slot++) slots_[slot] = other.slots_[slot];
+    writing_ = other.writing_, reading_ = other.reading_;
+    middle_ = other.middle_.load();
+    return *this;
+  }
 
   /// Writer's thread only.
   void write(const T& value) {

@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "turgor/core/number_text.hpp"
+#include "turgor/geometry/curve_sides.hpp"
 #include "turgor/geometry/labelled_part.hpp"
 #include "turgor/geometry/manifold.hpp"
+#include "turgor/geometry/quadratic.hpp"
 #include "turgor/geometry/stuffing.hpp"
 #include "turgor/geometry/surface_check.hpp"
 
@@ -72,15 +74,23 @@ LargestPart largest_part(const SolidMesh& mesh) {
   return largest;
 }
 
+void curve(const Exec& exec, const SignedDistance& shape, double level, LargestPart& part) {
+  if (part.mesh.elements.empty()) return;
+  part.mesh = with_middles(part.mesh);
+  curve_sides(exec, part.mesh, [&](Vec3d x) { return shape.at(x) - level; });
+  part.volume = volume(part.mesh);
+}
+
 /// Stuffs the shape at the level where the mesh has the wanted volume: flat triangles cut off what is round,
 /// and lattices what is thin. Newton's steps: a shift of the level changes the volume by the surface's area.
-LargestPart stuff_volume(const Exec& exec, const LatticeSamples& samples, double wanted,
+LargestPart stuff_volume(const Exec& exec, const LatticeSamples& samples, double wanted, Sides sides,
                          const Progress& progress) {
   const double farthest = samples.lattice.size / 2;
   LargestPart best;
   double level = 0;
   for (int pass = 0; pass < 6; pass++) {
     LargestPart now = largest_part(stuff(exec, samples, level));
+    if (sides == Sides::kCurved) curve(exec, samples.shape, level, now);
     if (progress) progress(0.5 + 0.5 * (pass + 1) / 6);
     const double missing = wanted - now.volume, area = surface_area(now.mesh);
     if (std::abs(missing) < std::abs(wanted - best.volume)) best = std::move(now);
@@ -105,12 +115,12 @@ Status note_result(const LargestPart& part, double wanted, double size, std::vec
 }
 
 Result<OrganMesh> mesh_of_shape(const Exec& exec, SignedDistance shape, double wanted, double size,
-                                std::vector<std::string> notes, const Progress& progress) {
+                                std::vector<std::string> notes, Sides sides, const Progress& progress) {
   if (Status suits = check_size(shape, wanted, size); !suits) return suits.error();
   const BccLattice lattice = lattice_around(shape, size, size / 2);
   const LatticeSamples samples = sample(exec, std::move(shape), lattice);
   if (progress) progress(0.5);
-  LargestPart part = stuff_volume(exec, samples, wanted, progress);
+  LargestPart part = stuff_volume(exec, samples, wanted, sides, progress);
   if (Status noted = note_result(part, wanted, size, notes); !noted) return noted.error();
   return OrganMesh{std::move(part.mesh), wanted, std::move(notes)};
 }
@@ -145,24 +155,25 @@ Status check_crossings(const Exec& exec, const CheckedSurface& body, const Signe
 }  // namespace
 
 Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, double size,
-                                  const Progress& progress) {
+                                  const Progress& progress, Sides sides) {
   Result<CheckedSurface> body = check_surface(exec, surface);
   if (!body) return body.error();
   SignedDistance shape = distance_to_surface(body->mesh);
   if (Status crossings = check_crossings(exec, *body, shape); !crossings) return crossings.error();
-  return mesh_of_shape(exec, std::move(shape), body->volume, size, body->notes, progress);
+  return mesh_of_shape(exec, std::move(shape), body->volume, size, body->notes, sides, progress);
 }
 
 Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> wanted,
-                                 double size, const Progress& progress) {
+                                 double size, const Progress& progress, Sides sides) {
   Result<LabelledPart> part = largest_labelled_part(labels, wanted);
   if (!part) return part.error();
   // Smooth away the voxels' steps, and details that the lattice could only catch in part.
   const Vec3d h = labels.grid.spacing;
-  const double smoothing = std::max(0.75 * std::max({h.x, h.y, h.z}), 0.2 * size);
+  const double smoothing =
+      std::max(0.75 * std::max({h.x, h.y, h.z}), (sides == Sides::kCurved ? 0.1 : 0.2) * size);
   Result<OrganMesh> organ =
       mesh_of_shape(exec, distance_to_voxels(exec, labels.grid, part->inside, smoothing), part->volume, size,
-                    part->notes, progress);
+                    part->notes, sides, progress);
   if (organ) organ->mesh.regions = regions_of(organ->mesh, labels, wanted);
   return organ;
 }

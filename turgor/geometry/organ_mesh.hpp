@@ -3,6 +3,7 @@
 // what was done.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,10 @@
 
 namespace turgor {
 
+/// What lies between the corners of a mesh's outer faces: planes, or quadratic tetrahedra whose middles are
+/// on the surface (curve_sides.hpp), a polyhedron in it whose edges are half as long.
+enum class Sides : std::uint8_t { kFlat, kCurved };
+
 struct OrganMesh {
   SolidMesh mesh;
   double input_volume = 0;         // of the largest part of the surface or of the labelled voxels [m³]
@@ -25,11 +30,11 @@ struct OrganMesh {
 /// Tetrahedra of about this edge length [m] inside a closed surface. Error: what surface_check.hpp refuses,
 /// or a size that does not suit the surface.
 Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, double size,
-                                  const Progress& progress = {});
+                                  const Progress& progress = {}, Sides sides = Sides::kFlat);
 
 /// The same inside all voxels that have one of the labels, such as an organ and the nodules in it. Every
 /// element's region is the label at its centroid; where that is none of them, the first label.
 Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> wanted,
-                                 double size, const Progress& progress = {});
+                                 double size, const Progress& progress = {}, Sides sides = Sides::kFlat);
 
 }  // namespace turgor

@@ -28,6 +28,17 @@ std::vector<Edge> all_edges(const SolidMesh& mesh) {
 
 }  // namespace
 
+std::array<Vec3d, 10> quadratic_slopes(const std::array<double, 4>& linear) {
+  static constexpr std::array<Vec3d, 4> kSlope{{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  std::array<Vec3d, 10> slope;
+  for (std::size_t c = 0; c < 4; c++) slope[c] = kSlope[c] * (4 * linear[c] - 1);
+  for (std::size_t e = 0; e < kTetEdges.size(); e++) {
+    const auto a = std::size_t(kTetEdges[e][0]), b = std::size_t(kTetEdges[e][1]);
+    slope[4 + e] = 4 * (linear[a] * kSlope[b] + linear[b] * kSlope[a]);
+  }
+  return slope;
+}
+
 SolidMesh with_middles(const SolidMesh& tetrahedra) {
   TURGOR_ASSERT(tetrahedra.corners == 4, "edges of linear tetrahedra are given middles");
   const std::vector<Edge> edges = all_edges(tetrahedra);
@@ -43,6 +54,19 @@ SolidMesh with_middles(const SolidMesh& tetrahedra) {
       mesh.elements.push_back(first + int(found - edges.begin()));
     }
   }
+  return mesh;
+}
+
+SolidMesh without_middles(const SolidMesh& quadratic) {
+  TURGOR_ASSERT(quadratic.corners == 10, "quadratic tetrahedra have middles");
+  SolidMesh mesh{{}, 4, {}, quadratic.regions};
+  int most = -1;
+  for (std::size_t e = 0; e < element_count(quadratic); e++)
+    for (const int corner : element(quadratic, e).first(4)) {
+      mesh.elements.push_back(corner);
+      most = std::max(most, corner);
+    }
+  mesh.vertices.assign(quadratic.vertices.begin(), quadratic.vertices.begin() + most + 1);
   return mesh;
 }
 

@@ -21,9 +21,17 @@ constexpr int node_between(int a, int b) {
   return -1;
 }
 
+/// The slopes of a quadratic tetrahedron's ten functions over its linear functions 1, 2 and 3, where the four
+/// linear ones have these values.
+std::array<Vec3d, 10> quadratic_slopes(const std::array<double, 4>& linear);
+
 /// Linear tetrahedra as quadratic ones with straight edges. Vertices keep their numbers; the middles of edges
 /// come behind them.
 SolidMesh with_middles(const SolidMesh& tetrahedra);
+
+/// The tetrahedra between the corners of quadratic ones; vertices keep their numbers, the middles are left
+/// out.
+SolidMesh without_middles(const SolidMesh& quadratic);
 
 /// Every quadratic tetrahedron as eight linear ones between its ten nodes.
 SolidMesh linear_parts(const SolidMesh& quadratic);

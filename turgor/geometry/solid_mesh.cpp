@@ -56,6 +56,25 @@ double hex_jacobian(const SolidMesh& mesh, std::size_t e, Vec3d p) {
   return determinant(map);
 }
 
+/// Determinants of the map are cubic: five points, of which the centroid counts negatively, are exact.
+double quadratic_volume(const SolidMesh& mesh, std::size_t e) {
+  const auto part = [&](const std::array<double, 4>& linear) {
+    const std::array<Vec3d, 10> slope = quadratic_slopes(linear);
+    Mat3d map{{{}, {}, {}}};
+    for (std::size_t c = 0; c < 10; c++)
+      for (int axis = 0; axis < 3; axis++)
+        map.column[axis] += mesh.vertices[std::size_t(element(mesh, e)[c])] * slope[c][axis];
+    return determinant(map) / 6;
+  };
+  double sum = -0.8 * part({0.25, 0.25, 0.25, 0.25});
+  for (std::size_t c = 0; c < 4; c++) {
+    std::array<double, 4> linear{1.0 / 6, 1.0 / 6, 1.0 / 6, 1.0 / 6};
+    linear[c] = 0.5;
+    sum += 0.45 * part(linear);
+  }
+  return sum;
+}
+
 /// The triangles of a face, as numbers of the element's nodes.
 std::vector<Int3> face_triangles(const SolidMesh& mesh, const std::array<int, 4>& face) {
   const auto [a, b, c, d] = face;
@@ -75,7 +94,8 @@ int root(std::vector<int>& parent, int e) {
 
 double volume(const SolidMesh& mesh, std::size_t e) {
   const auto x = [&](std::size_t c) { return mesh.vertices[std::size_t(element(mesh, e)[c])]; };
-  if (mesh.corners != 8) return orientation(x(0), x(1), x(2), x(3)) / 6;
+  if (mesh.corners == 10) return quadratic_volume(mesh, e);
+  if (mesh.corners == 4) return orientation(x(0), x(1), x(2), x(3)) / 6;
   const double g = 1 / std::sqrt(3.0);
   double sum = 0;
   for (const double a : {-g, g})

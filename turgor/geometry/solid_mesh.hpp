@@ -35,7 +35,7 @@ inline int region(const SolidMesh& mesh, std::size_t e) { return mesh.regions.em
 inline double orientation(Vec3d a, Vec3d b, Vec3d c, Vec3d d) { return dot(cross(b - a, c - a), d - a); }
 
 /// Signed volume of an element [m³]; of a hexahedron, that of its trilinear map, of a quadratic tetrahedron,
-/// that between its corners.
+/// that of its quadratic one.
 double volume(const SolidMesh& mesh, std::size_t e);
 double volume(const SolidMesh& mesh);
 Vec3d centroid(const SolidMesh& mesh, std::size_t e);

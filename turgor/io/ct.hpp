@@ -19,9 +19,10 @@
 namespace turgor {
 
 struct ReadOptions {
-  std::string series;  // DICOM: which series, by SeriesInstanceUID or by its number in the error's list;
-                       // empty = the only one
-  Progress progress;   // may be empty
+  std::string series;       // DICOM: which series, by SeriesInstanceUID or by its number in the error's list;
+                            // empty = the only one
+  Progress progress;        // may be empty
+  bool straighten = false;  // DICOM: slices of a tilted gantry are resampled to a straight grid, not refused
 };
 
 /// What a DICOM series that is made of another takes over: patient, study and frame of reference, so that

@@ -154,14 +154,17 @@ Result<CtFile> read_dicom(const Exec& exec, const fs::path& path, const ReadOpti
   Result<ChosenSlices> chosen =
       is_folder ? slices_in(exec, path, options, part(0, 0.3)) : slices_beside(exec, path, part(0, 0.3));
   if (!chosen) return chosen.error();
-  Result<DicomVolume> volume = stack_slices(path, std::move(chosen->slices));
+  Result<DicomVolume> volume = stack_slices(path, std::move(chosen->slices), options.straighten);
   if (!volume) return volume.error();
-  if (std::int64_t(sample_count(volume->grid)) > std::int64_t{1} << 33)
+  const bool leans = norm(volume->shift) > 0;
+  const Grid grid = leans ? straight_grid(volume->grid, volume->shift) : volume->grid;
+  if (std::int64_t(sample_count(grid)) > std::int64_t{1} << 33)
     return Error{fmt::format("{}: more samples than the largest volume of 2^33", path.string())};
   CtFile file;
   file.ct = {volume->grid, std::vector<std::int16_t>(sample_count(volume->grid))};
   const Result<ChangedSamples> changed = read_all_samples(exec, *volume, file.ct, part(0.3, 1));
   if (!changed) return changed.error();
+  if (leans) file.ct = straightened(exec, file.ct, volume->shift);
   const DicomSlice& first = volume->slices.front();
   file.format = "DICOM";
   file.origin = origin_of(volume->slices);

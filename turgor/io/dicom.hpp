@@ -62,7 +62,8 @@ struct DicomFolder {
 /// A series whose slices are in order, and where its samples lie.
 struct DicomVolume {
   std::vector<DicomSlice> slices;
-  Grid grid;
+  Grid grid;    // as if they lay straight above each other
+  Vec3d shift;  // of each against the one before, in its plane: of a tilted gantry [m]
   std::vector<std::string> notes;
 };
 
@@ -87,8 +88,14 @@ std::string list_series(const std::vector<DicomSlice>& slices);
 /// The slices of the series asked for; an error that lists the series if that is not one.
 Result<std::vector<DicomSlice>> choose_series(const std::filesystem::path& folder,
                                               std::vector<DicomSlice> slices, const std::string& wanted);
-/// Sorts along the normal and refuses what is not a straight stack of evenly spaced CT slices.
-Result<DicomVolume> stack_slices(const std::filesystem::path& folder, std::vector<DicomSlice> slices);
+/// Sorts along the normal and refuses what is not a straight stack of evenly spaced CT slices, or one that
+/// leans evenly if it may.
+Result<DicomVolume> stack_slices(const std::filesystem::path& folder, std::vector<DicomSlice> slices,
+                                 bool may_lean = false);
+/// The grid around slices of which each is shifted so against the one before [m], and their samples on it,
+/// linear within each slice; air where none reaches.
+Grid straight_grid(const Grid& grid, Vec3d shift);
+CtVolume straightened(const Exec& exec, const CtVolume& ct, Vec3d shift);
 /// Samples whose Hounsfield units are not what was stored.
 struct ChangedSamples {
   std::size_t padding = 0;  // became air

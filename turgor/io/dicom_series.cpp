@@ -132,21 +132,42 @@ Mat3d slice_axes(const DicomSlice& slice) {
   return {{i, cross(k, i), k}};
 }
 
-/// Slices must lie straight above each other: a tilted gantry shifts each against the one before.
-Status check_tilt(const fs::path& folder, const Slices& slices, Vec3d normal) {
-  const Vec3d whole = *slices.back().position - *slices.front().position;
-  for (const DicomSlice& s : slices) {
-    const Vec3d way = *s.position - *slices.front().position;
-    const double shift = norm(way - normal * dot(way, normal));
-    if (shift <= 0.1 * std::min(s.row_spacing, s.column_spacing)) continue;
-    const Vec3d sideways = whole - normal * dot(whole, normal);
-    const double angle = std::atan2(norm(sideways), dot(whole, normal)) * 180 / M_PI;
-    return Error{fmt::format(
-        "{}: gantry tilt of {:.1f} degrees: slice {} is shifted sideways by {:.2f} mm against {}; expected "
-        "slices straight above each other (resample the series to a straight grid first)",
-        folder.string(), angle, name_of(s), shift, name_of(slices.front()))};
+/// How a slice lies sideways of the first one [mm].
+Vec3d sideways(const Slices& slices, const DicomSlice& s, Vec3d normal) {
+  const Vec3d way = *s.position - *slices.front().position;
+  return way - normal * dot(way, normal);
+}
+
+std::string tilt_text(const Slices& slices, Vec3d normal) {
+  const double up = dot(*slices.back().position - *slices.front().position, normal);
+  const double angle = std::atan2(norm(sideways(slices, slices.back(), normal)), up) * 180 / M_PI;
+  return fmt::format("gantry tilt of {:.1f} degrees", angle);
+}
+
+/// A tilted gantry shifts each slice against the one before, all by the same: how far [mm]; 0 if they lie
+/// straight above each other.
+Result<Vec3d> slice_shift(const fs::path& folder, const Slices& slices, Vec3d normal, bool may_lean) {
+  const Vec3d whole = sideways(slices, slices.back(), normal);
+  const double steps = std::max(1.0, double(slices.size()) - 1);
+  bool leans = false;
+  for (std::size_t i = 0; i < slices.size(); i++) {
+    const DicomSlice& s = slices[i];
+    const double near = 0.1 * std::min(s.row_spacing, s.column_spacing);
+    const Vec3d shift = sideways(slices, s, normal);
+    if (norm(shift) <= near && norm(whole) <= near) continue;
+    leans = true;
+    if (!may_lean)
+      return Error{fmt::format(
+          "{}: {}: slice {} is shifted sideways by {:.2f} mm against {}; expected "
+          "slices straight above each other (turgor import --straighten resamples them)",
+          folder.string(), tilt_text(slices, normal), name_of(s), norm(shift), name_of(slices.front()))};
+    if (norm(shift - whole * (double(i) / steps)) > near)
+      return Error{
+          fmt::format("{}: slice {} lies {:.2f} mm beside the line from the first slice to the last; "
+                      "expected all shifted by the same, as by a tilted gantry",
+                      folder.string(), name_of(s), norm(shift - whole * (double(i) / steps)))};
   }
-  return Done{};
+  return leans ? whole / steps : Vec3d{};
 }
 
 /// The distance that slices should have: the smallest gap if all others are multiples of it, as when slices
@@ -212,8 +233,8 @@ Result<Slices> choose_series(const fs::path& folder, Slices slices, const std::s
       fmt::format("{}: has no series \"{}\"; there are:{}", folder.string(), wanted, list_groups(series))};
 }
 
-Result<DicomVolume> stack_slices(const fs::path& folder, Slices slices) {
-  DicomVolume volume{std::move(slices), {}, {}};
+Result<DicomVolume> stack_slices(const fs::path& folder, Slices slices, bool may_lean) {
+  DicomVolume volume{std::move(slices), {}, {}, {}};
   drop_localizers(volume);
   for (const DicomSlice& s : volume.slices) {
     if (Status alone = check_slice(s); !alone) return alone.error();
@@ -227,12 +248,17 @@ Result<DicomVolume> stack_slices(const fs::path& folder, Slices slices) {
   });
   const Result<double> spacing = slice_spacing(folder, volume.slices, normal);
   if (!spacing) return spacing.error();
-  if (Status straight = check_tilt(folder, volume.slices, normal); !straight) return straight.error();
+  const Result<Vec3d> shift = slice_shift(folder, volume.slices, normal, may_lean);
+  if (!shift) return shift.error();
+  if (norm(*shift) > 0)
+    volume.notes.push_back(tilt_text(volume.slices, normal) +
+                           ": its slices were resampled to a straight grid, within each of them");
   const DicomSlice& first = volume.slices.front();
   volume.grid = {.size = {first.columns, first.rows, int(volume.slices.size())},
                  .spacing = Vec3d{first.column_spacing, first.row_spacing, *spacing} * 1e-3,
                  .origin = *first.position * 1e-3,
                  .axes = axes};
+  volume.shift = *shift * 1e-3;
   return volume;
 }
 

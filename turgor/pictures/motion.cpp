@@ -73,6 +73,14 @@ Seen seen_body(const ShownBody& body) {
   return {std::move(thing), &body.triangles, body.wall_begin, body.rest, body.x};
 }
 
+Seen seen_inside(const ShownBody& body) {
+  return {{MovingThing::Kind::kInside, body.name, Look::kFlesh, 1, {}},
+          &body.inside.triangles,
+          body.inside.triangles.size(),
+          body.inside.vertices,
+          body.inside.vertices};
+}
+
 Seen seen_tool(const ShownTool& tool) {
   Seen seen{{MovingThing::Kind::kTool, tool.name, Look::kFlesh, 1, {}}, &tool.mesh.triangles, 0, {}, {}};
   seen.wall_begin = tool.mesh.triangles.size();
@@ -198,7 +206,8 @@ double largest_movement(const Motion& motion, std::size_t thing) {
 }
 
 const char* kind_name(MovingThing::Kind kind) {
-  return kind == MovingThing::Kind::kBody ? "body" : kind == MovingThing::Kind::kTool ? "tool" : "obstacle";
+  constexpr const char* kNames[] = {"body", "inside", "tool", "obstacle"};
+  return kNames[std::size_t(kind)];
 }
 
 const char* look_name(Look look) {
@@ -283,6 +292,8 @@ void add_moment(const ShownWorld& shown, Motion& motion, const MotionLimits& lim
   std::size_t at = 0;
   for (const ShownBody& body : shown.bodies)
     add_thing(seen_body(body), at++, limits.triangles, motion, frame);
+  for (const ShownBody& body : shown.bodies)
+    if (!body.inside.triangles.empty()) add_thing(seen_inside(body), at++, limits.triangles, motion, frame);
   for (const ShownTool& tool : shown.tools) add_thing(seen_tool(tool), at++, limits.triangles, motion, frame);
   for (const TriMesh& mesh : shown.obstacles)
     add_thing(seen_obstacle(mesh), at++, limits.triangles, motion, frame);

@@ -19,9 +19,9 @@ struct MovingSurface {
   std::size_t wall_begin = 0;   // the first triangle of a wall
 };
 
-/// Something that is seen: a body, a tool, or what cloth lies on.
+/// Something that is seen: a body, what is of another material in it, a tool, or what cloth lies on.
 struct MovingThing {
-  enum class Kind : std::uint8_t { kBody, kTool, kObstacle } kind = Kind::kBody;
+  enum class Kind : std::uint8_t { kBody, kInside, kTool, kObstacle } kind = Kind::kBody;
   std::string name;
   Look look = Look::kFlesh;
   double usual_force = 1;  // of a body [N]

@@ -48,7 +48,7 @@ constexpr const char* kScript = R"js(
     return numbers;
   };
   const summed = (numbers, mask) => { for (let i = 1; i < numbers.length; i++) numbers[i] = (numbers[i] + numbers[i - 1]) & mask; return numbers; };
-  const map = bytesOf(motion.map), looks = {flesh: 0x9e4438, skin: 0xe0ac91, cloth: 0x5c86b0, tool: 0xb0becc, obstacle: 0xbcb4a8, wall: 0xa63a32};
+  const map = bytesOf(motion.map), looks = {flesh: 0x9e4438, skin: 0xe0ac91, cloth: 0x5c86b0, tool: 0xb0becc, obstacle: 0xbcb4a8, inside: 0xecd696, wall: 0xa63a32};
 
   renderer.setClearColor(0x252c34);
   const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(32, 1, 0.001, 50);
@@ -77,6 +77,8 @@ constexpr const char* kScript = R"js(
       const side = THREE.DoubleSide, shape = {rest, geometry};
       shape.materials = [color, new THREE.Color(looks.wall)].map((c) =>
         new THREE.MeshStandardMaterial({color: c, roughness: 0.55, metalness: thing.kind === 'tool' ? 0.3 : 0, side, vertexColors: THREE.VertexColors}));
+      if (thing.kind === 'inside')  // seen through the body
+        for (const material of shape.materials) material.transparent = true, material.opacity = 0.5, material.depthTest = false, material.side = THREE.FrontSide;
       shape.mesh = new THREE.Mesh(geometry, shape.materials), shape.mesh.visible = false, shape.color = color, shape.mesh.frustumCulled = false;
       scene.add(shape.mesh), thing.shapes.push(shape);
       if (thing.kind === 'body') for (let v = 0; v < rest.length; v += 3) whole.expandByPoint(new THREE.Vector3(rest[v], rest[v + 1], rest[v + 2]));

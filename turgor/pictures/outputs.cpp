@@ -45,13 +45,37 @@ bool shows_touch_alone(const World& world) {
 
 std::string seconds_text(double seconds) { return fmt::format("{:.2f} s", seconds); }
 
-Status finish_video(Outputs& outputs) {
+/// The views from near, one for every cut, come second.
+std::vector<Film> make_films(const Outputs& outputs, std::size_t cuts) {
+  std::vector<Film> films;
+  if (!outputs.scene->output.video || !has_ffmpeg()) return films;
+  for (std::size_t view = 1; view <= cuts; view++) films.push_back({.file = {}, .view = view, .frames = {}});
+  if (cuts == 0 || outputs.views.size() > cuts + 1)
+    films.push_back({.file = {}, .view = outputs.views.size() - 1, .frames = {}});
+  for (Film& film : films)
+    film.file = films.size() == 1 ? "video.mp4" : fmt::format("video-{}.mp4", outputs.views[film.view].name);
+  return films;
+}
+
+Status film_moment(const ShownWorld& shown, Film& film, Outputs& outputs) {
+  const std::optional<Image> image =
+      draw_world(shown, outputs, outputs.views[film.view].camera, !shows_skin(shown), MeshCare::kQuick);
+  if (!image) return Done{};
+  const fs::path file =
+      outputs.folder / kVideoFolder / fmt::format("{}-{:06}.png", film.view, film.frames.size());
+  film.frames.push_back(file);
   const AddTime time(outputs.facts.file_seconds);
-  if (outputs.video_frames.size() > 1) {
-    const double rate = double(outputs.video_frames.size() - 1) / (outputs.video_end - outputs.video_begin);
-    const Status written = write_video(outputs.video_frames, rate, outputs.folder / "video.mp4");
+  return write_png(file, *image, PngEffort::kFast);
+}
+
+Status finish_films(Outputs& outputs) {
+  const AddTime time(outputs.facts.file_seconds);
+  for (const Film& film : outputs.films) {
+    if (film.frames.size() < 2) continue;
+    const double rate = double(film.frames.size() - 1) / (outputs.video_end - outputs.video_begin);
+    const Status written = write_video(film.frames, rate, outputs.folder / film.file);
     if (written)
-      outputs.facts.files.push_back("video.mp4");
+      outputs.facts.files.push_back(film.file);
     else
       outputs.facts.warnings.push_back("no video: " + written.error().message);
   }
@@ -86,6 +110,7 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
   for (SurfaceView& view : outputs.views)
     if (view.colored && scene.output.color != SkinColor::kNone)
       view.camera = beside_legend(view.camera, outputs);
+  outputs.films = make_films(outputs, world.cuts.size());
   return outputs;
 }
 
@@ -176,16 +201,12 @@ int moment_interval(const Outputs& outputs) {
 
 Status take_moment(const ShownWorld& shown, Outputs& outputs) {
   add_to_motion(shown, outputs);
-  if (!outputs.scene->output.video || !has_ffmpeg()) return Done{};
-  const std::optional<Image> image =
-      draw_world(shown, outputs, outputs.views.back().camera, !shows_skin(shown), MeshCare::kQuick);
-  if (!image) return Done{};
-  if (outputs.video_frames.empty()) outputs.video_begin = shown.time;
+  if (outputs.films.empty()) return Done{};
+  if (outputs.films[0].frames.empty()) outputs.video_begin = shown.time;
   outputs.video_end = shown.time;
-  const fs::path file = outputs.folder / kVideoFolder / fmt::format("{:06}.png", outputs.video_frames.size());
-  outputs.video_frames.push_back(file);
-  const AddTime time(outputs.facts.file_seconds);
-  return write_png(file, *image, PngEffort::kFast);
+  for (Film& film : outputs.films)
+    if (const Status filmed = film_moment(shown, film, outputs); !filmed) return filmed;
+  return Done{};
 }
 
 namespace {
@@ -225,7 +246,7 @@ Status finish_outputs(const World& world, const ShownWorld& shown, const std::ve
   if (status) status = finish_ct_outputs(world, outputs);
   if (status) status = finish_tables(world, outputs);
   if (status && outputs.scene->output.obj) status = write_objs(shown, pressed, outputs);
-  return status ? finish_video(outputs) : status;
+  return status ? finish_films(outputs) : status;
 }
 
 }  // namespace turgor

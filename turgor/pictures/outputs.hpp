@@ -29,18 +29,25 @@ struct SurfaceView {
   Image first, last;     // the first snapshot, as one sees it, and the latest
 };
 
+/// A video: one from near for every cut; without cuts, or where the scene has cameras, one of the last view.
+struct Film {
+  std::string file;  // "video.mp4", or with the view's name where there are several
+  std::size_t view = 0;
+  std::vector<std::filesystem::path> frames;  // in a hidden folder
+};
+
 struct Outputs {
   const Exec* exec = nullptr;
   const Scene* scene = nullptr;
   std::filesystem::path folder;
   RunFacts facts;
   std::vector<SurfaceView> views;
-  std::vector<lattice::State> at_rest;              // lattices as in the CT, for pictures of before
-  std::vector<PvdEntry> series;                     // of meshes
-  std::vector<std::filesystem::path> video_frames;  // in a hidden folder
-  double video_begin = 0, video_end = 0;            // when the first and the latest of them were [s]
-  Motion motion;                                    // for the page
-  bool can_draw = true;                             // OpenGL works
+  std::vector<lattice::State> at_rest;    // lattices as in the CT, for pictures of before
+  std::vector<PvdEntry> series;           // of meshes
+  std::vector<Film> films;                // none, unless the scene asks for a video and ffmpeg is there
+  double video_begin = 0, video_end = 0;  // when their first and their latest frame were [s]
+  Motion motion;                          // for the page
+  bool can_draw = true;                   // OpenGL works
 };
 
 /// Adds the wall time of its life to a sum [s].

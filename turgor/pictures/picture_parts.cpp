@@ -12,7 +12,7 @@ namespace turgor {
 namespace {
 
 constexpr Rgb kFlesh{158, 68, 56}, kSkin{224, 172, 145}, kWall{166, 58, 50}, kCloth{92, 134, 176},
-    kObstacle{188, 180, 168}, kTool{176, 190, 204}, kArrow{250, 204, 70};
+    kObstacle{188, 180, 168}, kTool{176, 190, 204}, kArrow{250, 204, 70}, kInside{236, 214, 150};
 
 std::string newtons(double force) {
   return force < 0.1 ? fmt::format("{:.0f} mN", force * 1e3) : fmt::format("{:.2f} N", force);
@@ -91,6 +91,9 @@ void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, P
   }
   if (body.look == Look::kCloth) surface = two_sided(std::move(surface));
   parts.add(std::move(surface), color_of(body.look), scale);
+  if (body.inside.triangles.empty()) return;
+  parts.add(body.inside, kInside);
+  parts.parts.back().through = true;
 }
 
 TriMesh placed_mesh(const ShownTool& tool) {

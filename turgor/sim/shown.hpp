@@ -33,6 +33,7 @@ struct ShownBody {
   std::vector<Int3> triangles;              // counter-clockwise seen from outside
   std::vector<int> mesh_vertex;             // its number in the body's mesh, -1 = none; empty = as here
   TriMesh patch;                            // of finer functions, superposed (sfem), as it lies now
+  TriMesh inside;                           // of what is harder or softer in it (sfem), as it lies now
   std::size_t wall_begin = 0;               // from this triangle on they are walls of wounds
   Box box;                                  // around the body at rest [m]
   double usual_force = 1;                   // that presses a centimetre of it in by about a centimetre [N]

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,7 @@ namespace turgor {
 namespace {
 
 constexpr float kOcclusionReach = 0.08f;  // of the picture's height
+constexpr float kThrough = 0.5f;          // of its own light has a part that is seen through another
 
 template <class T>
 void upload(GlObjects& objects, GLuint attribute, int components, GLenum type, const std::vector<T>& values) {
@@ -29,7 +31,7 @@ struct HeldPart {
   GLuint array = 0;
   GLsizei indices = 0;
   Vec3 color;
-  bool use_map = false;
+  bool use_map = false, through = false;
 };
 
 HeldPart hold_part(GlObjects& objects, const MeshPart& part) {
@@ -37,7 +39,8 @@ HeldPart hold_part(GlObjects& objects, const MeshPart& part) {
   HeldPart held{.array = objects.new_array(),
                 .indices = GLsizei(3 * mesh.triangles.size()),
                 .color = Vec3{float(part.color.r), float(part.color.g), float(part.color.b)} / 255,
-                .use_map = part.scale != nullptr};
+                .use_map = part.scale != nullptr,
+                .through = part.through};
   glBindVertexArray(held.array);
   upload(objects, 0, 3, GL_FLOAT, mesh.vertices);
   upload(objects, 1, 3, GL_FLOAT, mesh.normals.empty() ? vertex_normals(mesh) : mesh.normals);
@@ -108,6 +111,30 @@ void draw_depths(GLuint program, const std::vector<HeldPart>& parts, const View&
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
+// What other surfaces hide of the parts that are seen through them, over those: with the program, the targets
+// and the depths of the picture so far.
+void draw_through(const std::vector<HeldPart>& parts) {
+  std::vector<HeldPart> through;
+  std::copy_if(parts.begin(), parts.end(), std::back_inserter(through),
+               [](const HeldPart& part) { return part.through; });
+  if (through.empty()) return;
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_FALSE);
+  glColorMaski(1, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);  // normals stay those of the surface before it
+  glEnable(GL_BLEND);
+  glEnable(GL_CULL_FACE);
+  glBlendColor(0, 0, 0, kThrough);
+  glBlendFuncSeparate(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA, GL_ZERO, GL_ONE);
+  set_uniform("through", true);
+  draw_parts(through);
+  set_uniform("through", false);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_BLEND);
+  glColorMaski(1, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LESS);
+}
+
 void draw_surfaces(GlObjects& objects, const MeshPrograms& programs, const MeshTargets& targets,
                    const std::vector<HeldPart>& parts, const View& view, const LightView& light,
                    MeshStyle style) {
@@ -129,6 +156,7 @@ void draw_surfaces(GlObjects& objects, const MeshPrograms& programs, const MeshT
   set_texture("shadow", 1, targets.shadow_depths);
   draw_parts(parts, style);
   glDepthFunc(GL_LESS);
+  if (style == MeshStyle::kSurface) draw_through(parts);
 }
 
 void draw_screen(GlObjects& objects) {
@@ -219,6 +247,7 @@ GLuint draw_quickly(GlObjects& objects, const MeshDrawing& drawing, const HeldSc
   set_lights(view);
   set_texture("color_map", 0, new_color_map(objects));
   draw_parts(scene.parts, style);
+  if (style == MeshStyle::kSurface) draw_through(scene.parts);
   return targets.picture;
 }
 

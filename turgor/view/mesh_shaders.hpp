@@ -50,6 +50,7 @@ uniform sampler2DShadow shadow;
 uniform mat4 to_light;
 uniform float shadow_texel;  // [m]
 uniform vec3 eye, right_axis, back_axis;
+uniform bool through;  // inside of another surface, whose shadow does not count
 uniform vec3 key, fill, rim, up;
 uniform vec3 key_color, fill_color, rim_color, sky_color, floor_color;
 layout(location = 0) out vec4 light;
@@ -83,7 +84,7 @@ void main() {
 
   // Light that enters skin leaves it beside: the terminator is soft, and softest in red.
   vec3 wrap = mapped ? vec3(0.25) : vec3(0.32, 0.20, 0.15);
-  float towards = dot(n, key), share = key_share(eye - to_eye, n);
+  float towards = dot(n, key), share = through ? 1.0 : key_share(eye - to_eye, n);
   share = mix(1.0, 0.12 + 0.88 * share, smoothstep(0.0, 0.3, towards));  // the terminator is soft already
   vec3 lit = key_color * share * max(vec3(0), (towards + wrap) / (1.0 + wrap));
   lit += fill_color * max(0.0, dot(n, fill)) + mix(floor_color, sky_color, 0.5 + 0.5 * dot(n, up));

@@ -21,6 +21,7 @@ struct MeshPart {
   Rgb color{224, 172, 145};                  // where there is no scale
   const ColorScale* scale = nullptr;         // colour by mesh->scalars, with a legend
   const std::vector<Rgb>* colors = nullptr;  // one a vertex, instead of `color`
+  bool through = false;                      // paler, but seen also through what lies before it
 };
 
 /// Both sides of every triangle are seen; normals are computed where the mesh has none; scalars that are no

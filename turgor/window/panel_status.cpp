@@ -44,7 +44,7 @@ void show_status(const Viewer& viewer) {
   if (!ImGui::Begin("status", nullptr, flags)) return ImGui::End();
   const SessionNow& now = *viewer.now;
   if (now.phase == SessionNow::Phase::kLoading)
-    line(now.doing + " …", kGood);
+    line(now.done > 0 ? fmt::format("{} … {:.0f} %", now.doing, 100 * now.done) : now.doing + " …", kGood);
   else if (now.phase == SessionNow::Phase::kReady)
     line(fmt::format("{}   |   {}   |   {:.0f} pictures/s", physics_text(now),
                      now.is_felt ? haptics_text(now) : std::string("nothing is felt here"),

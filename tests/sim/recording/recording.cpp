@@ -125,12 +125,12 @@ TEST(Recording, FilesThatAreNoneAreNamed) {
   }
   EXPECT_EQ(error(),
             path +
-                ": expected \"turgor recording 5\", found \"turgor recording 0\", of another version of this "
+                ": expected \"turgor recording 6\", found \"turgor recording 0\", of another version of this "
                 "program");
   {
     Result<Hdf5File> half = Hdf5File::create(path);
     ASSERT_TRUE(half);
-    ASSERT_TRUE(half->write_text("/format", "turgor recording 5"));
+    ASSERT_TRUE(half->write_text("/format", "turgor recording 6"));
   }
   EXPECT_EQ(error(), path + ": the recording was never finished");
 }

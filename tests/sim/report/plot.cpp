@@ -1,5 +1,6 @@
 #include "turgor/sim/report/plot.hpp"
 
+#include <algorithm>
 #include <clocale>
 #include <cmath>
 #include <cstdlib>
@@ -35,6 +36,20 @@ std::vector<std::string> texts(const pugi::xml_document& document) {
   for (const pugi::xml_node text : document.child("svg").children("text"))
     found.push_back(text.child_value());
   return found;
+}
+
+TEST(Plot, MarksPartsOfItsAxisAndNamesThemOnce) {
+  Plot plot = two_curves();
+  plot.bands = {{"over nodule", 2, 4}, {"over nodule", 8, 30}, {"over nothing", 11, 12}};
+  const pugi::xml_document document = parsed(plot_svg(plot));
+  std::vector<double> widths;
+  for (const pugi::xml_node rect : document.child("svg").children("rect"))
+    if (std::string(rect.attribute("class").value()) == "plot-band")
+      widths.push_back(rect.attribute("width").as_double());
+  ASSERT_EQ(widths.size(), 2u) << "what lies off the axis is not drawn";
+  EXPECT_NEAR(widths[1], widths[0], 0.2) << "up to the axis's end at 10";
+  const std::vector<std::string> words = texts(document);
+  EXPECT_EQ(std::count(words.begin(), words.end(), "over nodule"), 1);
 }
 
 TEST(Plot, SaysWhatItShowsInTypeOfElevenPixelsAndMore) {

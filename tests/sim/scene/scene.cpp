@@ -23,7 +23,7 @@ ct = "ct/patient.nii.gz"
 labels = "/seg.nii.gz"
 block = [2, 2, 1]
 fixed = ["bone", "ends"]
-tissue = { fat = 4e3, muscle = 1.5e4, volume = 2, labels = { liver = 4e3, 77 = 5e3 } }
+tissue = { law = "springs", fat = 4e3, muscle = 1.5e4, volume = 2, labels = { liver = 4e3, 77 = 5e3 } }
 skin = { law = "fibre", tension = [60, 30], stiffness = 250, shear = 90, amplification = 1, direction = [0, 0, 1] }
 solver = { method = "descent", sweeps = 7, damping = 2 }
 
@@ -61,6 +61,19 @@ std::string error_of(const std::string& text, const std::vector<std::string>& ov
   return scene ? "no error" : scene.error().message;
 }
 
+lattice::TissueLaw law_of(const std::string& body) {
+  const Result<Scene> scene = parse_scene(small_scene(body), "s.toml");
+  EXPECT_TRUE(scene) << scene.error().message;
+  return scene->lattice_bodies[0].params.tissue.law;
+}
+
+TEST(Scene, TissueIsSolidUnlessItAsksForSpringsOrForProjectionsThatKnowNoOther) {
+  EXPECT_EQ(law_of(""), lattice::TissueLaw::kSolid);
+  EXPECT_EQ(law_of("tissue = { young = 5e3, poisson = 0.3 }"), lattice::TissueLaw::kSolid);
+  EXPECT_EQ(law_of("tissue = { law = \"springs\" }"), lattice::TissueLaw::kSprings);
+  EXPECT_EQ(law_of("solver = { method = \"pbd\" }\nskin = { law = \"area\" }"), lattice::TissueLaw::kSprings);
+}
+
 TEST(Scene, EveryKeyReachesItsField) {
   const Result<Scene> parsed = parse_scene(kScene, "/scenes/s.toml");
   ASSERT_TRUE(parsed) << parsed.error().message;
@@ -78,6 +91,7 @@ TEST(Scene, EveryKeyReachesItsField) {
   EXPECT_TRUE(torso.params.fix_ends);
   EXPECT_EQ(torso.params.tissue.fat, 4e3);
   EXPECT_EQ(torso.params.tissue.volume, 2);
+  EXPECT_EQ(torso.params.tissue.law, lattice::TissueLaw::kSprings);
   EXPECT_EQ(torso.params.tissue.young_of_label, (std::map<int, double>{{5, 4e3}, {77, 5e3}}));
   EXPECT_EQ(torso.params.skin.tension_along, 60);
   EXPECT_EQ(torso.params.skin.tension_across, 30);
@@ -182,8 +196,9 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("skin = { direction = [0, 0, 0] }"),
        "body.torso.skin.direction: expected a vector that is not zero"},
       {small_scene("tissue = { law = \"solid\", volume = 2 }"),
-       "tissue.volume: solid tissue keeps its volume by tissue.poisson"},
-      {small_scene("tissue = { poisson = 0.3 }"),
+       "tissue.volume: solid tissue, the default, keeps its volume by tissue.poisson"},
+      {small_scene("tissue = { volume = 2 }"), "volume belongs to law = \"springs\": add that"},
+      {small_scene("tissue = { law = \"springs\", poisson = 0.3 }"),
        "tissue.poisson: springs have no Poisson's ratio of their own"},
       {small_scene("tissue = { law = \"solid\", poisson = 0.5 }"), "tissue.poisson: expected"},
       {small_scene("tissue = { law = \"jelly\" }"),

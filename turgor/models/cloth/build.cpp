@@ -8,6 +8,7 @@
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/models/cloth/bending.hpp"
 #include "turgor/models/cloth/check_mesh.hpp"
+#include "turgor/models/cloth/layers.hpp"
 #include "turgor/models/cloth/numbering.hpp"
 #include "turgor/models/cloth/springs.hpp"
 
@@ -149,6 +150,15 @@ void make_sheet_rows(const TriMesh& mesh, std::vector<Spring> edges, Model& mode
   find_slots(mesh.triangles, model.rows, model.membrane);
 }
 
+void note_near_layers(const TriMesh& mesh, Model& model) {
+  const double thickness = model.params.collision.thickness;
+  if (const int count = vertices_near_other_layers(mesh, model.near, thickness); count > 0)
+    model.notes.push_back(std::to_string(count) + " vertices lie nearer than the thickness of " +
+                          number_text(thickness) +
+                          " m to another layer of the mesh at rest: these do not keep out of each other; a "
+                          "smaller collision.thickness, or weld for seams, would");
+}
+
 void number_model(const Numbering& numbering, Model& model) {
   model.count = int(numbering.order.size());
   model.original = numbering.order;
@@ -202,6 +212,7 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
   for (std::size_t v = 0; v < mesh.vertices.size(); v++) model.x_rest.set(v, mesh.vertices[v]);
   if (params.collision.self) {
     model.near = near_at_rest(mesh, model.x_rest, params.collision.thickness);
+    note_near_layers(mesh, model);
     model.coarse = coarse_mesh(mesh, params.collision.thickness);
   }
   if (params.solver.method == Method::kBlocks) model.blocks = make_blocks(model);

@@ -22,6 +22,8 @@ struct Air {
   double gusts = 0;          // standard deviation of each component, in multiples of the mean wind [1]
   double gust_length = 1.5;  // of the largest gusts; the smallest are an eighth of it [m]
   std::uint64_t seed = 1;
+
+  bool operator==(const Air&) const = default;
 };
 
 /// The waves of a gusting wind at one time.

@@ -213,7 +213,7 @@ struct DescendLayer {
           const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
           if (!touched.empty()) press(touched, slot, buffer);
           solve(slot, count, buffer);
-          for (NodeContact& c : touched) c.force = contact_force(c, gather.nodes.u(c.slot)).force;
+          for (NodeContact& c : touched) c.force = contact_force(c, displacement(c)).force;
           if (sleeps && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
         },
         order);
@@ -229,25 +229,41 @@ struct DescendLayer {
     }
   }
 
-  /// Adds contacts to the systems of their nodes. Those of one node are equally stiff.
+  /// Of the place that touches.
+  Vec3 displacement(const NodeContact& c) const {
+    const Vec3 own = gather.nodes.u(c.slot);
+    return c.other < 0 ? own : (own + gather.nodes.u(c.other)) * Real(0.5);
+  }
+
+  /// Adds contacts to the systems of their nodes.
   void press(std::span<NodeContact> touched, int slot, SystemBuffer& buffer) const {
-    int last = -1;
-    Real stiffness = 0;
-    Vec3 without;
+    for (std::size_t begin = 0, end = 0; begin < touched.size(); begin = end) {
+      while (end < touched.size() && touched[end].slot == touched[begin].slot) end++;
+      const int at = touched[begin].slot - slot;
+      NodeSystem system = buffer.get(at);
+      press_node(touched.subspan(begin, end - begin), system);
+      buffer.set(at, system);
+    }
+  }
+
+  /// Contacts of one node are equally stiff, and share what one alone would have. Whether one alone touches
+  /// is told by where the node would go without it; beside others, by whether it bears, for what those hold
+  /// out it would pull back in.
+  void press_node(std::span<NodeContact> touched, NodeSystem& s) const {
+    const int slot = touched[0].slot;
+    const Real mobility = inertia.dt * inertia.dt * gather.nodes.w[slot];
+    const Real share = kContactStiffness / Real(touched.size());
+    const Real stiffness = share * ((s.xx + s.yy + s.zz) / 3 + 1 / mobility);
+    const Vec3 without = newton_step(s, inertia(slot) - gather.nodes.u(slot), mobility);
     for (NodeContact& c : touched) {
-      NodeSystem s = buffer.get(c.slot - slot);
-      const Vec3 u = gather.nodes.u(c.slot);
-      if (c.slot != last) {
-        const Real mobility = inertia.dt * inertia.dt * gather.nodes.w[c.slot];
-        stiffness = kContactStiffness * ((s.xx + s.yy + s.zz) / 3 + 1 / mobility);
-        without = u + newton_step(s, inertia(c.slot) - u, mobility);
-      }
-      last = c.slot, c.stiffness = stiffness;
-      const ContactForce pushed = contact_force(c, u, touches(c, without));
+      c.stiffness = stiffness;
+      const Real part = c.other < 0 ? Real(1) : Real(0.5);  // of the node's step that the place goes along
+      const Vec3 u = displacement(c);
+      const bool is_there = touched.size() == 1 ? touches(c, u + without * part) : bears(c);
+      const ContactForce pushed = contact_force(c, u, is_there);
       s.f += pushed.force;
-      add_outer(s, c.normal, pushed.along - pushed.across);
-      add_isotropic(s, pushed.across);
-      buffer.set(c.slot - slot, s);
+      add_outer(s, c.normal, (pushed.along - pushed.across) * part);
+      add_isotropic(s, pushed.across * part);
     }
   }
 

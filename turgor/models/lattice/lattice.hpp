@@ -238,9 +238,11 @@ struct NodeLoad {
 };
 
 /// Something rigid at a node, for the length of a step: the node stays beyond a plane, with Coulomb's
-/// friction on it, or goes along with what holds it.
+/// friction on it, or goes along with what holds it. Or not the node does, but the place halfway to a
+/// neighbour, which has the same contact with it.
 struct NodeContact {
   int slot = 0;
+  int other = -1;        // slot of that neighbour
   Vec3 normal;           // unit, from the plane at the node, along the lattice's axes
   Vec3 target;           // displacement at which the node lies on the plane and sticks to it [m]
   Real friction = 0;     // Coulomb's μ [1]

@@ -35,10 +35,12 @@ inline ContactForce contact_force(const NodeContact& c, Vec3 u, bool touches = f
   return {c.normal * pressing + rubbing * part, c.stiffness, c.stiffness * part};
 }
 
+/// Did it push in the last sweep?
+inline bool bears(const NodeContact& c) { return dot(c.force, c.normal) > 0; }
 /// Does the node touch in this sweep: because it did in the last one, or because it would go in without the
 /// contact?
 inline bool touches(const NodeContact& c, Vec3 u_without) {
-  return dot(c.force, c.normal) > 0 || dot(c.target - u_without, c.normal) > 0;
+  return bears(c) || dot(c.target - u_without, c.normal) > 0;
 }
 
 /// The contacts of the nodes of [slot, slot + count).

@@ -33,14 +33,23 @@ Vec3 mean_of_box(const Model& model, const State& state, Int3 node) {
   return mean.count > 0 ? mean.mean() : Vec3{};
 }
 
+/// Where the line from one node through the next leads after as long a way again. Tissue that is pressed
+/// shorter between them is not drawn shorter beyond: there it bears nothing, and tools find it as thick as it
+/// was.
+Vec3 go_on(Vec3 behind, Vec3 here, Vec3 way) {
+  const Vec3 now = way + (here - behind);
+  const Real length = norm(way), length_now = norm(now);
+  return length_now < length && length_now > 0 ? here + now * (length / length_now) - way : here + now - way;
+}
+
 /// What the tissue beside an air node suggests for its displacement, on average: it goes on along the line
 /// through a neighbour from the node behind that, where there is one and no blade went between them; if not
-/// along an edge, across a cell; else it is that of the neighbours, or of the tissue
+/// along an axis, along another edge or across a cell; else it is that of the neighbours, or of the tissue
 /// within two steps.
 Vec3 follow_neighbours(const Model& model, const State& state, int slot) {
   const Lattice& l = model.lattice;
   const int parity = slot_node(l, slot).x & 1;
-  MeanVec along_edge, across_cell, beside_edge, beside_cell;
+  MeanVec along_axis, along_edge, across_cell, beside_edge, beside_cell;
   for (int n = 0; n < 27; n++) {
     const Int3 way{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
     const int beside = slot + slot_offset(l, way, parity);
@@ -55,9 +64,13 @@ Vec3 follow_neighbours(const Model& model, const State& state, int slot) {
         family >= 0 ? state.cut[std::size_t(up ? beside : behind)] >> family & 1
                     : has_cut_edge(state, l, node_slot(l, slot_node(l, beside) + min(way, Int3{0, 0, 0})));
     if (is_parted) continue;
-    (family >= 0 ? along_edge : across_cell).add(here * Real(2) - state.u[std::size_t(behind)]);
+    const bool is_axis = way.x * way.x + way.y * way.y + way.z * way.z == 1;
+    (is_axis       ? along_axis
+     : family >= 0 ? along_edge
+                   : across_cell)
+        .add(go_on(state.u[std::size_t(behind)], here, -hadamard(l.step, Vec3(way))));
   }
-  for (const MeanVec& found : {along_edge, across_cell, beside_edge, beside_cell})
+  for (const MeanVec& found : {along_axis, along_edge, across_cell, beside_edge, beside_cell})
     if (found.count > 0) return found.mean();
   return mean_of_box(model, state, slot_node(l, slot));
 }

@@ -10,6 +10,8 @@ namespace {
 struct Support {
   bool body = false, air = false,
        opaque = false;  // opaque: gas or removed tissue, of which a CT says nothing
+
+  void add(Support other) { body |= other.body, air |= other.air, opaque |= other.opaque; }
 };
 
 }  // namespace
@@ -29,8 +31,9 @@ Real SkinLevel::sample(Vec3d place) const {
 
 CellLevels SkinLevel::operator()(int slot) const {
   const Int3 cell = slot_node(fine_.cells, slot);
-  std::array<Real, 8> level, beyond{};  // of the nodes, and what they are beyond the CT there
+  std::array<Real, 8> level, beyond{};  // of the nodes, and what they are beyond a CT that says otherwise
   std::array<Support, 8> corner;
+  Support all;
   for (int c = 0; c < 8; c++) {
     const Int3 offset{c & 1, c >> 1 & 1, c >> 2};
     const int node = slot + slot_offset(fine_.cells, offset, cell.x & 1);
@@ -38,8 +41,12 @@ CellLevels SkinLevel::operator()(int slot) const {
     level[n] = node_level(model_, state_, node);
     const bool gas = is_body(model_.tissue[s]) && Real(model_.hu[s]) < Real(model_.params.tissue.air_max);
     corner[n] = {level[n] > 0, level[n] <= 0, gas || state_.removed[s] != 0};
-    if (sampler_) beyond[n] = level[n] - sample(Vec3d(cell + offset));
+    all.add(corner[n]);
+    if (!sampler_) continue;
+    const Real there = sample(Vec3d(cell + offset));
+    if ((there > 0) != (level[n] > 0)) beyond[n] = level[n] - there;
   }
+  const bool sees_skin = sampler_ && all.body && all.air;
   CellLevels out;
   for_places(fine_, [&](Int3 p) {
     const Vec3 at{Real(p.x) / Real(fine_.parts.x), Real(p.y) / Real(fine_.parts.y),
@@ -49,11 +56,13 @@ CellLevels SkinLevel::operator()(int slot) const {
     Real value = 0, correction = 0;
     for (std::size_t c = 0; c < 8; c++) {
       if (weight[c] == 0) continue;
-      support.body |= corner[c].body, support.air |= corner[c].air, support.opaque |= corner[c].opaque;
+      support.add(corner[c]);
       value += weight[c] * level[c], correction += weight[c] * beyond[c];
     }
-    if (sampler_ && support.body && support.air && !support.opaque)
-      value = sample(Vec3d(cell) + Vec3d(at)) + correction;
+    if (sees_skin && !support.opaque) {
+      const Real seen = sample(Vec3d(cell) + Vec3d(at)) + correction;
+      if (seen > 0 ? support.body : support.air) value = seen;
+    }
     if (value > -1 && value < 1) value = value < 0 ? Real(-1) : Real(1);
     out.at[std::size_t(place_in_cell(fine_, p))] = value;
   });

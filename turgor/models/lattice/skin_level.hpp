@@ -18,9 +18,9 @@ class SkinLevel {
   /// `ct` may be null: then levels are the nodes' own.
   SkinLevel(const Model& model, const State& state, const FineLattice& fine, const CtVolume* ct);
   /// Nodes of the body are tissue and nodes of air are air, as they were told apart by the means of their
-  /// blocks; between both the level is the CT's, plus what the nodes' means are beyond it, so that nothing
-  /// jumps at a node and a table beside the body is air. Beside gas in the body and what was removed, nodes
-  /// decide.
+  /// blocks; around both the level is the CT's. Where it says otherwise than a node, what the node is beyond
+  /// it fades out towards the next ones, so that nothing jumps and a table beside the body is air. Beside gas
+  /// in the body and what was removed, nodes decide.
   CellLevels operator()(int slot) const;
 
  private:

@@ -80,6 +80,11 @@ void choose_kept_nodes(const Exec& exec, Model& model) {
 
 Body with_middles(Body body) {
   body.mesh = with_middles(body.mesh);
+  fix_middles(body);
+  return body;
+}
+
+void fix_middles(Body& body) {
   body.fixed.resize(body.mesh.vertices.size(), 0);
   for (std::size_t e = 0; e < element_count(body.mesh); e++) {
     const std::span<const int> nodes = element(body.mesh, e);
@@ -87,7 +92,6 @@ Body with_middles(Body body) {
     for (const auto [a, b] : kTetEdges)
       if (is_fixed(a) && is_fixed(b)) body.fixed[std::size_t(nodes[std::size_t(node_between(a, b))])] = 1;
   }
-  return body;
 }
 
 Result<Model> build(const Exec& exec, Body body, const Params& params) {

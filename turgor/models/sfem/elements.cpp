@@ -75,18 +75,11 @@ GaussPoints<8, 8> hex_points(const std::array<Vec3d, 8>& x) {
 /// In the tetrahedron 0 ≤ x, y, z, x + y + z ≤ 1, whose linear functions are 1 − x − y − z, x, y, z.
 GaussPoints<10, 4> quadratic_points(const std::array<Vec3d, 10>& x) {
   static constexpr double kNear = 0.58541019662496845446, kFar = 0.13819660112501051518;  // (5 ± 3√5, −√5)/20
-  static constexpr std::array<Vec3d, 4> kSlope{{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   GaussPoints<10, 4> points;
   for (std::size_t p = 0; p < 4; p++) {
     std::array<double, 4> linear{kFar, kFar, kFar, kFar};
     linear[p] = kNear;
-    std::array<Vec3d, 10> slope;
-    for (std::size_t c = 0; c < 4; c++) slope[c] = kSlope[c] * (4 * linear[c] - 1);
-    for (std::size_t e = 0; e < kTetEdges.size(); e++) {
-      const auto a = std::size_t(kTetEdges[e][0]), b = std::size_t(kTetEdges[e][1]);
-      slope[4 + e] = 4 * (linear[a] * kSlope[b] + linear[b] * kSlope[a]);
-    }
-    points.set(p, x, slope, 1.0 / 24);
+    points.set(p, x, quadratic_slopes(linear), 1.0 / 24);
   }
   return points;
 }

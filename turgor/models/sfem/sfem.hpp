@@ -59,6 +59,8 @@ struct Body {
 /// For quadratic elements: a node in the middle of every edge, fixed where both ends of the edge are. The
 /// vertices of linear tetrahedra keep their numbers.
 Body with_middles(Body body);
+/// Fixes those of a quadratic body that has `fixed` for its corners alone.
+void fix_middles(Body& body);
 
 struct Params {
   Formulation formulation = Formulation::kStandard;

@@ -30,8 +30,8 @@ Status grant(const Exec&, const AskWind& ask, std::shared_ptr<const Scene>&, Wor
 Status grant(const Exec& exec, const AskChange& ask, std::shared_ptr<const Scene>& scene, World& world) {
   Result<Scene> changed = with_change(*scene, ask.key, ask.value);
   if (!changed) return changed.error();
+  change_world(exec, *scene, *changed, world);
   scene = std::make_shared<const Scene>(std::move(*changed));
-  change_world(exec, *scene, world);
   return Done{};
 }
 

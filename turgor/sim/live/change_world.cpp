@@ -77,8 +77,11 @@ void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body)
   body.state.sleep = {};  // all rows feel it
 }
 
+void change_wind(const ClothScene& before, const ClothScene& scene, ClothBody& body) {
+  if (before.air != scene.air || before.turns != scene.turns) body.air = scene.air, body.turns = scene.turns;
+}
+
 void change_body(const Exec&, const ClothScene& scene, ClothBody& body) {
-  body.air = scene.air, body.turns = scene.turns;
   cloth::Params& params = body.model.params;
   params.damping = scene.params.damping;
   params.solver.sweeps = scene.params.solver.sweeps;
@@ -129,11 +132,13 @@ Result<Scene> with_change(const Scene& scene, const std::string& key, const std:
   return parse_scene(scene.text, scene.file, overrides);
 }
 
-void change_world(const Exec& exec, const Scene& scene, World& world) {
+void change_world(const Exec& exec, const Scene& before, const Scene& scene, World& world) {
   world.gravity = scene.gravity;
   for_each_kind(scene, world, [&exec](BodyKind, const auto& scenes, auto& bodies) {
     for (std::size_t b = 0; b < bodies.size(); b++) change_body(exec, scenes[b], bodies[b]);
   });
+  for (std::size_t b = 0; b < world.cloth_bodies.size(); b++)
+    change_wind(before.cloth_bodies[b], scene.cloth_bodies[b], world.cloth_bodies[b]);
   change_tools(scene, world);
 }
 

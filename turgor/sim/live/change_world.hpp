@@ -15,7 +15,8 @@ std::string why_not_live(const Scene& scene, const SceneKey& key);
 /// The scene with another value of a key. Error: the scene's own sentence.
 Result<Scene> with_change(const Scene& scene, const std::string& key, const std::string& value);
 
-/// Takes from a scene, of which the world was made, what changes_live names. Nothing else of it moves.
-void change_world(const Exec& exec, const Scene& scene, World& world);
+/// Takes from a scene what why_not_live lets pass. Nothing else of the world moves; what the scene says as it
+/// did `before` leaves a wind that a hand made as it is.
+void change_world(const Exec& exec, const Scene& before, const Scene& scene, World& world);
 
 }  // namespace turgor

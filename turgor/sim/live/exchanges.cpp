@@ -3,7 +3,7 @@
 namespace turgor {
 
 void begin_felt(FrameTouchedBody& body, const std::vector<TouchingTool>& tools) {
-  body.felt = std::make_unique<LocalExchange[]>(body.tool_indices.size());
+  body.felt = std::vector<LocalExchange>(body.tool_indices.size());
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
     LocalExchange& exchange = body.felt[t];
     exchange.before = command_at(tools[std::size_t(body.tool_indices[t])], 0);
@@ -34,7 +34,7 @@ void give_frame(FrameTouchedBody& body, std::size_t t, TickKnew knew) {
 
 void take_commands(FrameTouchedBody& body, double from, double to, std::vector<TouchingTool>& tools) {
   constexpr int kRows = 16;
-  for (std::size_t t = 0; body.felt && t < body.tool_indices.size(); t++) {
+  for (std::size_t t = 0; t < body.felt.size(); t++) {
     LocalExchange& exchange = body.felt[t];
     const NumberedCommand newest = exchange.command.read();
     const contact::ToolCommand before = exchange.before, now = newest.command;

@@ -11,7 +11,6 @@
 // and two for who does it again (felt_replay.hpp): keep_frame after a frame, give_frame before a tick.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -44,9 +43,10 @@ struct LocalExchange {
   double age = 0;         // of the newest plane [s]
 };
 
-/// A body whose forces are known once a frame. `felt`: one for each of tool_indices while a hand feels it.
+/// A body whose forces are known once a frame. `felt`: one for each of tool_indices while a hand feels it,
+/// else none.
 struct FrameTouchedBody : TouchedBody {
-  std::unique_ptr<LocalExchange[]> felt;
+  std::vector<LocalExchange> felt;
 };
 
 void begin_felt(FrameTouchedBody& body, const std::vector<TouchingTool>& tools);
@@ -59,7 +59,7 @@ inline TickKnew tick_knew(const FrameTouchedBody& body, std::size_t t) {
   return {std::int32_t(body.felt[t].touch.contact.number), 0};
 }
 inline FrameKnew frame_knew(const FrameTouchedBody& body, std::size_t t) { return {body.felt[t].ticks, 0}; }
-inline void end_felt(FrameTouchedBody& body) { body.felt.reset(); }
+inline void end_felt(FrameTouchedBody& body) { body.felt.clear(); }
 void keep_frame(FrameTouchedBody& body);
 void give_frame(FrameTouchedBody& body, std::size_t t, TickKnew knew);
 inline void expect_patch(FrameTouchedBody&, bool) {}

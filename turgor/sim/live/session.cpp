@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 #include <optional>
 
 #include <fmt/format.h>
@@ -54,10 +55,13 @@ struct Session::Thread {
   SessionNow next;                   // all but `shown`, which is made where it is read
   std::chrono::steady_clock::time_point frame_begun;
   double frame_period = 0;  // by the clock, a mean over some [s]
+  std::mutex telling;       // how far loading is
+  std::chrono::steady_clock::time_point told;
 
   void run();
   bool wait(std::vector<Ask>& asked);
   void load();
+  void tell(double done);
   Status try_load();
   void unload();
   void frame();
@@ -124,6 +128,15 @@ void Session::Thread::load() {
   publish();
 }
 
+/// Any thread that loads calls it, while the session's waits; some twenty times a second it is shown.
+void Session::Thread::tell(double done) {
+  const std::unique_lock lock(telling, std::try_to_lock);
+  const auto now = std::chrono::steady_clock::now();
+  if (!lock || now - told < std::chrono::milliseconds(50)) return;
+  told = now, next.done = done;
+  publish();
+}
+
 Status Session::Thread::try_load() {
   if (!scene) {
     Result<Scene> read = read_scene(file.file, file.overrides);
@@ -136,7 +149,7 @@ Status Session::Thread::try_load() {
   const BeginWork begin = [this](const std::string& label, const std::string&) -> Progress {
     next.doing = label, next.done = 0;
     publish();
-    return {};
+    return [this](double done) { tell(done); };
   };
   Result<World> loaded = load_world(exec, with_tools, begin);
   if (!loaded) return loaded.error();

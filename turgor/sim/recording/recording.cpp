@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "turgor recording 5";
+constexpr const char* kFormat = "turgor recording 6";
 constexpr std::size_t kMostSnapshots = 1000000, kMostPathPoints = 1 << 24;
 
 std::vector<int> body_slots(const lattice::Model& model) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -83,16 +84,47 @@ bool is_finite(const std::vector<float>& values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
+std::vector<std::int32_t> numbers_of(const std::vector<Int3>& triangles) {
+  std::vector<std::int32_t> numbers;
+  for (const Int3 t : triangles) numbers.insert(numbers.end(), {t.x, t.y, t.z});
+  return numbers;
+}
+
+/// None if one of them is no vertex.
+std::optional<std::vector<Int3>> triangles_of(const std::vector<std::int32_t>& numbers,
+                                              std::size_t vertices) {
+  std::vector<Int3> triangles;
+  if (numbers.size() % 3 != 0) return {};
+  for (std::size_t i = 0; i < numbers.size(); i += 3) {
+    for (std::size_t k = i; k < i + 3; k++)
+      if (numbers[k] < 0 || std::size_t(numbers[k]) >= vertices) return {};
+    triangles.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+  }
+  return triangles;
+}
+
+/// The parts inside of a body; false: they are damaged.
+bool read_inside(Reading& reading, TriMesh& inside) {
+  const std::size_t count = reading.count("inside", 3 * kMostVertices) / 3;
+  const auto places = reading.array<float>("inside", 3 * count);
+  const std::size_t corners = reading.count("inside_triangles", 3 * 3 * kMostVertices);
+  const auto triangles = triangles_of(reading.array<std::int32_t>("inside_triangles", corners), count);
+  if (!triangles || !is_finite(places)) return false;
+  inside.vertices = vectors(places), inside.triangles = *triangles;
+  inside.normals = vertex_normals(inside);
+  return true;
+}
+
 Status write_shown(Hdf5File& file, const std::string& group, double time, const ShownBody& surface,
                    const std::vector<ShownTool>& tools) {
-  std::vector<std::int32_t> triangles;
-  for (const Int3 t : surface.triangles) triangles.insert(triangles.end(), {t.x, t.y, t.z});
   return Writing(file, group)
       .array<double>("time", {time}, 1, "s")
       .array("rest", flat(surface.rest), 3, "m")
       .array("displacement", flat(surface.displacement), 3, "m")
       .array("pressure", surface.pressure, 1, "Pa")
-      .array("triangles", triangles, 3)
+      .array("triangles", numbers_of(surface.triangles), 3)
+      .array("inside", flat(surface.inside.vertices), 3, "m")
+      .array("inside_triangles", numbers_of(surface.inside.triangles), 3)
       .array<std::int32_t>("mesh_vertex", {surface.mesh_vertex.begin(), surface.mesh_vertex.end()})
       .array("tools", tool_rows(tools), kPose, kPoseUnits)
       .status();
@@ -118,16 +150,14 @@ Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std:
   const std::size_t numbers = reading.count("mesh_vertex", count);
   const auto mesh_vertex = reading.array<std::int32_t>("mesh_vertex", numbers);
   if (!reading.status()) return reading.status().error();
-  const bool sound = std::all_of(triangles.begin(), triangles.end(),
-                                 [count](int v) { return v >= 0 && std::size_t(v) < count; }) &&
-                     corners % 3 == 0 && (known == 0 || known == count) &&
+  const auto outer = triangles_of(triangles, count);
+  const bool sound = read_inside(reading, surface.inside) && outer && (known == 0 || known == count) &&
                      (numbers == 0 || numbers == count) && is_finite(rest) && is_finite(displacement);
+  if (!reading.status()) return reading.status().error();
   if (!sound) return Error{fmt::format("{}: the surface is damaged", group)};
   surface.mesh_vertex.assign(mesh_vertex.begin(), mesh_vertex.end());
   surface.rest = vectors(rest), surface.displacement = vectors(displacement);
-  surface.triangles.clear();
-  for (std::size_t i = 0; i < corners; i += 3)
-    surface.triangles.push_back({triangles[i], triangles[i + 1], triangles[i + 2]});
+  surface.triangles = *outer;
   surface.wall_begin = surface.triangles.size();
   place_vertices(surface);
   return ReadRows{time[0], tools};

@@ -150,6 +150,31 @@ std::string draw_area(const Axes& axes) {
       axes.logarithmic ? "yes" : "no");
 }
 
+/// Cut where a letter ends.
+std::string short_label(const std::string& label) {
+  std::size_t letters = 0;
+  for (std::size_t i = 0; i < label.size(); i++)
+    if ((label[i] & 0xc0) != 0x80 && letters++ == kLongestLabel) return label.substr(0, i) + "…";
+  return label;
+}
+
+/// What of it is on the axis; its name stands once, at the top.
+std::string draw_bands(const Axes& axes, const std::vector<Band>& bands) {
+  std::string svg, named;
+  for (const Band& band : bands) {
+    const double from = std::max(band.from, axes.x.low), to = std::min(band.to, axes.x.high);
+    if (!(from < to)) continue;
+    svg += fmt::format(
+        "<rect class=\"plot-band\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
+        axes.px(from), axes.top, axes.px(to) - axes.px(from), kCurves);
+    if (band.label != named)
+      svg += text_at(axes.px(0.5 * (from + to)), axes.top + kLine - 4, "text-anchor=\"middle\"",
+                     short_label(band.label));
+    named = band.label;
+  }
+  return svg;
+}
+
 std::string draw_curve(const Axes& axes, const Points& points, const std::string& label, const char* color) {
   constexpr std::size_t kMostDots = 40;
   std::string path, dots;
@@ -165,14 +190,6 @@ std::string draw_curve(const Axes& axes, const Points& points, const std::string
              "stroke-linejoin=\"round\"/>\n",
              xml_text(label), path, color) +
          dots;
-}
-
-/// Cut where a letter ends.
-std::string short_label(const std::string& label) {
-  std::size_t letters = 0;
-  for (std::size_t i = 0; i < label.size(); i++)
-    if ((label[i] & 0xc0) != 0x80 && letters++ == kLongestLabel) return label.substr(0, i) + "…";
-  return label;
 }
 
 struct Legend {
@@ -205,6 +222,7 @@ constexpr const char* kHead =
     "font-size=\"{2:.0f}\">\n<title>{3}</title>\n<style>"
     ".turgor-plot text {{ fill: #43494f; }} .plot-grid {{ stroke: #9aa1a8; stroke-width: 0.5; opacity: 0.5; "
     "}} "
+    ".plot-band {{ fill: #e69f00; opacity: 0.22; }} "
     ".plot-axis {{ stroke: #767d85; fill: none; }} @media (prefers-color-scheme: dark) {{ "
     ".turgor-plot text {{ fill: #b9c0c7; }} }}</style>\n";
 
@@ -219,7 +237,7 @@ std::string plot_svg(const Plot& plot) {
   const Axes axes = make_axes(curves, plot.logarithmic, legend.bottom + 0.5 * kLine);
   std::string svg = fmt::format(kHead, kWidth, axes.bottom() + kBottom, kFont, xml_text(plot.title)) +
                     text_at(kLeft, kLine, "font-weight=\"600\"", plot.title) + legend.svg +
-                    draw_axes(axes, plot) + draw_area(axes);
+                    draw_bands(axes, plot.bands) + draw_axes(axes, plot) + draw_area(axes);
   for (std::size_t c = 0; c < curves.size(); c++)
     if (!curves[c].empty())
       svg += draw_curve(axes, curves[c], plot.curves[c].label, kColors[c % std::size(kColors)]);

@@ -91,21 +91,6 @@ std::string pictures(const Json& report, const fs::path& folder) {
   return html + "</div>\n";
 }
 
-/// Inside the page while it is small, else beside it.
-std::string video(const Json& report, const fs::path& folder) {
-  constexpr std::size_t kLargest = 1 << 20;
-  const Json files = report.value("files", Json::array());
-  if (std::find(files.begin(), files.end(), "video.mp4") == files.end()) return {};
-  const Result<std::string> bytes = read_file(folder / "video.mp4");
-  if (!bytes) return {};
-  const std::string source =
-      bytes->size() <= kLargest ? "data:video/mp4;base64," + io::base64(*bytes) : std::string("video.mp4");
-  return fmt::format(
-      "<figure class=\"large\"><video controls loop muted src=\"{}\"></video><figcaption>video.mp4"
-      "</figcaption></figure>\n",
-      source);
-}
-
 /// As a link holds it.
 std::string link_text(const std::string& name) {
   std::string text;
@@ -115,6 +100,25 @@ std::string link_text(const std::string& name) {
     text += plain ? std::string(1, letter) : fmt::format("%{:02X}", static_cast<unsigned char>(letter));
   }
   return text;
+}
+
+/// Inside the page while all are small together, else beside it.
+std::string videos(const Json& report, const fs::path& folder) {
+  constexpr std::size_t kLargest = 1 << 20;
+  std::size_t taken = 0;
+  std::string html;
+  for (const Json& file : report.value("files", Json::array())) {
+    const std::string name = file.get<std::string>();
+    if (!name.ends_with(".mp4")) continue;
+    const Result<std::string> bytes = read_file(folder / name);
+    if (!bytes) continue;
+    taken += bytes->size();
+    html += fmt::format(
+        "<figure class=\"large\"><video controls loop muted src=\"{}\"></video><figcaption>{}"
+        "</figcaption></figure>\n",
+        taken <= kLargest ? "data:video/mp4;base64," + io::base64(*bytes) : link_text(name), xml_text(name));
+  }
+  return html;
 }
 
 /// Everything that was written beside the page.
@@ -192,7 +196,7 @@ std::string report_html(const Json& report, const fs::path& folder, const std::s
   for (const Json& warning : report.at("warnings"))
     html += "<p class=\"warning\">" + shown(warning) + "</p>\n";
   html += key_figures(report);
-  html += motion + pictures(report, folder) + video(report, folder);
+  html += motion + pictures(report, folder) + videos(report, folder);
   html += curves(report);
   html += tables(report) + files(report);
   html += "<h2>Scene</h2>\n<pre><code>" + xml_text(report.at("scene_text").get<std::string>()) +

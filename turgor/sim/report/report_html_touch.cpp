@@ -16,6 +16,15 @@ Plot tool_plot(const Json& tools, const char* title, const char* x_label, const 
   return plot;
 }
 
+/// Marks where tools were over what is of another material inside.
+Plot over_parts(Plot plot, const Json& tools, const char* from, const char* to) {
+  for (const Json& tool : tools)
+    for (const Json& over : tool.value("over", Json::array()))
+      plot.bands.push_back({"over " + over.at("part").get<std::string>(), over.at(from).get<double>(),
+                            over.at(to).get<double>()});
+  return plot;
+}
+
 /// Points are drawn while the tool touches: it moves through air at no force before and after.
 void keep_touching(Plot& plot) {
   for (Curve& curve : plot.curves)
@@ -48,9 +57,11 @@ std::string touch_curves(const Json& report) {
                          "depth_mm", "force_N");
   keep_touching(depth);
   return "<h2>The touch</h2>\n<div class=\"grid\">" +
-         drawn(tool_plot(tools, "Force over time", "time [s]", "force [N]", "time_s", "force_N")) +
-         drawn(tool_plot(tools, "Force along the path", "path of the tool [mm]", "force [N]", "path_mm",
-                         "force_N")) +
+         drawn(over_parts(tool_plot(tools, "Force over time", "time [s]", "force [N]", "time_s", "force_N"),
+                          tools, "from_s", "to_s")) +
+         drawn(over_parts(tool_plot(tools, "Force along the path", "path of the tool [mm]", "force [N]",
+                                    "path_mm", "force_N"),
+                          tools, "from_mm", "to_mm")) +
          drawn(depth) +
          drawn(tool_plot(tools, "Contacts", "time [s]", "places that bear force", "time_s", "contacts")) +
          drawn(profile_plot(report.value("profiles", Json::array()))) +

@@ -10,6 +10,7 @@
 #include "turgor/models/sfem/expected_error.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/report/off_the_body.hpp"
+#include "turgor/sim/report/over_parts.hpp"
 #include "turgor/sim/report/report_compare.hpp"
 #include "turgor/sim/report/section.hpp"
 
@@ -306,6 +307,8 @@ Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& 
   Json json = values_of(kTool, tool_part(scene, tool, world));
   const std::size_t stride = std::max<std::size_t>(1, (tool.samples.size() + kMostRows - 1) / kMostRows);
   add_rows(json, "series_columns", "series", kForces, tool.samples, stride);
+  if (tool.body.kind == BodyKind::kSfem)
+    json["over"] = over_parts(tool.samples, world.sfem_bodies[std::size_t(tool.body.index)].inside);
   return json;
 }
 

@@ -60,6 +60,8 @@ struct ObstacleScene {
 struct WindTurn {
   double time = 0;  // [s]
   Vec3d velocity;   // [m/s]
+
+  bool operator==(const WindTurn&) const = default;
 };
 
 struct ClothScene {

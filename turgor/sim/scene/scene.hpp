@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,8 +27,9 @@ struct LatticeScene {
   std::string name;
   std::string place;  // "scene.toml:7:1: body.torso", for errors found later
   CtSource ct;
-  std::filesystem::path labels;           // a segmentation of the same patient; may be empty
-  std::filesystem::path direction_field;  // Langer's lines as a vector volume; may be empty
+  std::filesystem::path labels;                     // a segmentation of the same patient; may be empty
+  std::shared_ptr<const LabelVolume> given_labels;  // the same, of whoever makes the world; goes before
+  std::filesystem::path direction_field;            // Langer's lines as a vector volume; may be empty
   double step = 0;             // lattice step to come near to, instead of params.block; 0 = not given [m]
   std::string label_note;      // when names of labels were not the file's own
   int only = 0;                // label whose largest part is the body, the rest becomes air; 0 = all is

@@ -106,8 +106,8 @@ void read_young(SceneTable& tissue, lattice::TissueParams& params) {
 void read_law(SceneTable& tissue, lattice::TissueParams& params) {
   tissue.read_choice<TissueLaw>(
       "law", params.law, {{"springs", TissueLaw::kSprings}, {"solid", TissueLaw::kSolid}},
-      "`\"springs\"`: as in the paper; `\"solid\"`: cells that answer alike in every "
-      "direction (`descent` only, at least 2 sweeps)");
+      "`\"solid\"`: cells that answer alike in every direction (`descent` only, at least 2 sweeps); "
+      "`\"springs\"`: as in the paper, and what `pbd` takes without a word");
   tissue.read("poisson", params.poisson, within(0, 0.49),
               "solid only: Poisson's ratio; from 0.45 on take 10 sweeps or more");
   tissue.read(
@@ -116,10 +116,11 @@ void read_law(SceneTable& tissue, lattice::TissueParams& params) {
   const bool solid = params.law == TissueLaw::kSolid;
   if (solid && tissue.has("volume"))
     tissue.fail("volume",
-                "solid tissue keeps its volume by tissue.poisson; volume belongs to law = \"springs\"");
+                "solid tissue, the default, keeps its volume by tissue.poisson; volume belongs to law = "
+                "\"springs\": add that, or take volume away");
   if (!solid && tissue.has("poisson"))
     tissue.fail("poisson",
-                "springs have no Poisson's ratio of their own: add law = \"solid\", or set volume");
+                "springs have no Poisson's ratio of their own: take law = \"solid\", or set volume");
 }
 
 void read_tissue(SceneTable& body, SceneLabels& labels, lattice::TissueParams& params) {
@@ -230,12 +231,14 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name) {
   read_fixed(body, scene.params, scene.held);
   body.read("gravity", scene.has_gravity,
             "`false`: the CT shows it as gravity has shaped it already; it feels what lies on it alone");
+  read_solver(body, scene.params.solver);
+  const bool projects = scene.params.solver.method == Method::kPbd;
+  scene.params.tissue.law = projects ? TissueLaw::kSprings : TissueLaw::kSolid;
   read_tissue(body, labels, scene.params.tissue);
   scene.label_note = labels.note;
   read_skin(body, scene.params.skin, scene.direction_field);
-  read_solver(body, scene.params.solver);
   const bool fibre = scene.params.skin.enabled && scene.params.skin.law == SkinLaw::kFibre;
-  if (scene.params.solver.method == Method::kPbd && fibre)
+  if (projects && fibre)
     body.fail(body.has("skin") ? "skin" : "solver",
               "solver.method = \"pbd\" offers the area law only (a projection has no forces along and across "
               "the lines); "

@@ -180,7 +180,9 @@ void read_output(SceneTable output, Scene& scene) {
                            "(`SPACE`), and 3D Slicer heeds that");
   output.read("recording", out.recording,
               "`recording.h5`, for `turgor run --replay` and for Python: see [recording.md](recording.md)");
-  output.read("video", out.video, "`video.mp4`, when ffmpeg is there; the page plays the run without");
+  output.read("video", out.video,
+              "`video.mp4`, when ffmpeg is there; with several cuts, `video-NAME.mp4` of each from near; the "
+              "page plays the run without");
   output.finish();
 }
 

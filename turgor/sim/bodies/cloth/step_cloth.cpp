@@ -128,7 +128,7 @@ void note_tools(ClothBody& body, World& world, double time, double seconds) {
 
 /// What ticks feel until the next frame.
 void leave_planes(ClothBody& body) {
-  for (std::size_t t = 0; body.felt && t < body.tools.size(); t++)
+  for (std::size_t t = 0; t < body.felt.size(); t++)
     leave_plane(
         body, t,
         contact::local_contact(body.model, body.state, int(body.obstacles.size() + t), tool_gap(body),

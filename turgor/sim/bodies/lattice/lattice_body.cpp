@@ -8,6 +8,7 @@
 #include "turgor/contact/tick.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/body_nodes.hpp"
 #include "turgor/sim/bodies/lattice/keep_label.hpp"
@@ -35,7 +36,12 @@ struct ReadFields {
 Result<ReadFields> read_fields(const LatticeScene& scene, const Grid& ct,
                                std::optional<LabelVolume> phantom_labels) {
   ReadFields fields{std::move(phantom_labels), std::nullopt};
-  if (!scene.labels.empty()) {
+  if (scene.given_labels) {
+    fields.labels = on_grid(*scene.given_labels, ct);
+    if (!fields.labels)
+      return Error{
+          "labels: expected a segmentation whose samples lie where those of the CT do, found another grid"};
+  } else if (!scene.labels.empty()) {
     Result<LabelFile> read = read_labels_of(scene.labels, ct);
     if (!read) return read.error();
     fields.labels = std::move(read->labels);
@@ -198,7 +204,7 @@ namespace {
 
 /// What ticks feel until the next frame.
 void leave_planes(LatticeBody& body) {
-  for (std::size_t t = 0; body.felt && t < body.tools.size(); t++)
+  for (std::size_t t = 0; t < body.felt.size(); t++)
     leave_plane(body, t,
                 contact::local_contact(body.model, body.state, body.touch, int(t), body.tools[t],
                                        body.poses[t], body.felt[t].memory));

@@ -7,6 +7,7 @@
 namespace turgor {
 
 Result<LoadedCt> load_ct(const Exec& exec, const CtSource& source, const Progress& progress) {
+  if (source.given) return LoadedCt{*source.given, std::nullopt, {}, {}};
   if (source.phantom) {
     LoadedCt loaded;
     LabelVolume labels;

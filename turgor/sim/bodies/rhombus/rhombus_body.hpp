@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "turgor/contact/rhombus_touch.hpp"
+#include "turgor/core/boxed.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
 #include "turgor/sim/frame.hpp"
@@ -22,11 +23,11 @@ struct World;
 
 struct RhombusBody : TouchedBody {
   rhombus::Model model;
-  contact::RhombusTouch touch;                               // who ticks owns this
-  std::unique_ptr<latest<contact::RhombusTouchedNow>> felt;  // while a haptic thread ticks: what it leaves
-  contact::RhombusTouchedNow now;  // what it left for the frame; one for each of tool_indices
-  rhombus::State state;            // of the frame: the surface as it was shown last
-  std::vector<int> mesh_vertex;    // in the mesh of the body whose surface it is; empty = its own
+  contact::RhombusTouch touch;                     // who ticks owns this
+  boxed<latest<contact::RhombusTouchedNow>> felt;  // while a haptic thread ticks: what it leaves
+  contact::RhombusTouchedNow now;                  // what it left for the frame; one for each of tool_indices
+  rhombus::State state;                            // of the frame: the surface as it was shown last
+  std::vector<int> mesh_vertex;  // in the mesh of the body whose surface it is; empty = its own
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
   double pressed_volume = 0;       // the most that was pressed in after a frame [m³]

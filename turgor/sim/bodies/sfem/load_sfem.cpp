@@ -34,18 +34,20 @@ Result<OrganMesh> from_solid_file(const SolidFile& source) {
   return OrganMesh{.mesh = std::move(read->mesh), .notes = std::move(read->notes)};
 }
 
-Result<OrganMesh> from_surface(const Exec& exec, const ClosedSurface& source, const BeginWork& begin) {
+Result<OrganMesh> from_surface(const Exec& exec, const ClosedSurface& source, Sides sides,
+                               const BeginWork& begin) {
   Result<ReadSurface> read = read_surface(source.file, source.scale);
   if (!read) return read.error();
   turn_up(read->mesh.vertices, source.up);
-  Result<OrganMesh> made = mesh_of_surface(exec, read->mesh, source.resolution, begin_work(begin, "meshing"));
+  Result<OrganMesh> made =
+      mesh_of_surface(exec, read->mesh, source.resolution, begin_work(begin, "meshing"), sides);
   if (!made) return Error{fmt::format("{}: {}", source.file.string(), made.error().message)};
   append(made->notes, read->notes);
   return made;
 }
 
 Result<OrganMesh> from_labels(const Exec& exec, const LabelledOrgan& source,
-                              const std::vector<InsideScene>& inside, const BeginWork& begin) {
+                              const std::vector<InsideScene>& inside, Sides sides, const BeginWork& begin) {
   LabelVolume labels;
   if (source.phantom) {
     make_phantom(exec, *source.phantom, &labels, begin_work(begin, "painting"));
@@ -57,7 +59,7 @@ Result<OrganMesh> from_labels(const Exec& exec, const LabelledOrgan& source,
   std::vector<int> wanted{source.label};
   for (const InsideScene& part : inside) wanted.push_back(part.label);
   Result<OrganMesh> made =
-      mesh_of_labels(exec, labels, wanted, source.resolution, begin_work(begin, "meshing"));
+      mesh_of_labels(exec, labels, wanted, source.resolution, begin_work(begin, "meshing"), sides);
   const std::string name = source.phantom ? "the phantom" : source.file.string();
   if (!made) return Error{fmt::format("{}: {}", name, made.error().message)};
   if (!source.label_note.empty()) made->notes.push_back(source.label_note);
@@ -66,12 +68,17 @@ Result<OrganMesh> from_labels(const Exec& exec, const LabelledOrgan& source,
 
 Result<OrganMesh> load_shape(const Exec& exec, const SfemScene& scene, const BeginWork& begin) {
   if (const auto* file = std::get_if<SolidFile>(&scene.source)) return from_solid_file(*file);
+  const Sides sides = scene.elements == Elements::kQuadratic ? Sides::kCurved : Sides::kFlat;
   if (const auto* surface = std::get_if<ClosedSurface>(&scene.source))
-    return from_surface(exec, *surface, begin);
+    return from_surface(exec, *surface, sides, begin);
   if (const auto* body = std::get_if<LabelledOrgan>(&scene.source))
-    return from_labels(exec, *body, scene.inside, begin);
+    return from_labels(exec, *body, scene.inside, sides, begin);
   const HexBlock& block = std::get<HexBlock>(scene.source);
   return OrganMesh{.mesh = hex_block(block.size, block.count)};
+}
+
+SolidMesh corner_tetrahedra(const SolidMesh& mesh) {
+  return mesh.corners == 10 ? without_middles(mesh) : mesh;
 }
 
 double longest_edge(const SolidMesh& mesh) {
@@ -212,7 +219,7 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   if (!shape) return Error{fmt::format("{}: {}", scene.place, shape.error().message)};
   body.facts.notes = std::move(shape->notes);
   body.facts.input_volume = shape->input_volume;
-  if (shape->mesh.corners == 4) body.facts.quality = measure_quality(shape->mesh);
+  if (shape->mesh.corners != 8) body.facts.quality = measure_quality(corner_tetrahedra(shape->mesh));
   body.facts.volume = volume(shape->mesh);
   Result<sfem::Body> elastic = make_body(std::move(shape->mesh), scene);
   if (!elastic) return elastic.error();
@@ -222,6 +229,7 @@ Result<SfemBody> load_body(const Loading& loading, const SfemScene& scene, const
   Result<sfem::Model> model = sfem::build(exec, std::move(*elastic), params);
   if (!model) return Error{fmt::format("{}: {}", scene.place, model.error().message)};
   body.model = std::move(*model);
+  body.inside = inner_parts(scene, body.model.body);
   body.follow.radius = scene.patch.radius;
   if (const Status status = prepare_green(exec, scene, body, begin); !status) return status.error();
   if (const Status status = load_seen(exec, scene, body); !status) return status.error();

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "turgor/geometry/quadratic.hpp"
 #include "turgor/geometry/where_is.hpp"
 
 namespace turgor {
@@ -80,6 +81,11 @@ Status add_inclusions(const SfemScene& scene, sfem::Body& body) {
   return Done{};
 }
 
+/// How many of the vertices are corners: those of quadratic elements come before the middles.
+std::size_t corner_count(const SolidMesh& mesh) {
+  return mesh.corners == 10 ? without_middles(mesh).vertices.size() : mesh.vertices.size();
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> held_points(std::span<const Vec3d> points, const HeldBy& held) {
@@ -109,10 +115,12 @@ Status check_held(std::span<const Vec3d> points, const HeldBy& held, const std::
 Result<sfem::Body> make_body(SolidMesh mesh, const SfemScene& scene) {
   const bool quadratic = scene.elements == Elements::kQuadratic && mesh.corners == 4;
   sfem::Body body;
-  body.fixed = held_points(mesh.vertices, scene.fixed);
-  if (const Status held = check_held(mesh.vertices, scene.fixed, body.fixed); !held)
+  const std::span<const Vec3d> corners = std::span(mesh.vertices).first(corner_count(mesh));
+  body.fixed = held_points(corners, scene.fixed);
+  if (const Status held = check_held(corners, scene.fixed, body.fixed); !held)
     return Error{fmt::format("{}: {}", scene.place, held.error().message)};
   body.mesh = std::move(mesh);
+  if (body.mesh.corners == 10) sfem::fix_middles(body);
   body.materials = {scene.material};
   if (const Status status = add_inside(scene, body); !status) return status.error();
   if (const Status status = add_inclusions(scene, body); !status) return status.error();

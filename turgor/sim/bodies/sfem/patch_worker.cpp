@@ -6,7 +6,10 @@
 
 namespace turgor {
 
-PatchWorker::PatchWorker() : thread_([this] { work(); }) {}
+PatchWorker::PatchWorker(const PatchWorker& other) {
+  other.settle();
+  built_ = other.built_, is_busy_ = other.is_busy_;
+}
 
 PatchWorker::~PatchWorker() {
   {
@@ -14,7 +17,7 @@ PatchWorker::~PatchWorker() {
     ends_ = true;
   }
   changed_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 void PatchWorker::begin(Build build) {
@@ -24,6 +27,7 @@ void PatchWorker::begin(Build build) {
     const std::lock_guard lock(mutex_);
     build_ = std::move(build);
   }
+  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   changed_.notify_all();
 }
 
@@ -32,10 +36,16 @@ bool PatchWorker::is_ready() {
   return built_.has_value();
 }
 
-BuiltPatch PatchWorker::finish() {
-  TURGOR_ASSERT(is_busy_, "a patch is finished after it was begun");
+void PatchWorker::settle() const {
+  if (!is_busy_) return;
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return built_.has_value(); });
+}
+
+BuiltPatch PatchWorker::finish() {
+  TURGOR_ASSERT(is_busy_, "a patch is finished after it was begun");
+  settle();
+  const std::lock_guard lock(mutex_);
   BuiltPatch built = std::move(*built_);
   built_.reset();
   is_busy_ = false;

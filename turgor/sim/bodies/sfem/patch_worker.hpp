@@ -23,8 +23,9 @@ class PatchWorker {
  public:
   using Build = std::function<BuiltPatch()>;
 
-  PatchWorker();
-  PatchWorker(const PatchWorker&) = delete;
+  PatchWorker() = default;
+  /// Waits until what the other builds is there: both have it.
+  PatchWorker(const PatchWorker& other);
   PatchWorker& operator=(const PatchWorker&) = delete;
   /// Waits for what is being built.
   ~PatchWorker();
@@ -35,18 +36,20 @@ class PatchWorker {
   bool is_busy() const { return is_busy_; }
   /// Is it ready, so that finish does not wait?
   bool is_ready();
+  /// Waits for what was begun, if anything was: from here on nobody reads what it is built from.
+  void settle() const;
   /// What was begun; waits for it.
   BuiltPatch finish();
 
  private:
   void work();
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
   Build build_;
   std::optional<BuiltPatch> built_;
   bool is_busy_ = false, ends_ = false;
-  std::thread thread_;
+  std::thread thread_;  // from the first begin on
 };
 
 }  // namespace turgor

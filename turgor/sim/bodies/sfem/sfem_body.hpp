@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "turgor/contact/sfem_touch.hpp"
+#include "turgor/core/boxed.hpp"
 #include "turgor/geometry/embedding.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/models/sfem/patch.hpp"
 #include "turgor/models/sfem/rotation.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
+#include "turgor/sim/bodies/sfem/inner_parts.hpp"
 #include "turgor/sim/bodies/sfem/patch_worker.hpp"
 #include "turgor/sim/frame.hpp"
 #include "turgor/sim/live/known.hpp"
@@ -87,6 +89,7 @@ struct SfemBody : TouchedBody {
   SfemFacts facts;
   sfem::Model model;
   std::optional<SeenSurface> seen;
+  std::vector<InnerPart> inside;
 
   std::optional<Turning> turning;
   std::optional<ClothPress> press;
@@ -100,12 +103,12 @@ struct SfemBody : TouchedBody {
   std::size_t patch_memory = 0;  // that a patch may take [bytes]
   contact::FollowParams follow;
   std::vector<Vec3d> centres;  // where the present patch was built for [m]
-  std::unique_ptr<PatchWorker> worker;
+  boxed<PatchWorker> worker;
   std::vector<std::shared_ptr<const sfem::Patch>> patches;  // that somebody may still use
   contact::TouchedNow now;                                  // what ticks left, one for each of tool_indices
 
   contact::SfemTouch touch;            // who ticks owns this, and nothing else of the body that changes
-  std::unique_ptr<SfemFelt> felt;      // while a haptic thread ticks
+  boxed<SfemFelt> felt;                // while a haptic thread ticks
   int built_patches = 0;               // meanwhile, whatever became of them
   std::optional<bool> patch_is_ready;  // in a replay: at the next frame; else the worker is asked
 

@@ -180,6 +180,18 @@ void show_patch(const SfemBody& body, TriMesh& patch) {
   for (const Vec3d x : body.now.x) patch.vertices.emplace_back(x);
 }
 
+/// Where they lie now. What is deeper than Green's functions are kept does not move.
+void show_inside(const SfemBody& body, const std::vector<Vec3d>& coarse, TriMesh& inside) {
+  inside.vertices.clear(), inside.triangles.clear();
+  for (const InnerPart& part : body.inside) {
+    const int first = int(inside.vertices.size());
+    for (const int v : part.vertices)
+      inside.vertices.emplace_back(body.model.body.mesh.vertices[std::size_t(v)] + coarse[std::size_t(v)]);
+    for (const Int3 t : part.triangles) inside.triangles.push_back({t.x + first, t.y + first, t.z + first});
+  }
+  inside.normals = vertex_normals(inside);
+}
+
 /// Of a kept node below the surface.
 Vec3d inner_displacement(const sfem::Model& model, int slot, const std::vector<int>& from,
                          const std::vector<Vec3d>& forces) {
@@ -194,6 +206,20 @@ Vec3d inner_displacement(const sfem::Model& model, int slot, const std::vector<i
     }
   }
   return u;
+}
+
+/// The kept nodes below the surface that a picture shows: a finer surface hangs on all of them, and parts of
+/// another material have their own.
+std::vector<int> shown_inner_slots(const SfemBody& body) {
+  const sfem::Green& green = body.model.green;
+  std::vector<std::uint8_t> shown(green.nodes.size(), body.seen ? 1 : 0);
+  for (const InnerPart& part : body.inside)
+    for (const int v : part.vertices)
+      if (const int slot = green.slot[std::size_t(v)]; slot >= 0) shown[std::size_t(slot)] = 1;
+  std::vector<int> slots;
+  for (std::size_t n = green.surface_count; n < shown.size(); n++)
+    if (shown[n]) slots.push_back(int(n));
+  return slots;
 }
 
 }  // namespace
@@ -215,12 +241,11 @@ std::vector<Vec3d> displacements(const Exec& exec, const SfemBody& body,
   std::vector<Vec3d> displacement(body.model.body.mesh.vertices.size());
   for (std::size_t n = 0; n < green.surface_count; n++)
     displacement[std::size_t(green.nodes[n])] = {u[3 * n], u[3 * n + 1], u[3 * n + 2]};
-  // A finer surface hangs on the vertices behind the coarse one, too.
-  if (body.seen)
-    parallel_for(exec, green.nodes.size() - green.surface_count, [&](std::size_t i) {
-      const std::size_t n = green.surface_count + i;
-      displacement[std::size_t(green.nodes[n])] = inner_displacement(body.model, int(n), from, forces);
-    });
+  const std::vector<int> inner = shown_inner_slots(body);
+  parallel_for(exec, inner.size(), [&](std::size_t i) {
+    displacement[std::size_t(green.nodes[std::size_t(inner[i])])] =
+        inner_displacement(body.model, inner[i], from, forces);
+  });
   return displacement;
 }
 
@@ -253,6 +278,7 @@ void show(const Exec& exec, const SfemBody& body, ShownBody& out) {
   out.wall_begin = out.triangles.size();
   place_vertices(out);
   show_patch(body, out.patch);
+  show_inside(body, coarse, out.inside);
 }
 
 }  // namespace turgor

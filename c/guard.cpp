@@ -1,0 +1,32 @@
+#include "c/guard.hpp"
+
+#include <cstdio>
+
+#include "turgor/core/assert.hpp"
+
+namespace turgor::c {
+
+namespace {
+
+thread_local char error_of_thread[2048] = "";
+
+void throw_broken(const char* file, int line, const char* sentence, const char* condition) {
+  char text[1024];
+  std::snprintf(text, sizeof text, "%s:%d: %s (%s is false)", file, line, sentence, condition);
+  throw Broken(text);
+}
+
+}  // namespace
+
+void keep_error(const char* sentence) noexcept {
+  std::snprintf(error_of_thread, sizeof error_of_thread, "%s", sentence);
+}
+
+const char* kept_error() noexcept { return error_of_thread; }
+
+void throw_assertions() noexcept {
+  static const AssertionHandler before = set_assertion_handler(throw_broken);
+  (void)before;
+}
+
+}  // namespace turgor::c

@@ -1,0 +1,190 @@
+#include "c/world.hpp"
+
+#include "c/sized.hpp"
+#include "turgor/core/hash.hpp"
+#include "turgor/geometry/reorient.hpp"
+#include "turgor/sim/world_state.hpp"
+
+namespace turgor::c {
+
+namespace {
+
+constexpr std::uint32_t kMajor = TG_VERSION / 10000, kMinor = TG_VERSION / 100 % 100;
+
+tg_world_def default_def() {
+  tg_world_def def{};
+  def.size = sizeof def;
+  return def;
+}
+
+std::vector<std::string> overrides_of(const tg_world_def& def) {
+  std::vector<std::string> texts;
+  expect(def.override_count == 0 || def.overrides, "expected overrides, found null");
+  for (std::size_t n = 0; n < def.override_count; n++) {
+    expect(def.overrides[n] != nullptr, "expected an override as key=value, found null");
+    texts.emplace_back(def.overrides[n]);
+  }
+  return texts;
+}
+
+Vec3d vec_of(const double* v) { return {v[0], v[1], v[2]}; }
+
+CtVolume volume_of(const tg_volume& given) {
+  expect(given.body && given.hu, "expected a volume with the name of its body and its samples, found null");
+  CtVolume ct;
+  for (const std::int32_t n : given.samples)
+    expect(n > 0 && n < 65536, "expected a volume's samples along i, j and k");
+  ct.grid = {.size = {given.samples[0], given.samples[1], given.samples[2]},
+             .spacing = vec_of(given.spacing),
+             .origin = vec_of(given.origin),
+             .axes = {{vec_of(given.axes), vec_of(given.axes + 3), vec_of(given.axes + 6)}}};
+  const Mat3d square = transposed(ct.grid.axes) * ct.grid.axes;
+  for (int a = 0; a < 3; a++) {
+    expect(ct.grid.spacing[a] > 0, "expected a volume's spacing above 0");
+    for (int b = 0; b < 3; b++)
+      expect(std::abs(square.column[a][b] - (a == b)) < 1e-3,
+             "expected a volume's axes unit and square to each other");
+  }
+  ct.samples.assign(given.hu, given.hu + sample_count(ct.grid));
+  return right_handed(std::move(ct));
+}
+
+void give_volumes(const tg_world_def& def, Scene& scene) {
+  expect(def.volume_count == 0 || def.volumes, "expected volumes, found null");
+  const char* next = reinterpret_cast<const char*>(def.volumes);
+  for (std::size_t n = 0; n < def.volume_count; n++) {
+    const tg_volume given = taken(reinterpret_cast<const tg_volume*>(next), tg_volume{});
+    next += given.size;
+    auto ct = std::make_shared<const CtVolume>(volume_of(given));
+    bool found = false;
+    for (LatticeScene& body : scene.lattice_bodies)
+      if (body.name == given.body) body.ct.given = ct, found = true;
+    if (!found)
+      throw Refused(std::string(given.body) +
+                    ": expected a body with model = \"lattice\" to give a volume to, found none");
+  }
+}
+
+Scene scene_of(const tg_world_def& def) {
+  expect((def.scene != nullptr) != (def.text != nullptr), "expected either a scene's file or its text");
+  const std::vector<std::string> overrides = overrides_of(def);
+  Scene scene =
+      def.scene
+          ? required(read_scene(def.scene, overrides))
+          : required(parse_scene(
+                def.text, std::filesystem::path(def.folder ? def.folder : ".") / "scene.toml", overrides));
+  give_volumes(def, scene);
+  return scene;
+}
+
+BeginWork begin_of(const tg_world_def& def) {
+  if (!def.progress) return {};
+  return [told = def.progress, context = def.progress_context](const std::string& label,
+                                                               const std::string&) -> Progress {
+    return [=](double fraction) { told(context, label.c_str(), fraction); };
+  };
+}
+
+void make_rooms(tg_world& world) {
+  world.commands.resize(world.world->tools.size());
+  world.readings.resize(world.world->tools.size());
+}
+
+}  // namespace
+}  // namespace turgor::c
+
+using namespace turgor;
+using namespace turgor::c;
+
+uint32_t tg_version(void) { return TG_VERSION; }
+
+tg_status tg_check_version(uint32_t header) {
+  return guarded([header] {
+    // While the major version is 0, what the minor one changes may be anything.
+    if (header / 10000 != kMajor || header / 100 % 100 != kMinor || header > TG_VERSION)
+      throw Misuse("expected a header of version " + std::to_string(TG_VERSION) + " or of before, from " +
+                   std::to_string(TG_VERSION / 100 * 100) + " on, found " + std::to_string(header));
+  });
+}
+
+const char* tg_error(void) { return kept_error(); }
+
+tg_status tg_default_world_def(tg_world_def* def, size_t size) {
+  return guarded([=] {
+    expect(def != nullptr, "expected a definition, found null");
+    expect(size >= sizeof size, "expected the size of a definition");
+    std::memset(static_cast<void*>(def), 0, size);
+    std::memcpy(static_cast<void*>(def), &size, sizeof size);
+    give(default_def(), def);
+  });
+}
+
+tg_status tg_world_create(const tg_world_def* given, tg_world** world) {
+  return guarded([=] {
+    expect(world != nullptr, "expected where a world is to be put, found null");
+    *world = nullptr;
+    const tg_world_def def = taken(given, default_def());
+    expect(def.threads >= 0, "expected threads from 0 (one a core) on");
+    auto made = std::make_unique<tg_world>(def.threads);
+    made->scene = std::make_shared<const Scene>(scene_of(def));
+    made->world = std::make_unique<World>(required(load_world(made->exec, *made->scene, begin_of(def))));
+    make_rooms(*made);
+    *world = made.release();
+  });
+}
+
+tg_status tg_world_copy(tg_world* world, tg_world** copy) {
+  return with(world, [copy](tg_world& from) {
+    expect(copy != nullptr, "expected where a copy is to be put, found null");
+    expect(!from.touched,
+           "expected a world that no haptic thread ticks, found one between tg_touch_begin and tg_touch_end");
+    *copy = nullptr;
+    auto made = std::make_unique<tg_world>(1);
+    made->exec = from.exec, made->scene = from.scene, made->led = from.led,
+    made->was_touched = from.was_touched;
+    made->world = std::make_unique<World>(copy_of(*from.world));
+    make_rooms(*made);
+    *copy = made.release();
+  });
+}
+
+tg_status tg_world_destroy(tg_world* world) {
+  return guarded([world] {
+    if (world)
+      expect(!world->is_busy && !world->is_ticked, "expected a world that nobody calls, found one in a call");
+    delete world;
+  });
+}
+
+tg_status tg_world_get_info(tg_world* world, tg_world_info* info) {
+  return with(world, [info](tg_world& w) {
+    tg_world_info filled{};
+    filled.time = time_of(*w.world), filled.frame_dt = w.world->dt, filled.duration = w.scene->duration;
+    filled.frame = w.world->frame;
+    for_each_body(*w.world, [&](BodyId, const auto&) { filled.bodies++; });
+    filled.tools = std::int32_t(w.world->tools.size());
+    give(filled, info);
+  });
+}
+
+tg_status tg_world_state_hash(tg_world* world, uint64_t* hash) {
+  return with(world, [hash](tg_world& w) {
+    expect(hash != nullptr, "expected where a hash is to be put, found null");
+    expect(!w.touched,
+           "expected a world that no haptic thread ticks, found one between tg_touch_begin and tg_touch_end");
+    *hash = state_hash(*w.world);
+  });
+}
+
+tg_status tg_world_step(tg_world* world, int32_t frames) {
+  return with(world, [frames](tg_world& w) {
+    expect(frames >= 0, "expected a number of frames from 0 on");
+    expect(
+        !w.led || w.touched,
+        "expected tg_world_tick, which makes frames itself, or tg_touch_begin before, found tg_world_step");
+    w.is_shown = false;
+    for (std::int32_t n = 0; n < frames; n++)
+      if (!required(step(w.exec, *w.world)).finite)
+        throw Refused("the numbers of a step were not finite; the state before it was kept");
+  });
+}

@@ -1,0 +1,66 @@
+// What a tg_world is.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "c/guard.hpp"
+#include "turgor/sim/live/led_ticks.hpp"
+#include "turgor/sim/shown.hpp"
+#include "turgor/sim/world.hpp"
+
+struct tg_world {
+  explicit tg_world(int threads) : exec(threads) {}
+
+  turgor::Exec exec;
+  std::shared_ptr<const turgor::Scene> scene;
+  std::unique_ptr<turgor::World> world;
+  std::optional<turgor::LedTicks> led;  // of tg_world_tick and tg_touch_tick
+  bool touched = false;                 // between tg_touch_begin and tg_touch_end
+  bool was_touched = false;
+  turgor::ShownWorld shown;
+  bool is_shown = false;
+  std::vector<turgor::contact::ToolCommand> commands;  // one for each tool, as the next
+  std::vector<turgor::contact::ToolReading> readings;
+  std::atomic<bool> is_busy{false}, is_ticked{false};  // by a caller; by a haptic thread
+  std::atomic<bool> is_broken{false};
+};
+
+namespace turgor::c {
+
+/// One caller at a time.
+class Entered {
+ public:
+  explicit Entered(std::atomic<bool>& busy) : busy_(busy) {
+    if (busy.exchange(true))
+      throw Misuse("expected one thread at a time, found this world called by another one");
+  }
+  ~Entered() { busy_ = false; }
+  Entered(const Entered&) = delete;
+  Entered& operator=(const Entered&) = delete;
+
+ private:
+  std::atomic<bool>& busy_;
+};
+
+/// `call` with a world that is there and whole; what breaks it is remembered.
+template <class Call>
+tg_status with(tg_world* world, std::atomic<bool> tg_world::*busy, const Call& call) noexcept {
+  const tg_status status = guarded([&] {
+    expect(world != nullptr, "expected a world, found null");
+    if (world->is_broken) throw Broken("this world broke in a call of before; it can only be destroyed");
+    const Entered entered(world->*busy);
+    call(*world);
+  });
+  if (status == TG_BROKEN && world) world->is_broken = true;
+  return status;
+}
+template <class Call>
+tg_status with(tg_world* world, const Call& call) noexcept {
+  return with(world, &tg_world::is_busy, call);
+}
+
+}  // namespace turgor::c

@@ -1,0 +1,101 @@
+// A body as it is now: arrays under plain names are copies, which nothing changes behind one's back.
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+
+#include "bindings.hpp"
+#include "turgor/models/lattice/resample.hpp"
+
+namespace turgor {
+
+using namespace nb::literals;
+
+namespace {
+
+PyBody find_body(nb::object owner, const std::string& name) {
+  auto& world = nb::cast<PyWorld&>(owner);
+  std::optional<PyBody> found;
+  for_each_body(world.world(), [&](BodyId id, const auto& body) {
+    if (body.name == name) found = PyBody{owner, &world, id, name};
+  });
+  if (!found) throw nb::key_error(("the scene has no body " + name).c_str());
+  return *found;
+}
+
+const ShownBody& shown_of(const PyBody& body) { return shown_body(body.world->shown(), body.id); }
+
+/// Samples [k, j, i], and where they are: spacing [m], origin [m], directions of i, j, k as columns.
+using VolumeParts = std::tuple<Array<std::int16_t>, Array<double>, Array<double>, Array<double>>;
+VolumeParts parts_of(CtVolume ct) {
+  const Grid& g = ct.grid;
+  const Shape kji{std::size_t(g.size.z), std::size_t(g.size.y), std::size_t(g.size.x)};
+  std::vector<double> axes;
+  for (int row = 0; row < 3; row++)
+    for (int column = 0; column < 3; column++) axes.push_back(g.axes.column[column][row]);
+  auto spacing = new_array<double>({g.spacing.x, g.spacing.y, g.spacing.z}, 0);
+  auto origin = new_array<double>({g.origin.x, g.origin.y, g.origin.z}, 0);
+  return {shaped_array(std::move(ct.samples), kji), spacing, origin, new_array(std::move(axes), 3)};
+}
+
+const LatticeBody& lattice_of(const PyBody& body) {
+  if (body.id.kind != BodyKind::kLattice)
+    throw Refused(body.name +
+                  ": expected a body with model = \"lattice\", which is made of a volume, found " +
+                  model_name(body.id.kind));
+  return body.world->world().lattice_bodies[std::size_t(body.id.index)];
+}
+
+VolumeParts deformed_volume(const PyBody& body) {
+  const LatticeBody& lattice = lattice_of(body);
+  const PyWorld::Entered entered(*body.world);
+  CtVolume ct;
+  {
+    const nb::gil_scoped_release others;
+    ct = lattice::resample_ct(body.world->exec(), lattice.model, lattice.state, lattice.ct, lattice.ct.grid)
+             .ct;
+  }
+  return parts_of(std::move(ct));
+}
+
+}  // namespace
+
+void bind_body(nb::module_& module) {
+  constexpr auto kOwn = nb::rv_policy::automatic;  // arrays own their numbers
+  nb::class_<PyBody>(module, "Body",
+                     "A body of a world as it is now, whenever it is asked. Arrays are copies.")
+      .def(
+          "__init__",
+          [](PyBody* self, nb::object world, const std::string& name) {
+            new (self) PyBody(find_body(world, name));
+          },
+          "world"_a, "name"_a, nb::sig("def __init__(self, world: World, name: str) -> None"))
+      .def_ro("name", &PyBody::name)
+      .def_prop_ro(
+          "world", [](const PyBody& b) { return b.owner; }, "that it is of")
+      .def_prop_ro(
+          "model", [](const PyBody& b) { return model_name(b.id.kind); }, "sfem, lattice, rhombus or cloth")
+      .def_prop_ro(
+          "rest_points", [](const PyBody& b) { return rows_of(shown_of(b).rest); }, kOwn,
+          "(n, 3), vertices of its surface at rest, patient frame [m]")
+      .def_prop_ro(
+          "points", [](const PyBody& b) { return rows_of(shown_of(b).x); }, kOwn,
+          "(n, 3), where they are now [m]")
+      .def_prop_ro(
+          "displacement", [](const PyBody& b) { return rows_of(shown_of(b).displacement); }, kOwn,
+          "(n, 3) [m]")
+      .def_prop_ro(
+          "normals", [](const PyBody& b) { return rows_of(shown_of(b).normals); }, kOwn,
+          "(n, 3), unit, outward")
+      .def_prop_ro(
+          "pressure", [](const PyBody& b) { return new_array(std::vector<float>(shown_of(b).pressure), 0); },
+          kOwn, "(n,) of the contact [Pa]; empty where it is not known")
+      .def_prop_ro(
+          "stretch", [](const PyBody& b) { return new_array(std::vector<float>(shown_of(b).stretch), 0); },
+          kOwn, "(n,) of the skin: area now over area at rest, less 1; empty where it is not known")
+      .def_prop_ro(
+          "triangles", [](const PyBody& b) { return rows_of(shown_of(b).triangles); }, kOwn,
+          "(m, 3), counter-clockwise seen from outside; a cut changes them")
+      .def("_volume", [](const PyBody& b) { return parts_of(lattice_of(b).ct); })
+      .def("_deformed_volume", &deformed_volume);
+}
+
+}  // namespace turgor

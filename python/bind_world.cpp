@@ -1,0 +1,261 @@
+#include <cmath>
+#include <filesystem>
+#include <functional>
+
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings.hpp"
+#include "progress.hpp"
+#include "turgor/core/hash.hpp"
+#include "turgor/geometry/reorient.hpp"
+#include "turgor/sim/report/report.hpp"
+
+namespace turgor {
+
+using namespace nb::literals;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class T>
+using Samples = nb::ndarray<const T, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+/// Samples [k, j, i], spacing [m], origin [m], and directions of i, j, k as columns of a matrix, row by row.
+template <class T>
+using GivenVolume = std::tuple<Samples<T>, std::vector<double>, std::vector<double>, std::vector<double>>;
+
+Vec3d vec_of(const std::vector<double>& v, std::size_t first = 0, std::size_t stride = 1) {
+  return {v.at(first), v.at(first + stride), v.at(first + 2 * stride)};
+}
+
+template <class T>
+std::map<std::string, std::shared_ptr<const Volume<T>>> volumes_of(
+    const std::map<std::string, GivenVolume<T>>& given) {
+  std::map<std::string, std::shared_ptr<const Volume<T>>> volumes;
+  for (const auto& [name, parts] : given) {
+    const auto& [samples, spacing, origin, axes] = parts;
+    Volume<T> volume;
+    volume.grid.size = {int(samples.shape(2)), int(samples.shape(1)), int(samples.shape(0))};
+    volume.grid.spacing = vec_of(spacing), volume.grid.origin = vec_of(origin);
+    volume.grid.axes = {{vec_of(axes, 0, 3), vec_of(axes, 1, 3), vec_of(axes, 2, 3)}};
+    volume.samples.assign(samples.data(), samples.data() + samples.size());
+    volumes[name] = std::make_shared<const Volume<T>>(right_handed(std::move(volume)));
+  }
+  return volumes;
+}
+
+void init_world(PyWorld* self, const fs::path& file, const std::optional<std::string>& text,
+                const std::vector<std::string>& overrides, int threads, bool keeps_forces,
+                const std::map<std::string, GivenVolume<std::int16_t>>& volumes,
+                const std::map<std::string, GivenVolume<std::uint16_t>>& labels, nb::object progress) {
+  Scene scene = required(text ? parse_scene(*text, file, overrides) : read_scene(file, overrides));
+  required(give({volumes_of(volumes), volumes_of(labels)}, scene));
+  PyProgress told(std::move(progress));
+  {
+    const nb::gil_scoped_release others;
+    new (self) PyWorld(std::move(scene), threads, keeps_forces, told.begin());
+  }
+  try {
+    told.rethrow();
+  } catch (...) {
+    self->~PyWorld();
+    throw;
+  }
+}
+
+nb::dict forces(const PyWorld& world, const std::string& name) {
+  const TouchLog& log = world.tool(name).samples;
+  std::vector<double> time, position, force, torque, depth;
+  std::vector<int> contacts;
+  for (const ForceSample& s : log) {
+    time.push_back(s.time), depth.push_back(s.depth), contacts.push_back(s.contacts);
+    for (int axis = 0; axis < 3; axis++)
+      position.push_back(s.position[axis]), force.push_back(s.force[axis]), torque.push_back(s.torque[axis]);
+  }
+  nb::dict columns;
+  columns["time_s"] = new_array(std::move(time), 0);
+  columns["position_m"] = new_array(std::move(position), 3);
+  columns["force_N"] = new_array(std::move(force), 3);
+  columns["torque_Nm"] = new_array(std::move(torque), 3);
+  columns["depth_m"] = new_array(std::move(depth), 0);
+  columns["contacts"] = new_array(std::move(contacts), 0);
+  return columns;
+}
+
+template <class Row>
+using Columns = std::vector<std::pair<const char*, double Row::*>>;
+template <class Row>
+nb::dict columns_of(const std::vector<Row>& rows, const Columns<Row>& wanted) {
+  nb::dict columns;
+  for (const auto& [name, member] : wanted) {
+    std::vector<double> numbers;
+    for (const Row& row : rows) numbers.push_back(row.*member);
+    columns[name] = new_array(std::move(numbers), 0);
+  }
+  return columns;
+}
+
+/// Of every wound and every cloth, a row a frame.
+nb::dict measures(const PyWorld& world) {
+  nb::dict of;
+  for (const CutMeasures& cut : world.measures().cuts)
+    of[cut.name.c_str()] =
+        columns_of<WoundSample>(cut.series, {{"time_s", &WoundSample::time},
+                                             {"gape_max_m", &WoundSample::gape_max},
+                                             {"gape_mean_m", &WoundSample::gape_mean},
+                                             {"opening_area_m2", &WoundSample::opening_area},
+                                             {"edge_displacement_m", &WoundSample::edge_displacement}});
+  for (const ClothBody& body : world.world().cloth_bodies)
+    of[body.name.c_str()] = columns_of<ClothSample>(
+        body.samples,
+        {{"time_s", &ClothSample::time}, {"largest_speed_m_per_s", &ClothSample::largest_speed}});
+  return of;
+}
+
+std::string report(const PyWorld& world) {
+  RunFacts facts;
+  facts.warnings = notes_of(world.world());
+  return json_text(simulation_report(world.exec(), world.scene(), world.world(), world.measures(), facts),
+                   -1);
+}
+
+template <class Names>
+std::vector<std::string> names_of(const Names& named) {
+  std::vector<std::string> names;
+  for (const auto& one : named) names.push_back(one.name);
+  return names;
+}
+std::vector<std::string> bodies(const PyWorld& world) {
+  std::vector<std::string> names;
+  for_each_body(world.world(), [&](BodyId, const auto& body) { names.push_back(body.name); });
+  return names;
+}
+
+void drive(PyWorld& world, const std::string& tool,
+           nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu> rows) {
+  std::vector<std::vector<double>> wanted;
+  for (std::size_t r = 0; r < rows.shape(0); r++) {
+    const double* begin = rows.data() + r * rows.shape(1);
+    wanted.emplace_back(begin, begin + rows.shape(1));
+  }
+  world.drive(tool, wanted);
+}
+
+void check_poses(std::size_t ticks, std::size_t tools, std::size_t wanted, const std::optional<Holds>& hold,
+                 std::size_t rows) {
+  const auto refuse = [](const std::string& what) { throw Refused("tick: " + what); };
+  if (tools != wanted)
+    refuse("expected poses of " + std::to_string(wanted) + " tools, found those of " + std::to_string(tools));
+  if (hold && (hold->shape(0) != rows * ticks || hold->shape(1) != tools))
+    refuse("expected hold for every tick and tool, found another shape");
+}
+
+Array<double> tick(PyWorld& world, const Poses& poses, const std::optional<Holds>& hold) {
+  const PyWorld::Entered entered(world);
+  const std::size_t ticks = poses.shape(0), tools = poses.shape(1);
+  check_poses(ticks, tools, world.scene().tools.size(), hold, 1);
+  std::vector<double> felt(ticks * tools * 6);
+  {
+    const nb::gil_scoped_release others;
+    world.tick(ticks, poses.data(), hold ? hold->data() : nullptr, felt.data());
+  }
+  return shaped_array(std::move(felt), {ticks, tools, 6});
+}
+
+/// Poses of all worlds below each other: worlds · ticks rows.
+Array<double> tick_all(const std::vector<PyWorld*>& worlds, const Poses& poses,
+                       const std::optional<Holds>& hold, int threads) {
+  if (worlds.empty() || poses.shape(0) % worlds.size() != 0)
+    throw Refused("tick_all: expected as many ticks for every world, found " +
+                  std::to_string(poses.shape(0)) + " poses for " + std::to_string(worlds.size()) + " worlds");
+  const std::size_t ticks = poses.shape(0) / worlds.size(), tools = poses.shape(1);
+  std::vector<std::unique_ptr<PyWorld::Entered>> entered;
+  for (PyWorld* world : worlds) {
+    check_poses(ticks, tools, world->scene().tools.size(), hold, worlds.size());
+    entered.push_back(std::make_unique<PyWorld::Entered>(*world));
+  }
+  std::vector<double> felt(worlds.size() * ticks * tools * 6);
+  {
+    const nb::gil_scoped_release others;
+    tick_worlds(worlds, ticks, tools, poses.data(), hold ? hold->data() : nullptr, felt.data(), threads);
+  }
+  return shaped_array(std::move(felt), {worlds.size(), ticks, tools, 6});
+}
+
+void step_frames(PyWorld& world, int frames) {
+  const PyWorld::Entered entered(world);
+  const nb::gil_scoped_release others;
+  world.step(frames);
+}
+
+Array<double> tool_poses(const PyWorld& world) {
+  std::vector<double> poses;
+  for (const TouchingTool& tool : world.world().tools) {
+    const contact::Pose pose = command_at(tool, time_of(world.world())).pose;
+    const PathRow row = path_of({{0, {.pose = pose}}}).rows[0];
+    poses.insert(poses.end(), {row.position.x, row.position.y, row.position.z});
+    poses.insert(poses.end(), row.orientation.begin(), row.orientation.end());
+  }
+  return new_array(std::move(poses), 7);
+}
+
+void bind_ticks(nb::class_<PyWorld>& world, nb::module_& module) {
+  world.def("_tick", &tick, "poses"_a, "hold"_a.none())
+      .def_prop_ro(
+          "is_led", [](const PyWorld& w) { return w.world(), w.is_led(); },
+          "has tick() begun? step() and drive() are over then")
+      .def_prop_ro("tool_poses", &tool_poses, nb::rv_policy::automatic,
+                   "(tools, 7) where every tool's path has it now: x, y, z [m] and a quaternion w, x, y, z");
+  module.def("tick_all", &tick_all, "worlds"_a, "poses"_a, "hold"_a.none(), "threads"_a);
+}
+
+}  // namespace
+
+void bind_world(nb::module_& module) {
+  nb::class_<PyState>(module, "State",
+                      "What changes of a world while it is simulated, as it was at one moment.");
+  nb::class_<PyWorld> world(module, "World", "A scene that is being simulated.");
+  world
+      .def("__init__", &init_world, "scene"_a, "text"_a.none(), "overrides"_a, "threads"_a, "keeps_forces"_a,
+           "volumes"_a, "labels"_a, "progress"_a.none())
+      .def(
+          "__init__", [](PyWorld* self, PyWorld& other, int threads) { new (self) PyWorld(other, threads); },
+          "other"_a, "threads"_a)
+      .def("step", &step_frames, "frames"_a = 1, "Simulates so many frames.")
+      .def_prop_ro(
+          "time", [](const PyWorld& w) { return time_of(w.world()); }, "simulated so far [s]")
+      .def_prop_ro(
+          "frame", [](const PyWorld& w) { return w.world().frame; }, "finished frames")
+      .def_prop_ro(
+          "dt", [](const PyWorld& w) { return w.world().dt; }, "of a frame [s]")
+      .def_prop_ro(
+          "duration", [](const PyWorld& w) { return w.scene().duration; }, "of the scene [s]")
+      .def_prop_ro(
+          "state_hash", [](const PyWorld& w) { return hash_text(state_hash(w.world())); },
+          "equal for equal bits in all bodies and forces")
+      .def_prop_ro("bodies", &bodies, "their names")
+      .def_prop_ro(
+          "tools", [](const PyWorld& w) { return names_of(w.world().tools); }, "their names")
+      .def_prop_ro(
+          "notes", [](const PyWorld& w) { return notes_of(w.world()); },
+          "what a person should know of how it was made")
+      .def("get_state", &PyWorld::state, "All that changes, to come back to it with set_state.")
+      .def("set_state", &PyWorld::set_state, "state"_a,
+           "Goes back to a state of this world or of a copy of it.")
+      .def("_forces", &forces, "tool"_a)
+      .def("_measures", &measures)
+      .def("_report", &report)
+      .def("drive", &drive, "tool"_a, "rows"_a,
+           "Leads a tool from where it is in straight lines along rows of [t, x, y, z], t [s] from now on; a "
+           "fifth "
+           "column takes hold (1) or not (0), four more turn it (a quaternion w, x, y, z).");
+  bind_ticks(world, module);
+}
+
+}  // namespace turgor

@@ -1,0 +1,14 @@
+// In place of turgor/io/dicom_decode.cpp in the slim module: DICOM is read where its samples are as they are.
+#include "turgor/io/dicom.hpp"
+
+namespace turgor::io {
+
+Result<ChangedSamples> decode_dicom_samples(const Exec&, std::span<const DicomSlice* const> slices,
+                                            std::span<const std::span<std::int16_t>>, const Progress&) {
+  const std::string file = slices.empty() ? "DICOM" : slices[0]->file.string();
+  return Error{
+      file +
+      ": this build of turgor is without GDCM, which compressed DICOM needs; expected uncompressed samples"};
+}
+
+}  // namespace turgor::io

@@ -1,0 +1,114 @@
+"""Scenes from Python values: dicts and arrays become the TOML that the engine reads."""
+import json
+import numbers
+import os
+
+import numpy as np
+
+from ._turgor import Error
+from .volume import Volume
+
+
+class Mesh:
+    """A mesh at hand, in place of a file's name in a scene or in `set`.
+
+    points: (n, 3) [m]. cells: (m, 3) triangles, counter-clockwise seen from outside, or (m, 4) tetrahedra.
+    """
+
+    def __init__(self, points, cells):
+        self.points = np.ascontiguousarray(points, dtype=np.float64)
+        self.cells = np.ascontiguousarray(cells, dtype=np.int64)
+        count = self.points.shape[0]
+        if self.points.ndim != 2 or self.points.shape[1] != 3 or not np.isfinite(self.points).all():
+            raise Error(f"a mesh: expected points (n, 3) of finite numbers, found an array of {self.points.shape}")
+        if self.cells.ndim != 2 or self.cells.shape[1] not in (3, 4) or len(self.cells) == 0:
+            raise Error(f"a mesh: expected cells (m, 3) or (m, 4), found an array of {self.cells.shape}")
+        if self.cells.min() < 0 or self.cells.max() >= count:
+            raise Error(f"a mesh: expected cells of points 0 to {count - 1}, found {self.cells.min()} to {self.cells.max()}")
+
+    def write(self, folder, number):
+        """As a file that the engine reads: legacy VTK. Returns its name."""
+        is_surface = self.cells.shape[1] == 3
+        file = os.path.join(folder, f"given-{number}.vtk")
+        rows = np.column_stack([np.full(len(self.cells), self.cells.shape[1]), self.cells])
+        kind = "POLYGONS" if is_surface else "CELLS"
+        with open(file, "w", encoding="ascii") as out:
+            out.write("# vtk DataFile Version 3.0\ngiven\nASCII\n")
+            out.write(f"DATASET {'POLYDATA' if is_surface else 'UNSTRUCTURED_GRID'}\nPOINTS {len(self.points)} double\n")
+            np.savetxt(out, self.points, fmt="%.17g")
+            out.write(f"{kind} {len(rows)} {rows.size}\n")
+            np.savetxt(out, rows, fmt="%d")
+            if not is_surface:
+                out.write(f"CELL_TYPES {len(rows)}\n" + "10\n" * len(rows))
+        return file
+
+
+class GivenScene:
+    """What a scene from Python needs besides its text: files of meshes, volumes by body."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.meshes = 0
+        self.volumes, self.labels = {}, {}
+        self.paths = []
+
+    def toml(self, value):
+        """A Python value as scenes write it."""
+        if isinstance(value, bool):
+            return "true" if value else "false"
+        if isinstance(value, numbers.Integral):
+            return str(int(value))
+        if isinstance(value, numbers.Real):
+            return repr(float(value))
+        if isinstance(value, (str, os.PathLike)):
+            return json.dumps(os.fspath(value), ensure_ascii=False)
+        if isinstance(value, dict):
+            return "{ " + ", ".join(f"{json.dumps(str(k))} = {self.toml(v)}" for k, v in value.items()) + " }"
+        if isinstance(value, Mesh):
+            self.meshes += 1
+            return json.dumps(value.write(self.folder, self.meshes))
+        if isinstance(value, Volume):
+            raise Error("a Volume in a scene: expected as body.NAME.ct or body.NAME.labels, found elsewhere")
+        return "[" + ", ".join(self.toml(v) for v in value) + "]"
+
+    def _take_volume(self, key, value):
+        """Volumes are handed over in memory; the scene says where from. None: the value is none."""
+        parts = key.split(".")
+        if not isinstance(value, Volume):
+            return None
+        if len(parts) != 3 or parts[0] != "body" or parts[2] not in ("ct", "labels"):
+            raise Error(f"{key}: expected a Volume as body.NAME.ct or body.NAME.labels, found one here")
+        if parts[2] == "ct":
+            self.volumes[parts[1]] = value._as_ct()
+        else:
+            self.labels[parts[1]] = value._as_labels()
+        return json.dumps(f"given in memory, {key}")
+
+    def document(self, scene):
+        """A dict of tables as TOML text."""
+        lines = []
+
+        def add(path, table):
+            tables = {k: v for k, v in table.items() if isinstance(v, dict) and len(path) < 2}
+            if path:
+                lines.append("[" + ".".join(json.dumps(p) for p in path) + "]")
+            for key, value in table.items():
+                if key not in tables and value is not None:
+                    text = self._take_volume(".".join((*path, key)), value)
+                    lines.append(f"{json.dumps(key)} = {text if text is not None else self.toml(value)}")
+            for key, value in tables.items():
+                add((*path, str(key)), value)
+
+        add((), scene)
+        return "\n".join(lines) + "\n"
+
+    def overrides(self, set, volumes, labels):
+        """None takes a key out of the scene."""
+        wanted = dict(set or {})
+        wanted.update({f"body.{name}.ct": volume for name, volume in (volumes or {}).items()})
+        wanted.update({f"body.{name}.labels": volume for name, volume in (labels or {}).items()})
+        texts = []
+        for key, value in wanted.items():
+            text = self._take_volume(key, value)
+            texts.append(f"{key}=" + ("" if value is None else text if text is not None else self.toml(value)))
+        return texts

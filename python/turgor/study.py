@@ -1,0 +1,333 @@
+"""Many runs of one scene: python -m turgor.study STUDY.toml [--out FOLDER] [--jobs N] [--part i/n]
+
+    [study]
+    scene = "incision.toml"                                # beside the study
+    design = { kind = "saltelli", count = 64, seed = 1 }   # or lhs with count and seed; grid
+    cases = "cohort.csv"                                   # every member for every row: its columns are keys of the scene
+    [vary]
+    "body.torso.skin.tension" = { uniform = [20, 80] }     # or log_uniform, or values = [...]
+    [measure]
+    gape = "wounds.midline.gape_max_mm"                    # where report.json has it; items of a list by their name
+    [run]
+    threads = 1                                            # of a member
+    timeout = 600                                          # of a member [s]
+
+Every member is a process of its own and leaves one file, FOLDER/members/KEY.json, by rename. KEY is the hash of the scene, its
+files, what is varied and the version: what is there is not done again, whoever was killed meanwhile. A member that crashes,
+hangs or is refused is a row with a sentence, and is tried again when the study is started again. `--part i/n` does its share,
+for job arrays on one file system; the last of them to end gathers.
+"""
+import argparse
+import concurrent.futures
+import csv
+import hashlib
+import itertools
+import json
+import math
+import os
+import pathlib
+import subprocess
+import sys
+import time
+import tomllib
+
+import numpy as np
+
+from ._turgor import Error, __version__
+
+KINDS = ("grid", "lhs", "saltelli")
+
+
+# The design
+
+
+def _value(spec, share):
+    """Of what is varied: at this share of its range, in [0, 1)."""
+    if "values" in spec:
+        return spec["values"][int(share * len(spec["values"]))]
+    if "uniform" in spec:
+        low, high = spec["uniform"]
+        return low + (high - low) * share
+    low, high = spec["log_uniform"]
+    return low * (high / low) ** share
+
+
+def latin_hypercube(count, dimensions, seed):
+    """(count, dimensions) in [0, 1): every column has one number in each of `count` equal parts."""
+    random = np.random.default_rng(seed)
+    cells = np.stack([random.permutation(count) for _ in range(dimensions)], axis=1)
+    return (cells + random.random((count, dimensions))) / count
+
+
+def _saltelli(count, dimensions, seed):
+    """A, B, and A with one column of B after the other [Saltelli 2010]: (dimensions + 2) · count rows."""
+    both = latin_hypercube(count, 2 * dimensions, seed)
+    a, b = both[:, :dimensions], both[:, dimensions:]
+    blocks = [a, b]
+    for column in range(dimensions):
+        mixed = a.copy()
+        mixed[:, column] = b[:, column]
+        blocks.append(mixed)
+    return np.concatenate(blocks)
+
+
+def _rows_of_design(design, vary):
+    kind = design["kind"]
+    if kind == "grid":
+        return [dict(zip(vary, values)) for values in itertools.product(*(spec["values"] for spec in vary.values()))]
+    make = _saltelli if kind == "saltelli" else latin_hypercube
+    shares = make(design["count"], len(vary), design.get("seed", 0))
+    return [{key: _value(spec, share) for (key, spec), share in zip(vary.items(), row)} for row in shares.tolist()]
+
+
+def sobol_indices(values, dimensions, seed=0, times=500):
+    """First and total indices of what a Saltelli design gave [Jansen 1999], each with the half width of its 95 % interval.
+
+    values: (dimensions + 2) · count, in the order of the design; members that failed are nan, and left out with their base row.
+    Returns first, total: (dimensions, 2).
+    """
+    blocks = np.asarray(values, dtype=float).reshape(dimensions + 2, -1)
+    blocks = blocks[:, np.isfinite(blocks).all(axis=0)]
+
+    def of(rows):
+        a, b, mixed = blocks[0, rows], blocks[1, rows], blocks[2:, rows]
+        spread = np.var(np.concatenate([a, b]), axis=0) or math.nan
+        return 1 - np.mean((b - mixed) ** 2, axis=1) / (2 * spread), np.mean((a - mixed) ** 2, axis=1) / (2 * spread)
+
+    count = blocks.shape[1]
+    if count < 2:
+        return np.full((2, dimensions, 2), math.nan)
+    random = np.random.default_rng(seed)
+    again = np.array([of(random.integers(count, size=count)) for _ in range(times)])
+    return np.stack([np.array(of(np.arange(count))), 1.96 * again.std(axis=0)], axis=-1)
+
+
+# Members
+
+
+def _content(value, folder):
+    """Of a value of a scene: of a file that it names, what is in it."""
+    if isinstance(value, dict):
+        return {key: _content(one, folder) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_content(one, folder) for one in value]
+    if not isinstance(value, str) or not value:
+        return value
+    path = folder / value
+    if path.is_file():
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    if path.is_dir():
+        return [[file.name, hashlib.sha256(file.read_bytes()).hexdigest()] for file in sorted(path.iterdir()) if file.is_file()]
+    return value
+
+
+class Study:
+    """A study's file, read and checked. Error: what it has wrong."""
+
+    def __init__(self, file):
+        self.file = pathlib.Path(file)
+        try:
+            text = tomllib.loads(self.file.read_text(encoding="utf-8"))
+            study = text["study"]
+            self.scene = self.file.parent / study["scene"]
+            self.vary, self.measure, self.run = text["vary"], text["measure"], text.get("run", {})
+            self.design = study["design"]
+            rows = self._designed()
+            cases = self._cases(study.get("cases"))
+            scene = tomllib.loads(self.scene.read_text(encoding="utf-8"))
+        except (OSError, tomllib.TOMLDecodeError) as error:
+            raise Error(f"{self.file}: {error}") from error
+        except KeyError as error:
+            raise Error(f"{self.file}: expected a key {error}, found none") from error
+        fixed = {"version": __version__, "scene": _content(scene, self.scene.parent), "text": self.scene.read_text(encoding="utf-8"),
+                 "measure": self.measure}
+        self.case_count = len(cases)
+        self.members = [{"set": {**case, **row}, "case": number} for number, case in enumerate(cases) for row in rows]
+        for member in self.members:
+            of = {**fixed, "set": member["set"], "files": _content(member["set"], self.file.parent)}
+            member["key"] = hashlib.sha256(json.dumps(of, sort_keys=True).encode()).hexdigest()[:24]
+
+    def _designed(self):
+        kind = self.design["kind"]
+        if kind not in KINDS:
+            raise Error(f"{self.file}: study.design.kind: expected one of {', '.join(KINDS)}, found {kind}")
+        for key, spec in self.vary.items():
+            known = [name for name in ("values", "uniform", "log_uniform") if name in spec]
+            if len(known) != 1 or (kind == "grid" and known != ["values"]):
+                raise Error(f"{self.file}: vary.{key}: expected one of {'values' if kind == 'grid' else 'values, uniform, log_uniform'}, found {spec}")
+        return _rows_of_design(self.design, self.vary)
+
+    def _cases(self, table):
+        if table is None:
+            return [{}]
+        with open(self.file.parent / table, newline="", encoding="utf-8") as rows:
+            return [{key: self._path(value) for key, value in row.items()} for row in csv.DictReader(rows)]
+
+    def _path(self, value):
+        """Cells name files beside the study, or are numbers."""
+        try:
+            return float(value)
+        except ValueError:
+            path = self.file.parent / value
+            return str(path.resolve()) if path.exists() else value
+
+
+def _found(report, place):
+    """A number of a report: keys with points between, items of a list by their name."""
+    for key in place.split("."):
+        if isinstance(report, list):
+            report = next((item for item in report if item.get("name") == key), None)
+        else:
+            report = report.get(key) if isinstance(report, dict) else None
+    if not isinstance(report, (int, float)):
+        raise Error(f"measure: expected a number of the report as {place}, found {'nothing' if report is None else type(report).__name__}")
+    return report
+
+
+def _do_member(task):
+    """In a process of its own: the scene to its end, and what is measured then."""
+    from .world import World
+
+    begin = time.perf_counter()
+    world = World(task["scene"], set=task["set"], threads=task["threads"])
+    for _ in world.run():
+        pass
+    report = world.report()
+    row = {name: _found(report, place) for name, place in task["measure"].items()}
+    return {"measured": row, "state_hash": world.state_hash, "seconds": time.perf_counter() - begin}
+
+
+def _write(file, text):
+    """Whole or not at all, also where several do it."""
+    partial = file.with_name(f".{file.name}.{os.getpid()}.{time.monotonic_ns()}")
+    partial.write_text(text, encoding="utf-8")
+    os.replace(partial, file)
+
+
+def _run_member(study, member, folder):
+    """Leaves a row, or a sentence of why there is none. Whoever kills this leaves neither."""
+    file = folder / "members" / f"{member['key']}.json"
+    task = {"scene": str(study.scene), "set": member["set"], "measure": study.measure, "threads": study.run.get("threads", 1)}
+    timeout = study.run.get("timeout", 3600)
+    row = {}
+    try:
+        done = subprocess.run([sys.executable, "-m", "turgor.study", "--member", json.dumps(task)], capture_output=True, text=True, timeout=timeout)
+        row = json.loads(done.stdout) if done.returncode == 0 else {"failed": _why(done)}
+    except subprocess.TimeoutExpired:
+        row = {"failed": f"took longer than {timeout} s"}
+    _write(file, json.dumps({**row, "set": member["set"]}))
+
+
+def _why(done):
+    if done.returncode < 0:
+        return f"ended by signal {-done.returncode}"
+    lines = done.stderr.strip().splitlines()
+    return lines[-1] if lines else f"ended with {done.returncode}"
+
+
+def _row(folder, member):
+    try:
+        return json.loads((folder / "members" / f"{member['key']}.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+
+
+# All of them
+
+
+def _report(study, rows):
+    """What table.csv and report.json say."""
+    measured = {name: [row["measured"][name] if row and "measured" in row else math.nan for row in rows] for name in study.measure}
+    failed = [{"set": m["set"], "failed": row["failed"]} for m, row in zip(study.members, rows) if row and "failed" in row]
+    report = {"version": __version__, "study": str(study.file), "members": len(rows), "failed": failed,
+              "core_hours": sum(row.get("seconds", 0) for row in rows if row) * study.run.get("threads", 1) / 3600, "measures": {}}
+    for name, values in measured.items():
+        good = np.array([v for v in values if math.isfinite(v)])
+        one = {"mean": float(good.mean()), "sd": float(good.std()), "min": float(good.min()), "max": float(good.max())} if len(good) else {}
+        if study.design["kind"] == "saltelli" and study.case_count == 1:
+            first, total = sobol_indices(values, len(study.vary)).tolist()
+            one["sobol"] = {key: {"first": f[0], "first_95": f[1], "total": t[0], "total_95": t[1]} for key, f, t in zip(study.vary, first, total)}
+        report["measures"][name] = one
+    return report
+
+
+def _gather(study, folder, rows):
+    keys = list(dict.fromkeys(key for member in study.members for key in member["set"]))
+    lines = [[*keys, *study.measure, "failed"]]
+    for member, row in zip(study.members, rows):
+        measured = (row or {}).get("measured", {})
+        lines.append([*(member["set"].get(key, "") for key in keys), *(measured.get(name, "") for name in study.measure), (row or {}).get("failed", "")])
+    quoted = lambda cell: '"' + str(cell).replace('"', '""') + '"' if isinstance(cell, str) else repr(cell)
+    _write(folder / "table.csv", "".join(",".join(map(quoted, line)) + "\n" for line in lines))
+    report = _report(study, rows)
+    _write(folder / "report.json", json.dumps(report, indent=1))
+    return report
+
+
+def run_study(file, out=None, jobs=0, part=(1, 1), tell=None):
+    """Does what is missing of a study, and gathers when nothing is. Returns the report, or None while others' parts are missing.
+
+    jobs: members beside each other; 0 = as many as there are cores for their threads. tell: called with sentences.
+    """
+    study = Study(file)
+    folder = pathlib.Path(out or pathlib.Path("out") / study.file.stem)
+    (folder / "members").mkdir(parents=True, exist_ok=True)
+    mine = list({m["key"]: m for m in study.members[part[0] - 1::part[1]]}.values())
+    missing = [m for m in mine if "measured" not in (_row(folder, m) or {})]
+    jobs = jobs or max(1, (os.cpu_count() or 1) // max(1, study.run.get("threads", 1)))
+    begin, done = time.perf_counter(), 0
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        for future in concurrent.futures.as_completed([pool.submit(_run_member, study, m, folder) for m in missing]):
+            future.result()
+            done += 1
+            if tell and (done == 5 or done % 50 == 0):
+                left = (time.perf_counter() - begin) / done * (len(missing) - done)
+                tell(f"{done} of {len(missing)} members, about {left / 60:.1f} minutes left")
+    rows = [_row(folder, m) for m in study.members]
+    return _gather(study, folder, rows) if all(rows) else None
+
+
+def _print(report):
+    print(f"{report['members']} members, {len(report['failed'])} failed, {report['core_hours']:.3g} core hours")
+    for name, one in report["measures"].items():
+        print(f"{name}: mean {one.get('mean', math.nan):.4g}, sd {one.get('sd', math.nan):.3g}")
+        for key, s in one.get("sobol", {}).items():
+            print(f"  {key}: first {s['first']:.2f} ± {s['first_95']:.2f}, total {s['total']:.2f} ± {s['total_95']:.2f}")
+    for one in report["failed"][:10]:
+        print(f"failed: {one['failed']}")
+
+
+def _part(text):
+    number, _, count = text.partition("/")
+    if not (number.isdigit() and count.isdigit() and 1 <= int(number) <= int(count)):
+        raise argparse.ArgumentTypeError(f"expected i/n with i from 1 to n, found {text}")
+    return int(number), int(count)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="python -m turgor.study", description="Many runs of one scene, and what they measure.")
+    parser.add_argument("study", nargs="?", help="a TOML file")
+    parser.add_argument("--out", help="folder of the results (default: out/STUDY)")
+    parser.add_argument("--jobs", type=int, default=0, help="members beside each other (default: one a core)")
+    parser.add_argument("--part", type=_part, default=(1, 1), metavar="i/n", help="this share of the members alone")
+    parser.add_argument("--member", help=argparse.SUPPRESS)
+    options = parser.parse_args(arguments)
+    try:
+        if options.member:
+            print(json.dumps(_do_member(json.loads(options.member))))
+            return 0
+        if not options.study:
+            parser.error("expected a study")
+        report = run_study(options.study, options.out, options.jobs, options.part, lambda sentence: print(sentence, file=sys.stderr))
+    except Error as error:
+        print(f"turgor: {error}", file=sys.stderr)
+        return 2
+    if report is None:
+        print("this part is done; others are missing yet")
+    else:
+        _print(report)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,107 @@
+"""Volumes in the patient, from and to SimpleITK and nibabel."""
+import numpy as np
+
+from ._turgor import Error
+
+_RAS = np.diag([-1.0, -1.0, 1.0])  # between LPS and RAS
+
+
+class Volume:
+    """Samples on a regular grid in the patient: LPS (x to the left, y to the back, z to the head), metres.
+
+    samples: (k, j, i), i fastest. Of a CT in Hounsfield units; of a segmentation whole numbers from 0.
+    spacing: (3,) between samples along i, j, k [m].
+    origin: (3,) place of sample (0, 0, 0) [m].
+    axes: (3, 3), its columns are the unit directions of i, j, k; they may lie obliquely, but must be square to each other.
+    """
+
+    def __init__(self, samples, spacing, origin=(0, 0, 0), axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))):
+        self.samples = np.asarray(samples)
+        self.spacing = np.array(spacing, dtype=np.float64)
+        self.origin = np.array(origin, dtype=np.float64)
+        self.axes = np.array(axes, dtype=np.float64)
+        self._check()
+
+    def _check(self):
+        if self.samples.ndim != 3 or 0 in self.samples.shape:
+            raise Error(f"a volume: expected samples (k, j, i), found an array of {self.samples.shape}")
+        for name, shape in (("spacing", (3,)), ("origin", (3,)), ("axes", (3, 3))):
+            array = getattr(self, name)
+            if array.shape != shape or not np.isfinite(array).all():
+                raise Error(f"a volume's {name}: expected {shape} finite numbers, found {array.tolist()}")
+        if not (self.spacing > 0).all():
+            raise Error(f"a volume's spacing: expected lengths above 0 [m], found {self.spacing.tolist()}")
+        skew = np.abs(self.axes.T @ self.axes - np.eye(3)).max()
+        if skew > 1e-3:
+            raise Error(f"a volume's axes: expected unit directions square to each other, found some that are {skew:.2g} off")
+
+    @property
+    def affine(self):
+        """(4, 4): the place [m, LPS] of an index (i, j, k, 1)."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.axes * self.spacing
+        matrix[:3, 3] = self.origin
+        return matrix
+
+    @classmethod
+    def from_affine(cls, samples, affine):
+        """Of samples (k, j, i) and the (4, 4) matrix from (i, j, k, 1) to places [m, LPS]."""
+        affine = np.asarray(affine, dtype=np.float64)
+        spacing = np.linalg.norm(affine[:3, :3], axis=0)
+        if not (spacing > 0).all():
+            raise Error(f"a volume's affine: expected a step along each axis, found steps of {spacing.tolist()} m")
+        return cls(samples, spacing, affine[:3, 3], affine[:3, :3] / spacing)
+
+    @classmethod
+    def from_sitk(cls, image):
+        """A SimpleITK image of three dimensions, in mm as ITK has them."""
+        import SimpleITK as sitk
+
+        axes = np.array(image.GetDirection()).reshape(3, 3) if image.GetDimension() == 3 else np.zeros((3, 3))
+        return cls(sitk.GetArrayFromImage(image), np.array(image.GetSpacing()) * 1e-3, np.array(image.GetOrigin()) * 1e-3, axes)
+
+    def to_sitk(self):
+        import SimpleITK as sitk
+
+        image = sitk.GetImageFromArray(np.ascontiguousarray(self.samples))
+        image.SetSpacing((self.spacing * 1e3).tolist())
+        image.SetOrigin((self.origin * 1e3).tolist())
+        image.SetDirection(self.axes.ravel().tolist())
+        return image
+
+    @classmethod
+    def from_nibabel(cls, image):
+        """A nibabel image of three dimensions, in mm and RAS as NIfTI has them; sheared ones are refused."""
+        affine = np.array(image.affine, dtype=np.float64)
+        affine[:3] = _RAS @ affine[:3] * 1e-3
+        return cls.from_affine(np.asanyarray(image.dataobj).T, affine)
+
+    def to_nibabel(self):
+        import nibabel
+
+        affine = self.affine
+        affine[:3] = _RAS @ affine[:3] * 1e3
+        return nibabel.Nifti1Image(np.ascontiguousarray(self.samples).T, affine)
+
+    def _parts(self, samples):
+        return np.ascontiguousarray(samples), self.spacing.tolist(), self.origin.tolist(), self.axes.ravel().tolist()
+
+    def _as_ct(self):
+        """In Hounsfield units as the engine has them: rounded, within int16; what is no number is air."""
+        values = self.samples
+        if values.dtype != np.int16:
+            if not np.issubdtype(values.dtype, np.integer):
+                values = np.rint(np.nan_to_num(values.astype(np.float64), nan=-1000))
+            values = np.clip(values, -32768, 32767).astype(np.int16)
+        return self._parts(values)
+
+    def _as_labels(self):
+        values = self.samples
+        whole = values.astype(np.uint16)
+        if not (whole == values).all():
+            raise Error("a segmentation: expected whole numbers from 0 to 65535, found others")
+        return self._parts(whole)
+
+    def __repr__(self):
+        k, j, i = self.samples.shape
+        return f"Volume({i}×{j}×{k} of {self.samples.dtype}, spacing {np.round(self.spacing * 1e3, 3).tolist()} mm)"

@@ -1,0 +1,182 @@
+#include "world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "turgor/sim/tools/tool_path.hpp"
+
+namespace turgor {
+
+namespace {
+
+template <class T, class Field>
+Status give_one(const std::map<std::string, T>& volumes, Scene& scene, const Field& field) {
+  for (const auto& [name, volume] : volumes) {
+    bool found = false;
+    for (LatticeScene& body : scene.lattice_bodies)
+      if (body.name == name) field(body) = volume, found = true;
+    if (!found)
+      return Error{
+          fmt::format("{}: expected a body with model = \"lattice\" to give a volume to, found none", name)};
+  }
+  return Done{};
+}
+
+/// Of seven numbers. Error: no place, or no rotation.
+contact::ToolCommand command_of(const double* pose, bool hold, std::size_t tick, std::size_t tool) {
+  double length = 0;
+  for (int part = 3; part < 7; part++) length += pose[part] * pose[part];
+  length = std::sqrt(length);
+  bool finite = length > 0;
+  for (int part = 0; part < 7; part++) finite = finite && std::isfinite(pose[part]);
+  if (!finite)
+    throw Refused(
+        fmt::format("pose of tick {}, tool {}: expected x, y, z [m] and a quaternion w, x, y, z that is not "
+                    "0, found {}, {}, {}, {}, {}, {}, {}",
+                    tick, tool, pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], pose[6]));
+  std::array<double, 4> turn{};
+  for (std::size_t part = 0; part < 4; part++) turn[part] = pose[3 + part] / length;
+  return {.pose = {{pose[0], pose[1], pose[2]}, axes_of(turn)}, .hold = hold};
+}
+
+}  // namespace
+
+Status give(const Given& given, Scene& scene) {
+  Status status = give_one(
+      given.volumes, scene, [](LatticeScene & body) -> auto& { return body.ct.given; });
+  if (!status) return status;
+  return give_one(
+      given.labels, scene, [](LatticeScene & body) -> auto& { return body.given_labels; });
+}
+
+PyWorld::Entered::Entered(PyWorld& world) : world_(world) {
+  if (world.busy_.exchange(true)) throw std::runtime_error("this world is being stepped by another thread");
+}
+
+PyWorld::PyWorld(Scene scene, int threads, bool keeps_forces, const BeginWork& begin)
+    : exec_(threads), scene_(std::make_shared<const Scene>(std::move(scene))), keeps_forces_(keeps_forces) {
+  world_ = std::make_unique<World>(required(load_world(exec_, *scene_, begin)));
+  measures_ = make_measures(*world_);
+  limit_logs();
+}
+
+PyWorld::PyWorld(PyWorld& other, int threads)
+    : exec_(threads == 0 ? other.exec_ : Exec(threads)),
+      scene_(other.scene_),
+      keeps_forces_(other.keeps_forces_),
+      led_(other.led_),
+      measures_(other.measures_) {
+  const Entered entered(other);
+  world_ = std::make_unique<World>(copy_of(*other.world_));
+}
+
+void PyWorld::limit_logs() {
+  if (!keeps_forces_)
+    for (TouchingTool& tool : world_->tools) tool.samples.preallocate(0);
+}
+
+void PyWorld::step(int frames) {
+  if (led_)
+    throw Refused(
+        "this world is led tick by tick: expected tick(), whose frames come by themselves, found step()");
+  is_shown_ = false;
+  for (int f = 0; f < frames; f++) {
+    const FrameReport report = required(turgor::step(exec_, *world_));
+    if (!report.finite) throw Refused("the numbers of a step were not finite; the state before it was kept");
+    measure_frame(exec_, *world_, report, false, measures_);
+  }
+}
+
+void PyWorld::tick(std::size_t ticks, const double* poses, const bool* holds, double* forces) {
+  const std::size_t tools = world_->tools.size();
+  commands_.resize(tools), readings_.resize(tools);
+  is_shown_ = false;
+  if (!led_) led_ = begin_led(*world_);
+  for (std::size_t n = 0; n < ticks; n++) {
+    for (std::size_t t = 0; t < tools; t++)
+      commands_[t] = command_of(poses + 7 * (n * tools + t), holds && holds[n * tools + t], n, t);
+    required(tick_led(exec_, *world_, *led_, commands_, readings_));
+    for (std::size_t t = 0; t < tools; t++)
+      for (int axis = 0; axis < 3; axis++) {
+        double* out = forces + 6 * (n * tools + t) + axis;
+        out[0] = readings_[t].force[axis], out[3] = readings_[t].torque[axis];
+      }
+  }
+}
+
+PyState PyWorld::state() {
+  const Entered entered(*this);
+  return {scene_, state_of(*world_), led_, measures_};
+}
+
+void PyWorld::set_state(const PyState& state) {
+  const Entered entered(*this);
+  if (state.scene != scene_)
+    throw Refused("expected a state of this world or of a copy of it, found another world's");
+  turgor::set_state(*world_, state.state);
+  led_ = state.led, measures_ = state.measures;
+  is_shown_ = false;
+}
+
+World& PyWorld::world() const {
+  if (busy_) throw std::runtime_error("this world is being stepped by another thread");
+  return *world_;
+}
+
+ShownWorld& PyWorld::shown() {
+  world();
+  if (!is_shown_ || has_writers_) show(exec_, *world_, shown_);
+  is_shown_ = true;
+  return shown_;
+}
+
+TouchingTool& PyWorld::tool(const std::string& name) const {
+  for (TouchingTool& tool : world().tools)
+    if (tool.name == name) return tool;
+  throw nb::key_error(("the scene has no tool " + name).c_str());
+}
+
+void PyWorld::drive(const std::string& name, const std::vector<std::vector<double>>& rows) {
+  TouchingTool& driven = tool(name);
+  if (led_) throw Refused(name + ": this world is led tick by tick: expected tick(), found drive()");
+  std::vector<PathRow> path = required(path_rows(rows));
+  if (path.empty()) throw Refused(name + ": expected at least one row to drive it along, found none");
+  if (path.front().time < 0) throw Refused(name + ": expected times from now on, found one before");
+  const double now = time_of(*world_);
+  PathRow here = path_at(driven.path, now);
+  for (PathRow& row : path) row.time += now;
+  if (path.front().time > now) path.insert(path.begin(), here);
+  driven.path = {std::move(path), false};
+  driven.hand.clear();
+}
+
+void tick_worlds(const std::vector<PyWorld*>& worlds, std::size_t ticks, std::size_t tools,
+                 const double* poses, const bool* holds, double* forces, int threads) {
+  std::vector<std::exception_ptr> failures(worlds.size());
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t w = next++; w < worlds.size(); w = next++) {
+      const std::size_t first = w * ticks * tools;
+      try {
+        worlds[w]->tick(ticks, poses + 7 * first, holds ? holds + first : nullptr, forces + 6 * first);
+      } catch (...) {
+        failures[w] = std::current_exception();
+      }
+    }
+  };
+  // Not parallel_for: what a world computes must not depend on whose company it keeps, and loops of that kind
+  // take denormal numbers for zero.
+  const std::size_t count = std::min(worlds.size(), std::size_t(Exec(threads).threads()));
+  std::vector<std::thread> others;
+  for (std::size_t n = 1; n < count; n++) others.emplace_back(work);
+  work();
+  for (std::thread& other : others) other.join();
+  for (const std::exception_ptr& failure : failures)
+    if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace turgor

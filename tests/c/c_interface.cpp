@@ -1,0 +1,316 @@
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstring>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <turgor.h>
+
+#include "c/guard.hpp"
+#include "turgor/core/assert.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+namespace {
+
+const char* const kPad = R"([world]
+duration = 1
+frame_rate = 50
+[body.pad]
+model = "sfem"
+block = { size = [0.06, 0.06, 0.03], count = [6, 6, 3] }
+fixed = "bottom"
+young = 5e3
+poisson = 0.4
+cache = false
+[tool.finger]
+body = "pad"
+shape = { sphere = 0.006 }
+path = [[0, 0.03, 0.03, 0.04], [0.2, 0.03, 0.03, 0.032]]
+)";
+const char* const kCut = R"([world]
+duration = 1
+frame_rate = 50
+[body.block]
+model = "lattice"
+ct = "given in memory"
+block = 2
+fixed = "bone"
+[incision.cut]
+body = "block"
+from_fraction = [0.5, 0, 0.2]
+to_fraction = [0.5, 0, 0.8]
+depth = 0.01
+start = 0.03
+duration = 0.04
+)";
+
+tg_world_def def_of(const char* text) {
+  tg_world_def def;
+  EXPECT_EQ(tg_default_world_def(&def, sizeof def), TG_OK);
+  def.text = text, def.threads = 2;
+  return def;
+}
+
+struct Owned {
+  tg_world* world = nullptr;
+  explicit Owned(const tg_world_def& def) { EXPECT_EQ(tg_world_create(&def, &world), TG_OK) << tg_error(); }
+  explicit Owned(const char* text) : Owned(def_of(text)) {}
+  ~Owned() { EXPECT_EQ(tg_world_destroy(world), TG_OK) << tg_error(); }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
+};
+
+std::uint64_t hash_of(tg_world* world) {
+  std::uint64_t hash = 0;
+  EXPECT_EQ(tg_world_state_hash(world, &hash), TG_OK) << tg_error();
+  return hash;
+}
+
+tg_command finger_at(double z) { return {{0.03, 0.03, z}, {1, 0, 0, 0}, 0, 0}; }
+
+TEST(CInterface, AWorldHasTheBitsOfTheLibrary) {
+  const Owned c(kPad);
+  ASSERT_EQ(tg_world_step(c.world, 12), TG_OK) << tg_error();
+  const Exec exec(1);
+  const Result<Scene> scene = parse_scene(kPad, "scene.toml");
+  ASSERT_TRUE(scene);
+  Result<World> world = load_world(exec, *scene);
+  ASSERT_TRUE(world);
+  for (int frame = 0; frame < 12; frame++) ASSERT_TRUE(step(exec, *world));
+  EXPECT_EQ(hash_of(c.world), state_hash(*world));
+  EXPECT_GT(norm(world->tools[0].samples.back().force), 0.01);
+}
+
+TEST(CInterface, StructsOfAnOlderHeaderAreTaken) {
+  tg_world_def def = def_of(kPad);
+  def.size = offsetof(tg_world_def, folder);  // as if it had ended there
+  std::memset(reinterpret_cast<char*>(&def) + def.size, 0x7f, sizeof def - def.size);
+  const Owned c(def);
+  tg_world_info info;
+  std::memset(static_cast<void*>(&info), 0x7f, sizeof info);
+  info.size = offsetof(tg_world_info, frame);
+  ASSERT_EQ(tg_world_get_info(c.world, &info), TG_OK) << tg_error();
+  EXPECT_EQ(info.frame_dt, 0.02);
+  EXPECT_EQ(info.frame, 0x7f7f7f7f) << "what the caller does not have was written";
+}
+
+TEST(CInterface, StructsOfANewerHeaderAreTaken) {
+  struct Newer {
+    tg_world_def def;
+    std::array<char, 64> more;
+  } newer;
+  newer.more.fill(9);
+  ASSERT_EQ(tg_default_world_def(&newer.def, sizeof newer), TG_OK);
+  EXPECT_EQ(newer.more[63], 0);
+  newer.def.text = kPad;
+  const Owned c(newer.def);
+  struct NewerCommand {
+    tg_command command;
+    double more = 1e300;
+  };
+  const NewerCommand commands[2] = {{finger_at(0.035)}, {finger_at(0.034)}};
+  tg_reading readings[2];
+  ASSERT_EQ(tg_world_tick(c.world, &commands[0].command, sizeof commands[0], readings, sizeof readings[0], 2),
+            TG_OK)
+      << tg_error();
+  EXPECT_GT(readings[1].force[2], 0);
+}
+
+TEST(CInterface, VersionsAreCompared) {
+  EXPECT_EQ(tg_check_version(TG_VERSION), TG_OK);
+  EXPECT_EQ(tg_version(), TG_VERSION);
+  EXPECT_EQ(tg_check_version(TG_VERSION + 10000), TG_MISUSE);
+  EXPECT_EQ(tg_check_version(TG_VERSION + 1), TG_MISUSE);
+  EXPECT_NE(std::string(tg_error()).find(std::to_string(TG_VERSION + 1)), std::string::npos);
+}
+
+TEST(CInterface, WhatTheSceneHasWrongIsASentence) {
+  tg_world* world = nullptr;
+  tg_world_def def = def_of("[body.pad]\nmodel = \"jelly\"\n");
+  EXPECT_EQ(tg_world_create(&def, &world), TG_ERROR);
+  EXPECT_EQ(world, nullptr);
+  EXPECT_NE(std::string(tg_error()).find("jelly"), std::string::npos);
+  def = def_of(kPad);
+  def.scene = "also.toml";
+  EXPECT_EQ(tg_world_create(&def, &world), TG_MISUSE);
+  EXPECT_STRNE(tg_error(), "");
+  EXPECT_EQ(tg_world_destroy(nullptr), TG_OK);
+  EXPECT_STREQ(tg_error(), "");
+}
+
+TEST(CInterface, NothingDiesOfNull) {
+  tg_world* none = nullptr;
+  EXPECT_NE(tg_default_world_def(nullptr, sizeof(tg_world_def)), TG_OK);
+  EXPECT_NE(tg_world_create(nullptr, nullptr), TG_OK);
+  EXPECT_NE(tg_world_create(nullptr, &none), TG_OK);
+  const Owned owned(kPad);
+  for (tg_world* world : {none, owned.world}) {
+    EXPECT_NE(tg_world_copy(world, nullptr), TG_OK);
+    EXPECT_NE(tg_world_get_info(world, nullptr), TG_OK);
+    EXPECT_NE(tg_world_state_hash(world, nullptr), TG_OK);
+    EXPECT_NE(tg_world_step(world, -1), TG_OK);
+    EXPECT_NE(tg_body_find(world, nullptr, nullptr), TG_OK);
+    EXPECT_NE(tg_body_get_info(world, 0, nullptr), TG_OK);
+    EXPECT_NE(tg_body_read(world, 0, TG_POINTS, nullptr, 1000000, nullptr), TG_OK);
+    EXPECT_NE(tg_body_triangles(world, 0, nullptr, 1000000, nullptr), TG_OK);
+    EXPECT_NE(tg_tool_find(world, nullptr, nullptr), TG_OK);
+    EXPECT_NE(tg_tool_get_info(world, 0, nullptr), TG_OK);
+    EXPECT_NE(tg_tool_get_command(world, 0, nullptr), TG_OK);
+    EXPECT_NE(tg_touch_tick(world, nullptr, sizeof(tg_command), nullptr, sizeof(tg_reading)), TG_OK);
+    EXPECT_NE(tg_touch_end(world), TG_OK);
+    EXPECT_NE(tg_world_tick(world, nullptr, sizeof(tg_command), nullptr, sizeof(tg_reading), 1), TG_OK);
+  }
+  EXPECT_NE(tg_touch_begin(none), TG_OK);
+}
+
+/// Any of these, and of what no enum has.
+TEST(CInterface, NothingDiesOfRandomArguments) {
+  const Owned owned(kPad);
+  std::mt19937 random(1);
+  const auto number = [&random] { return std::int32_t(random() % 9) - 3; };
+  std::array<float, 16> few{};
+  std::array<std::int32_t, 16> corners{};
+  for (int n = 0; n < 2000; n++) {
+    tg_world* world = random() % 8 ? owned.world : nullptr;
+    std::size_t count = 0;
+    float* floats = random() % 2 ? few.data() : nullptr;
+    std::int32_t* ints = random() % 2 ? corners.data() : nullptr;
+    tg_body_info body{random() % 2 ? sizeof(tg_body_info) : random() % 64, nullptr, nullptr, 0, 0, 0};
+    tg_tool_info tool{random() % 2 ? sizeof(tg_tool_info) : random() % 16, nullptr, 0};
+    EXPECT_NE(tg_body_read(world, number(), number(), floats, floats ? few.size() : 0,
+                           random() % 2 ? &count : nullptr),
+              TG_BROKEN);
+    EXPECT_NE(tg_body_triangles(world, number(), ints, ints ? corners.size() : 0, nullptr), TG_BROKEN);
+    EXPECT_NE(tg_body_get_info(world, number(), &body), TG_BROKEN) << tg_error();
+    EXPECT_NE(tg_tool_get_info(world, number(), &tool), TG_BROKEN) << tg_error();
+    EXPECT_NE(tg_body_find(world, random() % 2 ? "pad" : "liver", random() % 2 ? ints : nullptr), TG_BROKEN);
+    tg_command command = finger_at(random() % 2 ? 0.035 : NAN);
+    command.orientation[0] = random() % 3 ? 2 : 0;
+    tg_reading reading;
+    const std::size_t size = random() % 2 ? sizeof command : random() % 56;
+    EXPECT_NE(tg_world_tick(world, random() % 4 ? &command : nullptr, size, &reading, sizeof reading, 1),
+              TG_BROKEN)
+        << tg_error();
+  }
+}
+
+TEST(CInterface, ABufferThatIsTooSmallIsLeftAlone) {
+  const Owned c(kPad);
+  std::size_t count = 0;
+  EXPECT_EQ(tg_body_read(c.world, 0, TG_REST, nullptr, 0, &count), TG_MISUSE);
+  std::vector<float> buffer(count, 7);
+  EXPECT_EQ(tg_body_read(c.world, 0, TG_REST, buffer.data(), count - 1, nullptr), TG_MISUSE);
+  EXPECT_EQ(buffer, std::vector<float>(count, 7));
+  EXPECT_EQ(tg_body_read(c.world, 0, TG_REST, buffer.data(), count, nullptr), TG_OK) << tg_error();
+  EXPECT_NEAR(*std::max_element(buffer.begin(), buffer.end()), 0.06, 1e-6);
+}
+
+TEST(CInterface, ACutOfAVolumeInMemoryChangesTheTopology) {
+  std::vector<std::int16_t> hu;
+  for (int k = 0; k < 24; k++)
+    for (int j = 0; j < 24; j++)
+      for (int i = 0; i < 24; i++) {
+        const bool inside = i > 3 && i < 20 && j > 3 && j < 20 && k > 3 && k < 20;
+        hu.push_back(!inside ? -1000 : j > 16 ? 700 : 40);
+      }
+  tg_volume volume{sizeof volume,      "block",   {24, 24, 24},
+                   {2e-3, 2e-3, 2e-3}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                   hu.data()};
+  tg_world_def def = def_of(kCut);
+  def.volumes = &volume, def.volume_count = 1;
+  const Owned c(def);
+  tg_body_info before{sizeof before, nullptr, nullptr, 0, 0, 0}, after = before;
+  ASSERT_EQ(tg_body_get_info(c.world, 0, &before), TG_OK) << tg_error();
+  EXPECT_STREQ(before.model, "lattice");
+  ASSERT_EQ(tg_world_step(c.world, 5), TG_OK) << tg_error();
+  ASSERT_EQ(tg_body_get_info(c.world, 0, &after), TG_OK) << tg_error();
+  EXPECT_NE(before.topology_version, after.topology_version);
+  EXPECT_GT(after.triangles, before.triangles);
+  std::vector<std::int32_t> triangles(std::size_t(after.triangles) * 3);
+  ASSERT_EQ(tg_body_triangles(c.world, 0, triangles.data(), triangles.size(), nullptr), TG_OK);
+  EXPECT_EQ(*std::max_element(triangles.begin(), triangles.end()), after.vertices - 1);
+  volume.body = "nobody";
+  tg_world* world = nullptr;
+  EXPECT_EQ(tg_world_create(&def, &world), TG_ERROR);
+}
+
+TEST(CInterface, ACopyGoesOnToTheSameBits) {
+  const Owned c(kPad);
+  std::vector<tg_command> commands(50, finger_at(0.0335));
+  std::vector<tg_reading> readings(50), others(50);
+  const auto tick = [&](tg_world* world, std::vector<tg_reading>& felt) {
+    return tg_world_tick(world, commands.data(), sizeof commands[0], felt.data(), sizeof felt[0], 50);
+  };
+  ASSERT_EQ(tick(c.world, readings), TG_OK) << tg_error();
+  tg_world* copy = nullptr;
+  ASSERT_EQ(tg_world_copy(c.world, &copy), TG_OK) << tg_error();
+  for (tg_command& command : commands) command.position[0] = 0.02;
+  ASSERT_EQ(tick(c.world, readings), TG_OK);
+  ASSERT_EQ(tick(copy, others), TG_OK);
+  EXPECT_EQ(std::memcmp(readings.data(), others.data(), 50 * sizeof(tg_reading)), 0);
+  EXPECT_EQ(hash_of(c.world), hash_of(copy));
+  EXPECT_GT(readings[49].force[2], 0.005);
+  EXPECT_EQ(tg_world_step(copy, 1), TG_MISUSE);
+  tg_world_destroy(copy);
+}
+
+TEST(CInterface, AHapticThreadFeelsWhileAnotherMakesFrames) {
+  const Owned c(kPad);
+  ASSERT_EQ(tg_touch_begin(c.world), TG_OK) << tg_error();
+  std::atomic<bool> ends{false};
+  double felt = 0;
+  std::atomic<int> bad{0}, ticks{0};
+  std::thread haptic([&] {
+    tg_reading reading;
+    while (!ends || ticks < 200) {
+      const tg_command command = finger_at(0.036 - 1e-5 * std::min(ticks.load(), 300));
+      bad += tg_touch_tick(c.world, &command, sizeof command, &reading, sizeof reading) != TG_OK;
+      felt = std::max(felt, reading.force[2]);
+      ticks++;
+    }
+  });
+  for (int frame = 0; frame < 10; frame++) {
+    tg_body_info info{sizeof info, nullptr, nullptr, 0, 0, 0};
+    EXPECT_EQ(tg_world_step(c.world, 1), TG_OK) << tg_error();
+    EXPECT_EQ(tg_body_get_info(c.world, 0, &info), TG_OK) << tg_error();
+  }
+  ends = true;
+  haptic.join();
+  EXPECT_EQ(bad, 0);
+  EXPECT_GT(felt, 0.01);
+  EXPECT_EQ(tg_touch_end(c.world), TG_OK) << tg_error();
+  EXPECT_EQ(tg_touch_begin(c.world), TG_MISUSE);
+}
+
+TEST(CInterface, TwoThreadsAtOnceAreRefused) {
+  const Owned c(kPad);
+  std::atomic<int> refused{0}, others{0};
+  const auto step = [&] {
+    for (int n = 0; n < 300; n++) {
+      const tg_status status = tg_world_step(c.world, 1);
+      refused += status == TG_MISUSE, others += status != TG_MISUSE && status != TG_OK;
+    }
+  };
+  std::thread beside(step);
+  step();
+  beside.join();
+  EXPECT_GT(refused, 0);
+  EXPECT_EQ(others, 0);
+}
+
+TEST(CGuard, ABrokenPromiseIsAStatusWithItsSentence) {
+  EXPECT_EQ(c::guarded([] { TURGOR_ASSERT(1 < 0, "one is less than none"); }), TG_BROKEN);
+  EXPECT_NE(std::string(c::kept_error()).find("one is less than none"), std::string::npos);
+  EXPECT_EQ(c::guarded([] { throw std::bad_alloc(); }), TG_NO_MEMORY);
+  EXPECT_EQ(c::guarded([] { throw 7; }), TG_BROKEN);
+  EXPECT_EQ(c::guarded([] {}), TG_OK);
+  EXPECT_STREQ(c::kept_error(), "");
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,138 @@
+"""Studies: designs, members as processes, and what is left when somebody is killed."""
+import csv
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import numpy as np
+
+import turgor
+from scenes import PAD
+from turgor.study import latin_hypercube, run_study, sobol_indices, _saltelli
+
+STUDY = """
+[study]
+scene = "pad.toml"
+design = {design}
+[vary]
+"body.pad.young" = {young}
+"tool.finger.friction" = {{ values = [0.0, 0.6] }}
+[measure]
+force = "tools.finger.force_max_N"
+[run]
+threads = 1
+timeout = 20
+"""
+
+
+def folder_with(design='{ kind = "grid" }', young="{ values = [2e3, 4e3, 8e3] }"):
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="turgor-study-"))
+    scene = PAD.replace("path = [[0, 0.03, 0.03, 0.05]]", "path = [[0, 0.03, 0.03, 0.05], [0.1, 0.03, 0.03, 0.034]]")
+    (folder / "pad.toml").write_text(scene)
+    (folder / "study.toml").write_text(STUDY.format(design=design, young=young))
+    return folder
+
+
+def table_of(out):
+    with open(out / "table.csv", newline="") as rows:
+        return list(csv.DictReader(rows))
+
+
+class Designs(unittest.TestCase):
+    def test_a_latin_hypercube_has_one_number_in_every_part(self):
+        points = latin_hypercube(50, 3, seed=4)
+        for column in points.T:
+            self.assertEqual(sorted((column * 50).astype(int)), list(range(50)))
+
+    def test_ishigamis_indices_lie_in_their_intervals(self):
+        x = np.pi * (2 * _saltelli(4096, 3, seed=2) - 1)
+        a, b = 7, 0.1
+        f = np.sin(x[:, 0]) + a * np.sin(x[:, 1]) ** 2 + b * x[:, 2] ** 4 * np.sin(x[:, 0])
+        part = (0.5 * (1 + b * np.pi**4 / 5) ** 2, a**2 / 8, 0, b**2 * np.pi**8 * 8 / 225)
+        first, total = np.array(part[:3]) / sum(part), np.array([part[0] + part[3], part[1], part[3]]) / sum(part)
+        f[[5, 4096 + 77]] = np.nan  # two members that failed
+        found_first, found_total = sobol_indices(f, 3)
+        for found, exact in ((found_first, first), (found_total, total)):
+            self.assertTrue((np.abs(found[:, 0] - exact) <= found[:, 1] + 1e-3).all(), (found, exact))
+            self.assertLess(found[:, 1].max(), 0.06)
+
+
+class Studies(unittest.TestCase):
+    def test_parts_are_the_whole(self):
+        folder = folder_with()
+        whole = run_study(folder / "study.toml", folder / "whole", jobs=2)
+        self.assertIsNone(run_study(folder / "study.toml", folder / "parts", part=(2, 3)))
+        self.assertIsNone(run_study(folder / "study.toml", folder / "parts", part=(1, 3)))
+        parts = run_study(folder / "study.toml", folder / "parts", part=(3, 3))
+        self.assertEqual(table_of(folder / "whole"), table_of(folder / "parts"))
+        self.assertEqual(whole["measures"], parts["measures"])
+        force = {float(row["body.pad.young"]): float(row["force"]) for row in table_of(folder / "whole")}
+        self.assertAlmostEqual(force[4e3] / force[2e3], 2, delta=0.05)  # linear elastic
+        alone = turgor.World(folder / "pad.toml", set={"body.pad.young": 8e3, "tool.finger.friction": 0.6})
+        for _ in alone.run():
+            pass
+        self.assertAlmostEqual(alone.report()["tools"][0]["force_max_N"], float(table_of(folder / "whole")[5]["force"]))
+
+    def test_one_that_is_refused_and_one_that_hangs_cost_a_row_each(self):
+        folder = folder_with(young="{ values = [4e3, -1] }")
+        text = (folder / "study.toml").read_text().replace("timeout = 20", "timeout = 6").replace(
+            '"tool.finger.friction" = { values = [0.0, 0.6] }', '"world.duration" = { values = [0.1, 3590] }')
+        (folder / "study.toml").write_text(text)
+        (folder / "pad.toml").write_text((folder / "pad.toml").read_text().replace("every = 0.1", "every = 1"))
+        report = run_study(folder / "study.toml", folder / "out", jobs=4)
+        rows = table_of(folder / "out")
+        self.assertEqual([bool(row["force"]) for row in rows], [True, False, False, False])
+        self.assertIn("longer than 6 s", rows[1]["failed"])
+        self.assertIn("young", rows[2]["failed"])
+        self.assertEqual(len(report["failed"]), 3)
+
+    def test_a_killed_driver_and_a_killed_member_lose_nothing(self):
+        folder = folder_with(young="{ values = [2e3, 3e3, 4e3, 5e3] }")
+        command = [sys.executable, "-m", "turgor.study", str(folder / "study.toml"), "--out", str(folder / "out"), "--jobs", "1"]
+        driver = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+        members = folder / "out/members"
+        deadline = time.monotonic() + 30
+        while time.monotonic() < deadline and len(list(members.glob("*.json"))) < 2:
+            time.sleep(0.02)
+        os.killpg(driver.pid, signal.SIGKILL)  # and with it the member that it waits for
+        driver.wait()
+        before = {file.name: file.stat().st_mtime_ns for file in members.glob("*.json")}
+        self.assertTrue(2 <= len(before) < 8, before)
+        again = run_study(folder / "study.toml", folder / "out", jobs=2)
+        self.assertEqual(again["failed"], [])
+        after = {file.name: file.stat().st_mtime_ns for file in members.glob("*.json")}
+        self.assertEqual({name: after[name] for name in before}, before)
+        run_study(folder / "study.toml", folder / "whole", jobs=2)
+        self.assertEqual(table_of(folder / "out"), table_of(folder / "whole"))
+
+    def test_what_a_study_has_wrong_is_a_sentence(self):
+        for design, sentence in (('{ kind = "spiral" }', "grid, lhs, saltelli"), ('{ count = 3 }', "kind")):
+            folder = folder_with(design)
+            with self.assertRaisesRegex(turgor.Error, sentence):
+                run_study(folder / "study.toml", folder / "out")
+        folder = folder_with()
+        text = (folder / "study.toml").read_text().replace("force_max_N", "no_such")
+        (folder / "study.toml").write_text(text)
+        report = run_study(folder / "study.toml", folder / "out", jobs=2)
+        self.assertIn("tools.finger.no_such", report["failed"][0]["failed"])
+        done = subprocess.run([sys.executable, "-m", "turgor.study", "nowhere.toml"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertNotIn("Traceback", done.stderr)
+
+    def test_a_report_has_the_indices_of_what_was_varied(self):
+        folder = folder_with('{ kind = "saltelli", count = 4, seed = 1 }', "{ uniform = [2e3, 8e3] }")
+        report = run_study(folder / "study.toml", folder / "out", jobs=2)
+        self.assertEqual(report["members"], 16)
+        sobol = report["measures"]["force"]["sobol"]
+        self.assertGreater(sobol["body.pad.young"]["total"], sobol["tool.finger.friction"]["total"])
+        self.assertEqual(json.loads((folder / "out/report.json").read_text())["measures"], report["measures"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,396 @@
+"""Worlds from values, led by ticks, copied, and looked at without a copy."""
+import gc
+import pathlib
+import tempfile
+import threading
+import unittest
+
+import numpy as np
+
+import turgor
+from scenes import CLOTH, FORCEPS, PAD, TORSO
+
+
+def sliding(ticks, start=0):
+    """The finger presses into the pad and slides over it, so that its patch must follow: (ticks, 1, 7)."""
+    time = 1e-3 * (start + 1 + np.arange(ticks))
+    poses = np.zeros((ticks, 1, 7))
+    poses[:, 0, 0] = 0.012 + 0.15 * time
+    poses[:, 0, 1] = 0.03
+    poses[:, 0, 2] = 0.0345
+    poses[:, 0, 3] = 1
+    return poses
+
+
+class Ticks(unittest.TestCase):
+    def test_a_thousand_ticks_at_once_are_a_thousand_ticks_one_by_one(self):
+        together, apart = (turgor.World(text=PAD) for _ in range(2))
+        poses = sliding(200)
+        forces = together.tick(poses)
+        one_by_one = np.concatenate([apart.tick(poses[n:n + 1]) for n in range(200)])
+        np.testing.assert_array_equal(forces, one_by_one)
+        self.assertEqual(forces.shape, (200, 1, 6))
+        self.assertGreater(forces[:, 0, 2].max(), 0.01)
+        self.assertEqual(together.state_hash, apart.state_hash)
+        self.assertEqual(together.frame, 10)
+        np.testing.assert_array_equal(together.forces("finger")["force_N"], forces[:, 0, :3])
+
+    def test_a_led_tool_feels_what_its_path_makes_it_feel(self):
+        down = [[0, 0.03, 0.03, 0.05], [0.1, 0.03, 0.03, 0.0345]]
+        path = turgor.World(text=PAD, set={"tool.finger.path": down})
+        path.step(10)
+        led = turgor.World(text=PAD)
+        poses = np.zeros((200, 1, 7))
+        poses[:, 0, :2], poses[:, 0, 3] = 0.03, 1
+        poses[:, 0, 2] = 0.05 - 0.0155 * np.minimum((1 + np.arange(200)) / 100, 1)
+        felt = led.tick(poses)[:, 0, :3]
+        expected = path.forces("finger")["force_N"]
+        self.assertGreater(expected[-1, 2], 0.005)
+        np.testing.assert_allclose(felt[-1], expected[-1], rtol=1e-3, atol=1e-5)
+
+    def test_worlds_together_are_worlds_alone(self):
+        alone = [turgor.World(text=PAD, threads=1) for _ in range(4)]
+        together = [turgor.World(text=PAD, threads=1) for _ in range(4)]
+        poses = np.stack([sliding(60) + [0, 0, -5e-4 * n, 0, 0, 0, 0] for n in range(4)])
+        forces = turgor.tick_all(together, poses, threads=3)
+        for world, mine, felt in zip(alone, poses, forces):
+            np.testing.assert_array_equal(world.tick(mine), felt)
+        self.assertEqual([w.state_hash for w in alone], [w.state_hash for w in together])
+        self.assertEqual(len({w.state_hash for w in together}), 4)
+
+    def test_other_threads_run_while_a_world_ticks(self):
+        world = turgor.World(text=PAD, threads=1)
+        ticking = threading.Thread(target=world.tick, args=(sliding(400),))
+        ticking.start()
+        seen = 0
+        while ticking.is_alive():
+            seen += 1
+        ticking.join()
+        self.assertGreater(seen, 100)
+
+    def test_what_jaws_hold_is_pulled(self):
+        path = turgor.World(text=FORCEPS)
+        start = path.tool_poses
+        path.step(6)
+        down = path.forces("forceps")["position_m"]
+        poses = np.repeat(start[None], 700, axis=0)
+        poses[:, 0, :3] = down[-1]
+        poses[:len(down), 0, :3] = down
+        poses[450:, 0, 2] += 0.008 * np.linspace(0, 1, 250)  # once the jaws are closed
+        pull = []
+        for hold in (True, False):
+            world = turgor.World(text=FORCEPS)
+            felt = world.tick(poses, hold=(np.arange(700)[:, None] > 120) & hold)
+            pull.append(felt[450:, 0, 2].min())
+        self.assertLess(pull[0], -0.01)  # the tissue pulls the jaws back down
+        self.assertGreater(pull[1], -1e-9)
+
+    def test_poses_that_are_none_are_refused_with_where(self):
+        world = turgor.World(text=PAD)
+        bad = sliding(3)
+        bad[2, 0, 3:] = 0
+        with self.assertRaisesRegex(turgor.Error, "tick 2, tool 0"):
+            world.tick(bad)
+        with self.assertRaisesRegex(turgor.Error, "1 tools, found those of 2"):
+            world.tick(np.ones((3, 2, 7)))
+        with self.assertRaises((TypeError, ValueError)):
+            world.tick(np.ones((3, 1, 6)))
+        with self.assertRaisesRegex(turgor.Error, "tick by tick"):
+            world.step()
+
+    def test_keeps_no_forces_when_it_is_not_to(self):
+        world = turgor.World(text=PAD, keeps_forces=False)
+        world.tick(sliding(40))
+        self.assertEqual(len(world.forces("finger")["time_s"]), 0)
+
+
+class States(unittest.TestCase):
+    def test_a_world_goes_back_and_goes_on_to_the_same_bits(self):
+        world = turgor.World(text=PAD)
+        world.tick(sliding(47))
+        state, before = world.get_state(), world.state_hash
+        first = world.tick(sliding(80, 47))
+        after = world.state_hash
+        world.set_state(state)
+        self.assertEqual(world.state_hash, before)
+        np.testing.assert_array_equal(world.tick(sliding(80, 47)), first)
+        self.assertEqual(world.state_hash, after)
+
+    def test_a_copy_is_a_world_of_its_own(self):
+        for text in (CLOTH, TORSO, FORCEPS):
+            world = turgor.World(text=text)
+            world.step(3)
+            copy, before = world.copy(threads=1), world.state_hash
+            copy.step(4)
+            self.assertEqual(world.state_hash, before)
+            world.step(4)
+            self.assertEqual(world.state_hash, copy.state_hash)
+            self.assertEqual(copy.bodies, world.bodies)
+
+    def test_a_state_of_another_world_is_refused(self):
+        with self.assertRaisesRegex(turgor.Error, "another world"):
+            turgor.World(text=CLOTH).set_state(turgor.World(text=CLOTH).get_state())
+
+
+class Views(unittest.TestCase):
+    def test_a_live_view_sees_a_step_and_a_copy_does_not(self):
+        world = turgor.World(text=CLOTH)
+        sheet = world["sheet"]
+        z, points = sheet.live.x.z, sheet.points
+        kept = z.copy()
+        world.step(5)
+        self.assertLess(z.min(), kept.min() - 1e-4)
+        self.assertEqual(points[:, 2].min(), kept.min())
+        np.testing.assert_array_equal(np.sort(sheet.points[:, 2]), np.sort(z))
+
+    def test_a_live_view_stays_where_it_is_when_a_state_comes_back(self):
+        for text, of in ((CLOTH, lambda w: w["sheet"].live.x.z), (TORSO, lambda w: w["torso"].live.u.y)):
+            world = turgor.World(text=text)
+            world.step(1)
+            view, state = of(world), world.get_state()
+            kept = view.copy()
+            world.step(5)  # through a cut
+            self.assertFalse(np.array_equal(view, kept))
+            world.set_state(state)
+            np.testing.assert_array_equal(view, kept)
+            self.assertEqual(view.__array_interface__["data"], of(world).__array_interface__["data"])
+
+    def test_views_outlive_their_world(self):
+        world = turgor.World(text=TORSO)
+        world.step(4)
+        u = world["torso"].live.u
+        seen = np.array(u.x)
+        y = u.y
+        del world, u
+        gc.collect()
+        others = [turgor.World(text=TORSO) for _ in range(2)]  # memory that was free would be theirs by now
+        self.assertEqual(len(others), 2)
+        self.assertGreater(np.abs(y).max(), 0)
+        self.assertEqual(seen.ndim, 4)
+        y[...] = 1.0
+        self.assertEqual(y.min(), 1.0)
+
+    def test_a_lattices_view_is_its_nodes(self):
+        world = turgor.World(text=TORSO)
+        torso = world["torso"]
+        u = torso.live.u
+        before = torso.displacement
+        u.x[...] = 0.003
+        u.y[...] = 0
+        u.z[...] = 0
+        np.testing.assert_allclose(torso.displacement[:, 0], 0.003, atol=1e-6)
+        self.assertEqual(np.abs(before).max(), 0)
+        k, j, parity, half = u.x.shape
+        self.assertEqual((k, j, parity, half), (21, 25, 2, 17))  # 33 nodes a row: the last odd one is none
+
+    def test_what_never_changes_is_read_only(self):
+        world = turgor.World(text=PAD)
+        vertices = world["pad"].live.rest_vertices
+        self.assertEqual(vertices.shape, (7 * 7 * 4, 3))
+        np.testing.assert_allclose(vertices.max(axis=0), [0.06, 0.06, 0.03])
+        with self.assertRaises(ValueError):
+            vertices[0, 0] = 1
+        with self.assertRaisesRegex(AttributeError, "lattice"):
+            world["pad"].live.u
+
+
+class Values(unittest.TestCase):
+    def phantom(self):
+        """A box of muscle with a bone in it, in air: (k, j, i)."""
+        hu = np.full((24, 28, 32), -1000, dtype=np.int16)
+        hu[4:20, 4:24, 4:28] = 40
+        hu[8:16, 12:16, 6:26] = 700
+        return hu
+
+    def scene(self, ct):
+        return {"world": {"duration": 0.1, "frame_rate": 50, "gravity": [0, 0, -9.81]},
+                "body": {"block": {"model": "lattice", "ct": ct, "block": 2, "fixed": ["bone"]}}}
+
+    def test_a_volume_in_memory_is_the_file_of_it(self):
+        axes = np.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])
+        volume = turgor.Volume(self.phantom(), (2e-3, 2e-3, 3e-3), (0.01, -0.02, 0.03), axes)
+        memory = turgor.World(self.scene(volume))
+        memory.step(4)
+        as_file = turgor.World(self.scene("no-such-file.nii"), volumes={"block": volume})
+        as_file.step(4)
+        self.assertEqual(memory.state_hash, as_file.state_hash)
+        back = memory["block"].volume()
+        np.testing.assert_array_equal(back.samples, volume.samples)
+        np.testing.assert_allclose(back.affine, volume.affine, atol=1e-12)
+        moved = memory["block"].deformed_volume()
+        self.assertEqual(moved.samples.shape, volume.samples.shape)
+        self.assertFalse(np.array_equal(moved.samples, volume.samples))
+        with tempfile.TemporaryDirectory() as folder:
+            nibabel = _package("nibabel", self)
+            file = pathlib.Path(folder) / "block.nii"
+            nibabel.save(volume.to_nibabel(), file)
+            read = turgor.World(self.scene(file))
+            read.step(4)
+        self.assertLess(np.abs(read["block"].points - memory["block"].points).max(), 1e-6)
+
+    def test_a_left_handed_volume_lies_where_it_lay(self):
+        axes = np.diag([-1.0, 1, 1])
+        volume = turgor.Volume(self.phantom()[:, :, ::-1], (2e-3, 2e-3, 3e-3), (31 * 2e-3, 0, 0), axes)
+        plain = turgor.Volume(self.phantom(), (2e-3, 2e-3, 3e-3))
+        worlds = [turgor.World(self.scene(v)) for v in (volume, plain)]
+        for world in worlds:
+            world.step(3)
+        np.testing.assert_allclose(worlds[0]["block"].points, worlds[1]["block"].points, atol=1e-7)
+
+    def test_labels_in_memory_say_what_is_stiff(self):
+        labels = (self.phantom() > 0).astype(np.uint8)
+        volume = turgor.Volume(self.phantom(), (2e-3, 2e-3, 3e-3))
+        stiff = {"body.block.tissue": {"labels": {"1": 5e6}}}
+        sag = []
+        for given in ({}, {"labels": {"block": turgor.Volume(labels, (2e-3, 2e-3, 3e-3))}, "set": stiff}):
+            world = turgor.World(self.scene(volume), **given)
+            world.step(5)
+            sag.append(np.abs(world["block"].displacement).max())
+        self.assertLess(sag[1], 0.3 * sag[0])
+        with self.assertRaisesRegex(turgor.Error, "another grid"):
+            turgor.World(self.scene(volume), labels={"block": turgor.Volume(labels, (1e-3, 2e-3, 3e-3))}, set=stiff)
+
+    def test_what_is_no_volume_is_refused(self):
+        with self.assertRaisesRegex(turgor.Error, "square to each other"):
+            turgor.Volume(self.phantom(), (1, 1, 1), axes=[[1, 0.2, 0], [0, 1, 0], [0, 0, 1]])
+        with self.assertRaisesRegex(turgor.Error, r"\(k, j, i\)"):
+            turgor.Volume(np.zeros((3, 3)), (1, 1, 1))
+        with self.assertRaisesRegex(turgor.Error, "above 0"):
+            turgor.Volume(self.phantom(), (1, 0, 1))
+        volume = turgor.Volume(self.phantom(), (2e-3, 2e-3, 3e-3))
+        with self.assertRaisesRegex(turgor.Error, "nobody"):
+            turgor.World(self.scene(volume), volumes={"nobody": volume})
+
+    def test_a_mesh_of_arrays_is_a_body(self):
+        corners = np.array([[x, y, z] for z in (0, 0.03) for y in (0, 0.05) for x in (0, 0.05)])
+        quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+        triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+        scene = {"body": {"box": {"model": "sfem", "surface": turgor.Mesh(corners, triangles), "resolution": 0.012,
+                                  "fixed": "bottom", "young": 5e3, "cache": False}}}
+        world = turgor.World(scene)
+        points = world["box"].rest_points
+        np.testing.assert_allclose(points.min(axis=0), [0, 0, 0], atol=2e-3)
+        np.testing.assert_allclose(points.max(axis=0), [0.05, 0.05, 0.03], atol=2e-3)
+        tets = turgor.Mesh([[0, 0, 0], [0.01, 0, 0], [0, 0.01, 0], [0, 0, 0.01], [0.01, 0.01, 0.01]],
+                           [[0, 1, 2, 3], [1, 2, 3, 4]])
+        scene["body"]["box"] = {"model": "sfem", "mesh": tets, "elements": "linear", "fixed": "bottom", "young": 5e3,
+                                "cache": False}
+        self.assertEqual(len(turgor.World(scene)["box"].live.rest_vertices), 5)
+        with self.assertRaisesRegex(turgor.Error, "0 to 7"):
+            turgor.Mesh(corners, [[0, 1, 8]])
+
+
+def _package(name, test):
+    try:
+        return __import__(name)
+    except ImportError:
+        test.skipTest(f"{name} is not here")
+
+
+class Packages(unittest.TestCase):
+    def oblique(self):
+        a, b = np.deg2rad(17), np.deg2rad(-31)
+        turn = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
+        tip = np.array([[1, 0, 0], [0, np.cos(b), -np.sin(b)], [0, np.sin(b), np.cos(b)]])
+        samples = np.arange(4 * 5 * 6, dtype=np.int16).reshape(4, 5, 6)
+        return turgor.Volume(samples, (0.7e-3, 1.1e-3, 2.5e-3), (0.013, -0.21, 0.37), turn @ tip)
+
+    def test_an_oblique_volume_round_trips_through_nibabel(self):
+        nibabel = _package("nibabel", self)
+        volume = self.oblique()
+        image = volume.to_nibabel()
+        back = turgor.Volume.from_nibabel(image)
+        np.testing.assert_array_equal(back.samples, volume.samples)
+        np.testing.assert_allclose(back.affine, volume.affine, atol=1e-9)
+        index = np.array([3, 1, 2])
+        ras = nibabel.affines.apply_affine(image.affine, index)
+        lps = volume.affine @ [*index, 1]
+        np.testing.assert_allclose(ras * [-1, -1, 1] * 1e-3, lps[:3], atol=1e-9)
+        self.assertEqual(np.asarray(image.dataobj)[tuple(index)], volume.samples[2, 1, 3])
+        sheared = image.affine.copy()
+        sheared[0, 1] += 0.5
+        with self.assertRaisesRegex(turgor.Error, "square"):
+            turgor.Volume.from_nibabel(nibabel.Nifti1Image(image.dataobj, sheared))
+
+    def test_an_oblique_volume_round_trips_through_simpleitk(self):
+        _package("SimpleITK", self)
+        volume = self.oblique()
+        image = volume.to_sitk()
+        back = turgor.Volume.from_sitk(image)
+        np.testing.assert_array_equal(back.samples, volume.samples)
+        np.testing.assert_allclose(back.affine, volume.affine, atol=1e-9)
+        place = np.array(image.TransformIndexToPhysicalPoint((3, 1, 2))) * 1e-3
+        np.testing.assert_allclose(place, (volume.affine @ [3, 1, 2, 1])[:3], atol=1e-9)
+
+    def test_surfaces_are_pyvistas(self):
+        _package("pyvista", self)
+        world = turgor.World(text=CLOTH)
+        world.step(3)
+        mesh = world["sheet"].to_pyvista()
+        np.testing.assert_allclose(mesh.points, world["sheet"].points)
+        self.assertEqual(mesh.n_cells, len(world["sheet"].triangles))
+        self.assertIn("displacement [m]", mesh.point_data)
+
+    def test_surfaces_are_trimeshes(self):
+        _package("trimesh", self)
+        body = turgor.World(text=FORCEPS)["liver"]
+        mesh = body.to_trimesh()
+        self.assertTrue(mesh.is_watertight)
+        self.assertGreater(mesh.volume, 1e-4)
+
+    def test_forces_are_a_data_frame(self):
+        pandas = _package("pandas", self)
+        world = turgor.World(text=PAD)
+        world.step(2)
+        frame = world.forces("finger").frame()
+        self.assertIsInstance(frame, pandas.DataFrame)
+        self.assertEqual(len(frame), 40)
+        self.assertEqual(list(frame.columns)[:4], ["time_s", "position_x_m", "position_y_m", "position_z_m"])
+
+
+class Runs(unittest.TestCase):
+    def test_a_callback_stops_a_run(self):
+        world = turgor.World(text=CLOTH)
+        seen = [w.frame for w in world.run(every=0.04, callback=lambda w: w.frame < 4)]
+        self.assertEqual(seen, [2, 4])
+
+    def test_a_run_into_a_folder_is_stopped_or_cancelled(self):
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder) / "out"
+            report = turgor.run(text=FORCEPS, out=out, on_frame=lambda seconds: seconds < 0.1)
+            self.assertIn("stopped after 0.1", report["stopped"])
+            self.assertTrue((out / "report.json").exists())
+
+            def cancel(seconds):
+                if seconds > 0.05:
+                    raise KeyboardInterrupt
+
+            with self.assertRaises(KeyboardInterrupt):
+                turgor.run(text=FORCEPS, out=pathlib.Path(folder) / "none", on_frame=cancel)
+            self.assertEqual([p.name for p in pathlib.Path(folder).iterdir()], ["out"])
+
+    def test_progress_is_told_and_its_exceptions_come_through(self):
+        told = []
+        turgor.World(text=TORSO, progress=lambda word, fraction: told.append((word, fraction)))
+        self.assertIn("reading", {word for word, _ in told})
+
+        def fail(word, fraction):
+            raise OSError("no room")
+
+        with self.assertRaisesRegex(OSError, "no room"):
+            turgor.World(text=TORSO, progress=fail)
+
+    def test_measures_are_the_reports(self):
+        world = turgor.World(text=TORSO)
+        for _ in world.run():
+            pass
+        wound = world.measures("midline")
+        self.assertGreater(len(wound["time_s"]), 5)
+        report = world.report()
+        self.assertAlmostEqual(1e3 * wound["gape_max_m"][-1], report["wounds"][0]["gape_max_mm"], places=4)
+        self.assertEqual(report["state_hash"], world.state_hash)
+        self.assertIn("sheet", turgor.World(text=CLOTH).measures())
+
+
+if __name__ == "__main__":
+    unittest.main()

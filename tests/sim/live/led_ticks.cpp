@@ -1,0 +1,125 @@
+#include "turgor/sim/live/led_ticks.hpp"
+
+#include <gtest/gtest.h>
+
+#include "folders.hpp"
+#include "sim/four_kinds.hpp"
+#include "turgor/sim/world_state.hpp"
+
+namespace turgor {
+namespace {
+
+/// A world of every kind whose finger slides over the pad so far that its patch must follow; the others go
+/// where the scene has them.
+struct Led {
+  World world;
+  std::vector<TouchingTool> paths;
+  LedTicks led;
+  std::vector<Vec3d> felt;  // of every tool in every tick, in turn [N]
+
+  explicit Led(const Scene& scene, int threads = 2) : exec(threads) {
+    Result<World> made = load_world(exec, scene);
+    EXPECT_TRUE(made) << made.error().message;
+    world = std::move(*made);
+    paths = world.tools;
+    led = begin_led(world);
+  }
+  void go_on(int ticks) {
+    std::vector<contact::ToolReading> readings(world.tools.size());
+    for (int n = 0; n < ticks; n++) {
+      const double time = time_of(led) + kTick;
+      std::vector<contact::ToolCommand> commands;
+      for (const TouchingTool& tool : paths) commands.push_back(command_at(tool, time));
+      if (slides) commands[0].pose.position = {0.012 + 0.15 * time, 0.03, 0.034};
+      const Status done = tick_led(exec, world, led, commands, readings);
+      ASSERT_TRUE(done) << done.error().message;
+      for (const contact::ToolReading& reading : readings) felt.push_back(reading.force);
+    }
+  }
+  std::uint64_t hash() const { return state_hash(world); }
+
+  Exec exec;
+  bool slides = true;
+};
+
+TEST(LedTicks, AToolThatIsLedAlongItsPathFeelsWhatItFeelsOnIt) {
+  const Scene scene = test::four_kinds_scene(test::fresh_folder());
+  Led led(scene);
+  led.slides = false;
+  led.go_on(150);
+  Led path(scene);
+  end_led(path.world);
+  for (int frame = 0; frame < 7; frame++) ASSERT_TRUE(step(path.exec, path.world));
+  const TouchLog &felt = led.world.tools[1].samples, &expected = path.world.tools[1].samples;
+  double largest = 0;
+  for (std::size_t n = 0; n < 140; n++) {  // the ball is on the liver, whose ticks need nothing of the frames
+    EXPECT_EQ(felt[n].force, expected[n].force) << n;
+    largest = std::max(largest, norm(expected[n].force));
+  }
+  EXPECT_GT(largest, 0.05);
+  const Vec3d finger = led.world.tools[0].samples[130].force, wanted = path.world.tools[0].samples[130].force;
+  EXPECT_GT(norm(wanted), 0.01);
+  EXPECT_LT(norm(finger - wanted), 0.05 * norm(wanted))
+      << finger.z << " " << wanted.z;  // cloth a frame later
+  EXPECT_EQ(led.world.frame, 7);
+}
+
+TEST(LedTicks, AreTheSameBitsOnAnyNumberOfThreads) {
+  const Scene scene = test::four_kinds_scene(test::fresh_folder());
+  Led one(scene, 1), three(scene, 3);
+  one.go_on(200), three.go_on(200);
+  EXPECT_EQ(one.hash(), three.hash());
+  EXPECT_GT(one.world.sfem_bodies[0].rebuilds.size(), 0u) << "the patch did not follow";
+}
+
+TEST(WorldState, ACopyGoesOnToTheSameBitsWhileAPatchIsBuilt) {
+  Led led(test::four_kinds_scene(test::fresh_folder()));
+  int building = 0;
+  for (int n = 0; n < 20; n++) {
+    led.go_on(10);
+    if (!led.world.sfem_bodies[0].worker || !led.world.sfem_bodies[0].worker->is_busy()) continue;
+    building++;
+    Led copy = led;
+    copy.world = copy_of(led.world);
+    copy.go_on(45), led.go_on(45);
+    EXPECT_EQ(copy.hash(), led.hash());
+    EXPECT_EQ(copy.felt, led.felt);
+    break;
+  }
+  EXPECT_EQ(building, 1);
+}
+
+TEST(WorldState, GoesBackToWhereItWas) {
+  Led led(test::four_kinds_scene(test::fresh_folder()));
+  led.go_on(85);
+  const WorldState state = state_of(led.world);
+  const LedTicks ticks = led.led;
+  const std::uint64_t before = led.hash();
+  led.felt.clear();
+  led.go_on(75);
+  const std::uint64_t after = led.hash();
+  const std::vector<Vec3d> felt = led.felt;
+  EXPECT_NE(before, after);
+  for (int time = 0; time < 2; time++) {
+    set_state(led.world, state);
+    led.led = ticks;
+    EXPECT_EQ(led.hash(), before);
+    led.felt.clear();
+    led.go_on(75);
+    EXPECT_EQ(led.hash(), after);
+    EXPECT_EQ(led.felt, felt);
+  }
+  EXPECT_FALSE(led.world.lattice_bodies[0].state.cut_edges.empty());
+}
+
+TEST(WorldState, HoldsNoModel) {
+  Led led(test::four_kinds_scene(test::fresh_folder()));
+  const WorldState state = state_of(led.world);
+  EXPECT_TRUE(state.world.sfem_bodies[0].model.body.mesh.vertices.empty());
+  EXPECT_TRUE(state.world.lattice_bodies[0].ct.samples.empty());
+  EXPECT_FALSE(led.world.lattice_bodies[0].ct.samples.empty());
+  EXPECT_FALSE(led.world.sfem_bodies[0].model.body.mesh.vertices.empty());
+}
+
+}  // namespace
+}  // namespace turgor

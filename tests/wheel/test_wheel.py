@@ -1,0 +1,70 @@
+"""What is special about the wheel: what it is without, and that it says so."""
+import pathlib
+import tempfile
+import unittest
+
+import numpy as np
+
+import turgor
+
+PAD = {"world": {"duration": 0.2, "frame_rate": 50},
+       "body": {"pad": {"model": "sfem", "block": {"size": [0.06, 0.06, 0.03], "count": [6, 6, 3]}, "fixed": "bottom", "young": 5e3,
+                        "poisson": 0.4}},
+       "tool": {"finger": {"body": "pad", "shape": {"sphere": 0.006}, "path": [[0, 0.03, 0.03, 0.034]]}}}
+
+
+def block(file):
+    return {"body": {"block": {"model": "lattice", "ct": file, "block": 2, "fixed": ["ends"], "skin": {"tension": 0}}}}
+
+
+class Wheel(unittest.TestCase):
+    def test_it_is_installed_and_loads_no_graphics_and_no_codecs(self):
+        self.assertIn("site-packages", turgor.__file__)
+        world = turgor.World(PAD)
+        world.step(5)
+        loaded = pathlib.Path("/proc/self/maps").read_text()
+        for name in ("libGL", "libEGL", "libepoxy", "libhdf5", "libgdcm", "libcurl"):
+            self.assertNotIn(name, loaded)
+        self.assertIn("turgor.libs", loaded)
+
+    def test_a_cache_that_cannot_be_is_no_reason_to_fail(self):
+        with tempfile.TemporaryDirectory() as folder:
+            world = turgor.World(PAD, set={"body.pad.cache": folder})
+            world.step(5)
+        again = turgor.World(PAD, set={"body.pad.cache": False})
+        again.step(5)
+        self.assertEqual(world.state_hash, again.state_hash)
+        self.assertGreater(world.forces("finger")["force_N"][-1, 2], 0.005)
+
+    def test_a_run_into_a_folder_says_what_is_missing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder) / "out"
+            with self.assertRaisesRegex(turgor.Error, "draws no pictures"):
+                turgor.run(PAD, out=out)
+            self.assertFalse(out.exists())
+
+    def test_it_reads_a_nifti_file_by_itself(self):
+        hu = np.full((16, 16, 16), -1000, dtype=np.int16)
+        hu[3:13, 3:13, 3:13] = 40
+        header = np.zeros(352, dtype=np.uint8)
+        header[0:4] = np.frombuffer(np.int32(348).tobytes(), np.uint8)
+        header[40:56] = np.frombuffer(np.array([3, 16, 16, 16, 1, 1, 1, 1], dtype=np.int16).tobytes(), np.uint8)
+        header[70:74] = np.frombuffer(np.array([4, 16], dtype=np.int16).tobytes(), np.uint8)
+        header[76:108] = np.frombuffer(np.array([1, 3, 3, 3, 1, 1, 1, 1], dtype=np.float32).tobytes(), np.uint8)
+        header[108:112] = np.frombuffer(np.float32(352).tobytes(), np.uint8)
+        header[123] = 2  # mm
+        header[254:256] = np.frombuffer(np.int16(1).tobytes(), np.uint8)
+        rows = np.array([[3, 0, 0, 0], [0, 3, 0, 0], [0, 0, 3, 0]], dtype=np.float32)
+        header[280:328] = np.frombuffer(rows.tobytes(), np.uint8)
+        header[344:348] = np.frombuffer(b"n+1\0", np.uint8)
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "block.nii"
+            file.write_bytes(header.tobytes() + hu.tobytes())
+            from_file = turgor.World(block(file))
+        volume = from_file["block"].volume()
+        self.assertEqual(sorted(np.unique(volume.samples).tolist()), [-1000, 40])
+        np.testing.assert_allclose(volume.spacing, 3e-3)
+
+
+if __name__ == "__main__":
+    unittest.main()
