@@ -254,9 +254,10 @@ TEST(cloth_support, equal_bits_of_a_sheet_on_a_lattice_on_1_2_and_8_threads) {
 }
 
 TEST(cloth_support, a_lattice_that_floats_gets_the_momentum_of_what_it_feels) {
-  World world = sheet_on_lattice(test::fresh_folder(), Exec(1),
-                                 {"body.fat.fixed=none", "body.fat.solver={ sweeps = 200, damping = 0 }",
-                                  "body.fat.tissue={ law = \"springs\", fat = 5e3, bone = 5e3, volume = 1 }"});
+  World world =
+      sheet_on_lattice(test::fresh_folder(), Exec(1),
+                       {"body.fat.fixed=none", "body.fat.solver={ sweeps = 200, damping = 0 }",
+                        "body.fat.tissue={ law = \"springs\", fat = 5e3, bone = 5e3, volume = 1 }"});
   const LatticeBody& fat = world.lattice_bodies[0];
   const auto momentum = [&fat] {  // [kg·m/s]
     Vec3d sum;
