@@ -185,7 +185,8 @@ TEST(Palpation, WrongInputsAreToldWhatIsWrong) {
       {"label.toml", "99"},
       {"good.toml --set tool.finger.shape.sphere=0.2", "the tool is 0.4 m wide, the body pad 0.06 m"},
       {"good.toml --set tool.finger.body=paddy",
-       "the scene has no body paddy with model = \"sfem\", \"rhombus\" or \"lattice\"; did you mean pad?"},
+       "the scene has no body paddy with model = \"sfem\", \"rhombus\", \"lattice\" or "
+       "\"cloth\"; did you mean pad?"},
       {"good.toml --set tool.finger.press=false --set tool.finger.path=nan.csv", "not both"},
   };
   for (const auto& c : cases) {

@@ -101,10 +101,10 @@ TEST(RunScene, AVideoRunsAtThePaceOfTheRunAlsoInAReplay) {
 TEST(RunScene, EveryWoundHasAVideoFromNear) {
   if (!has_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
   const fs::path folder = test::fresh_folder();
-  const Scene scene = test::four_kinds_scene(
-      folder,
-      {"output.video=true", "incision.second.body=block", "incision.second.from=[-0.04, -0.02, -0.02]",
-       "incision.second.to=[-0.04, -0.02, 0.02]", "incision.second.depth=0.012"});
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  const std::string text = test::four_kinds_text() + "video = true\n[incision.second]\nbody = \"block\"\n" +
+                           "from = [-0.04, -0.02, -0.02]\nto = [-0.04, -0.02, 0.02]\ndepth = 0.012\n";
+  const Scene scene = parse_scene(text, folder / "four.toml", {}).value();
   const Json report = must_run(scene, folder / "out");
   for (const char* name : {"video-cut.mp4", "video-second.mp4"}) {
     EXPECT_GT(video_seconds(folder / "out" / name), 0.2);
