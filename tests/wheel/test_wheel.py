@@ -1,6 +1,9 @@
 """What is special about the wheel: what it is without, and that it says so."""
+import importlib.metadata
 import os
 import pathlib
+import platform
+import re
 import sys
 import tempfile
 import unittest
@@ -32,6 +35,13 @@ class Wheel(unittest.TestCase):
         for name in ("libGL", "libEGL", "libepoxy", "libhdf5", "libgdcm", "libcurl"):
             self.assertNotIn(name, loaded)
         self.assertIn("turgor.libs", loaded)
+
+    def test_any_linux_since_glibc_2_34_takes_it(self):
+        if platform.freedesktop_os_release().get("VERSION_CODENAME") != "bookworm":
+            self.skipTest("a wheel asks for what the system has that it was made on")
+        tags = [line for line in importlib.metadata.distribution("turgor").read_text("WHEEL").splitlines() if line.startswith("Tag:")]
+        self.assertEqual(len(tags), 1)
+        self.assertLessEqual(int(re.search(r"manylinux_2_(\d+)_x86_64$", tags[0]).group(1)), 34)
 
     def test_a_cache_that_cannot_be_is_no_reason_to_fail(self):
         with tempfile.TemporaryDirectory() as folder:
