@@ -61,12 +61,15 @@ class Volume(Node):
 class Markups(Node):
     """points: (n, 3), in the scene's RAS [mm]."""
 
-    def __init__(self, kind, points, curve=None):
+    def __init__(self, kind, points, curve=None, previewed=0):
         super().__init__("L", kind)
-        self.points, self.curve = np.array(points, dtype=float), curve
+        self.points, self.curve, self.previewed = np.array(points, dtype=float), curve, previewed
 
     def GetNumberOfControlPoints(self):
         return len(self.points)
+
+    def GetNumberOfDefinedControlPoints(self):
+        return len(self.points) - self.previewed
 
 
 class Transform(Node):

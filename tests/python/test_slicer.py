@@ -210,6 +210,7 @@ class Slicer(unittest.TestCase):
                                        (slicer.Volume("color", np.zeros((4, 4, 4, 3))), line, "one number a voxel, found 3"),
                                        (volume, None, "Draw a line"), (volume, straight([[0, 0, 0]]), "has 1 point: expected at least two"),
                                        (volume, straight([[0, 0, 0], [0, 0, 0.5]]), "shorter than a millimetre"),
+                                       (volume, slicer.Markups(line.kind, line.points, previewed=1), "still being drawn"),
                                        (bent, line, "bends"), (stretched, line, "stretches")):
             with self.refused(sentence):
                 self.logic.begin(given, drawn)
@@ -225,6 +226,8 @@ class Slicer(unittest.TestCase):
     def test_without_turgor_it_says_what_to_install_or_where_to_point(self):
         samples, to_ras = phantom()
         with mock.patch.object(cut.importlib.util, "find_spec", lambda name: None), self.refused("pip_install.*where the program turgor is"):
+            self.cut(samples, to_ras, line_on_belly())
+        with mock.patch.object(Turgor.shutil, "which", lambda name: None), self.refused("PythonSlicer.*was not found"):
             self.cut(samples, to_ras, line_on_belly())
         with self.refused("/nowhere/turgor: expected the program turgor"):
             self.cut(samples, to_ras, line_on_belly(), "/nowhere/turgor")

@@ -14,7 +14,7 @@ import numpy as np
 
 import turgor
 from scenes import PAD
-from turgor.study import latin_hypercube, run_study, sobol_indices, _saltelli
+from turgor.study import latin_hypercube, run_study, sobol_indices, _saltelli, _value
 
 STUDY = """
 [study]
@@ -49,6 +49,11 @@ class Designs(unittest.TestCase):
         points = latin_hypercube(50, 3, seed=4)
         for column in points.T:
             self.assertEqual(sorted((column * 50).astype(int)), list(range(50)))
+
+    def test_vectors_go_from_one_end_to_the_other(self):
+        self.assertEqual(_value({"uniform": [[20, 10], [80, 40]]}, 0.5), [50, 25])
+        self.assertEqual(_value({"uniform": [1, 3]}, 0.25), 1.5)
+        np.testing.assert_allclose(_value({"log_uniform": [[1, 100], [100, 1]]}, 0.5), [10, 10])
 
     def test_ishigamis_indices_lie_in_their_intervals(self):
         x = np.pi * (2 * _saltelli(4096, 3, seed=2) - 1)
@@ -115,6 +120,10 @@ class Studies(unittest.TestCase):
         for design, sentence in (('{ kind = "spiral" }', "grid, lhs, saltelli"), ('{ count = 3 }', "kind")):
             folder = folder_with(design)
             with self.assertRaisesRegex(turgor.Error, sentence):
+                run_study(folder / "study.toml", folder / "out")
+        for ends in ("[1e3]", "[1e3, [2e3]]", "[[1, 2], [1, 2, 3]]", '["a", 3]', "3"):
+            folder = folder_with('{ kind = "lhs", count = 3 }', f"{{ uniform = {ends} }}")
+            with self.assertRaisesRegex(turgor.Error, "body.pad.young: expected two numbers, or two vectors"):
                 run_study(folder / "study.toml", folder / "out")
         folder = folder_with()
         text = (folder / "study.toml").read_text().replace("force_max_N", "no_such")

@@ -55,7 +55,9 @@ def line_points(line):
     """(n, 3), world RAS [mm]: the ends of a line, or points along a curve, closed where it is."""
     if line is None:
         raise CutError("Draw a line on the skin first: a line or a curve of the Markups toolbar.")
-    count = line.GetNumberOfControlPoints()
+    count = line.GetNumberOfDefinedControlPoints()
+    if count < line.GetNumberOfControlPoints():
+        raise CutError("The line is still being drawn: finish it first.")
     if count < 2:
         raise CutError(f"The line has {count} point{'s' * (count != 1)}: expected at least two, on the skin.")
     if count == 2 or line.IsA("vtkMRMLMarkupsLineNode"):

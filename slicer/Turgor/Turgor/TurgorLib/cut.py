@@ -69,6 +69,8 @@ def find_cutter(program, python, program_environment):
                       program_environment)
     if not importlib.util.find_spec("turgor"):
         raise CutError(MISSING)
+    if not python:
+        raise CutError("PythonSlicer, in which the Python module turgor would run, was not found on Slicer's PATH.")
     worker = pathlib.Path(__file__).with_name("worker.py")
     return Cutter(lambda folder: [python, str(worker), str(folder)], dict(os.environ))
 
