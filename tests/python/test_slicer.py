@@ -268,6 +268,7 @@ class Panel(unittest.TestCase):
         return list(pathlib.Path(tempfile.tempdir).iterdir())
 
     def test_the_button_cuts_and_tells_how_far_it_is(self):
+        self.panel.seconds.value = 1.5  # long enough to be looked at meanwhile
         self.panel.cutButton.click()
         self.assertFalse(self.panel.cutButton.enabled)
         told = []

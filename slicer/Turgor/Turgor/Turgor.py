@@ -178,7 +178,7 @@ class TurgorWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.depth = self._number(10, 1, 100, " mm", "Of the cut, below the skin")
         self.along = self._number(45, 0, 290, " N/m", "What the skin bears along Langer's lines")
         self.across = self._number(45, 0, 290, " N/m", "What the skin bears across Langer's lines")
-        self.step = self._number(4, 0.5, 20, " mm", "Of the lattice: finer takes longer, with the fourth power")
+        self.step = self._number(4, 0.5, 20, " mm", "Of the lattice: half of it has eight times the nodes")
         self.seconds = self._number(2, 0.1, 60, " s", "Simulated: a wound settles in one or two")
         self.program = ctk.ctkPathLineEdit()
         self.program.currentPath = qt.QSettings().value("Turgor/program", "")
