@@ -269,7 +269,7 @@ def _gather(study, folder, rows):
     for member, row in zip(study.members, rows):
         measured = (row or {}).get("measured", {})
         lines.append([*(member["set"].get(key, "") for key in keys), *(measured.get(name, "") for name in study.measure), (row or {}).get("failed", "")])
-    quoted = lambda cell: '"' + str(cell).replace('"', '""') + '"' if isinstance(cell, str) else repr(cell)
+    quoted = lambda cell: repr(cell) if isinstance(cell, (int, float)) else '"' + str(cell).replace('"', '""') + '"'
     _write(folder / "table.csv", "".join(",".join(map(quoted, line)) + "\n" for line in lines))
     report = _report(study, rows)
     _write(folder / "report.json", json.dumps(report, indent=1))

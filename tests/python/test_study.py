@@ -134,6 +134,18 @@ class Studies(unittest.TestCase):
         self.assertEqual(done.returncode, 2)
         self.assertNotIn("Traceback", done.stderr)
 
+    def test_a_vector_is_one_cell_of_the_table_and_reaches_the_scene(self):
+        folder = folder_with('{ kind = "lhs", count = 2, seed = 3 }')
+        text = (folder / "study.toml").read_text().replace(
+            '"tool.finger.friction" = { values = [0.0, 0.6] }', '"world.gravity" = { uniform = [[0, 0, 0], [0, 0, -9.81]] }')
+        (folder / "study.toml").write_text(text)
+        run_study(folder / "study.toml", folder / "out", jobs=2)
+        for row in table_of(folder / "out"):
+            gravity = json.loads(row["world.gravity"])
+            self.assertEqual(gravity[:2], [0, 0])
+            self.assertTrue(-9.81 < gravity[2] < 0)
+            self.assertGreater(float(row["force"]), 0.001)
+
     def test_a_report_has_the_indices_of_what_was_varied(self):
         folder = folder_with('{ kind = "saltelli", count = 4, seed = 1 }', "{ uniform = [2e3, 8e3] }")
         report = run_study(folder / "study.toml", folder / "out", jobs=2)
