@@ -43,6 +43,11 @@ class Wheel(unittest.TestCase):
         self.assertEqual(len(tags), 1)
         self.assertLessEqual(int(re.search(r"manylinux_2_(\d+)_x86_64$", tags[0]).group(1)), 34)
 
+    def test_the_report_names_instructions_that_this_processor_has(self):
+        flags = set(next(line for line in open("/proc/cpuinfo") if line.startswith("flags")).split())
+        needs = {"x86-64": set(), "x86-64-v2": {"sse4_2"}, "x86-64-v3": {"avx2", "fma"}, "x86-64-v4": {"avx512f", "avx512vl"}}
+        self.assertLessEqual(needs[turgor.World(PAD).report()["machine"]["instructions"]], flags)
+
     def test_a_cache_that_cannot_be_is_no_reason_to_fail(self):
         with tempfile.TemporaryDirectory() as folder:
             world = turgor.World(PAD, set={"body.pad.cache": folder})
