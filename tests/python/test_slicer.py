@@ -116,6 +116,8 @@ class Slicer(unittest.TestCase):
         self.assertGreater(len(wall), 20)
         self.assertLess(way_to(line, wall).max(), 45)  # depth 20, half a gape, a step of the lattice
         self.assertLess(way_to(line, wall.mean(axis=0)[None])[0], 20)
+        along = (wall - line[0]) @ (line[1] - line[0]) / np.sum((line[1] - line[0]) ** 2)
+        self.assertTrue(along.min() < 0.15 and along.max() > 0.85, (along.min(), along.max()))  # from end to end
         gone = (samples > -300) & (nodes["volume"].samples < -500)
         self.assertGreater(gone.sum(), 3)
         self.assertLess(np.median(way_to(line, places_of(gone, to_ras))), 15)
@@ -191,6 +193,17 @@ class Slicer(unittest.TestCase):
         self.assertLess(nearest.max(), 45)
         middle = np.abs(corners(nodes["wound"])[:, 2] - bow[40, 2]) < 10
         self.assertGreater(corners(nodes["wound"])[middle, 0].mean() - (start + end)[0] / 2, 15)
+
+    def test_a_closed_curve_is_cut_all_around(self):
+        samples, to_ras = phantom()
+        middle, angle = line_on_belly().mean(axis=0), np.linspace(0, 2 * np.pi, 60, endpoint=False)
+        ring = middle + 40 * np.column_stack([np.cos(angle), 0 * angle, np.sin(angle)])
+        markup = slicer.Markups("vtkMRMLMarkupsClosedCurveNode", ring[::15], curve=ring)
+        nodes = self.logic.cut(slicer.Volume("CT", samples, to_ras), markup, cut.Wishes(**QUICK))
+        way = corners(nodes["wound"]) - middle
+        around = np.degrees(np.arctan2(way[:, 2], way[:, 0]))
+        self.assertEqual(len(set(np.floor(around / 45))), 8)
+        self.assertGreater(np.linalg.norm(way[:, [0, 2]], axis=1).min(), 15)
 
     def test_a_line_far_from_the_body_is_refused_with_where_the_body_is(self):
         samples, to_ras, line = oblique_left_handed()

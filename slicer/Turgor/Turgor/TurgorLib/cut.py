@@ -99,8 +99,8 @@ skin = {{ tension = {list(map(float, wishes.tension))}, direction = {direction} 
 body = "patient"
 path = {path}
 depth = {wishes.depth * 1e-3}
-start = 0.1
-duration = 0.3
+start = {0.05 * wishes.seconds}
+duration = {0.2 * wishes.seconds}
 [output]
 snapshots = {{ every = {wishes.seconds}, size = [64, 64] }}
 deformed_ct = "deformed.nrrd"
