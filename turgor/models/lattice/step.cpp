@@ -37,9 +37,10 @@ struct FindWild {
   Real most;  // difference of velocities [m/s]
   std::atomic<bool>& found;
 
+  /// Seen from the faster end.
   bool is_wild(int slot, const Neighbours& around) const {
-    if (!is_solid(model, state, slot)) return false;
     const Vec3 v = state.v[std::size_t(slot)];
+    if (!(4 * dot(v, v) > most * most) || !is_solid(model, state, slot)) return false;
     for (int n = 0; n < kNeighbourCount; n++) {
       const int other = slot + around.offset[n], lower = n % 2 == 0 ? slot : other;
       if (state.cut[std::size_t(lower)] >> n / 2 & 1 || !is_solid(model, state, other)) continue;
