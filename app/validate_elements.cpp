@@ -65,6 +65,8 @@ Result<std::vector<Presses>> all_presses(const Exec& exec, bool quick) {
 ElementsRow row_of(const Presses& presses, const ElementsWay& way, const OrganForces& found) {
   return {.organ = presses.organ.name,
           .elements = way.name,
+          .reference = presses.ways.back().name,
+          .to_patch = presses.ways.back().refinement > 1,
           .quadratic = way.quadratic,
           .refinement = way.refinement,
           .poisson = presses.poisson,

@@ -64,7 +64,7 @@ struct Contacts {
   std::vector<int> touched;      // vertices that have any
   std::vector<std::vector<Contact>> found;  // by chunk, while looking
   NearPoints midpoints;                     // of coarse edges, sorted [m]
-  Vectors middles;                          // the same as they come [m]
+  Vectors middles;                          // the same as they come; then these edges from end to end [m]
   Real longest_half = 0;                    // half of the longest coarse edge [m]
 
   bool touches(int vertex) const {
