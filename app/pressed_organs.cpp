@@ -127,6 +127,21 @@ std::vector<PressedPlace> places_on(const PressedOrgan& organ) {
   return places;
 }
 
+double press_flops(const PressedOrgan& organ, const ElementsWay& way) {
+  constexpr double kRest = 2e10;        // columns, contact, the factor of the body
+  constexpr double kTetsPerNode = 5.5;  // of a mesh of linear tetrahedra
+  const int parts = way.refinement * (way.cut_all ? 2 : 1) * (way.quadratic ? 2 : 1);
+  double flops = kRest;
+  for (const PressedPlace& place : places_on(organ)) {
+    double within = 0;
+    for (std::size_t e = 0; e < element_count(organ.mesh); e++)
+      within += norm(centroid(organ.mesh, e) - place.x) < way.reach * organ.patch ? 1 : 0;
+    const double unknowns = way.refinement > 1 ? 3 * within * std::pow(parts, 3) / kTetsPerNode : 0;
+    flops += std::pow(unknowns, 3) / 3;
+  }
+  return flops;
+}
+
 Result<OrganForces> press_organ(const Exec& exec, const PressedOrgan& organ, const ElementsWay& way,
                                 double poisson) {
   sfem::Body body = held_organ(organ, poisson);
@@ -137,7 +152,8 @@ Result<OrganForces> press_organ(const Exec& exec, const PressedOrgan& organ, con
   if (!model) return model.error();
   OrganForces found{{}, 0, int(model->vertex.size()), sfem::green_cost(*model)};
   for (const PressedPlace& place : places_on(organ)) {
-    const sfem::Patch patch = patch_on(exec, *model, place, organ.patch, way.refinement);
+    const double radius = way.reach * organ.patch;
+    const sfem::Patch patch = patch_on(exec, *model, place, radius, way.refinement);
     found.force.push_back(press_along(patch, place, organ));
     found.said =
         std::max(found.said, sfem::expected_error({.corners = model->body.mesh.corners,
@@ -145,7 +161,7 @@ Result<OrganForces> press_organ(const Exec& exec, const PressedOrgan& organ, con
                                                    .poisson = poisson,
                                                    .edge = sfem::mean_edge(model->body.mesh, patch.elements),
                                                    .refinement = way.refinement,
-                                                   .patch = organ.patch,
+                                                   .patch = radius,
                                                    .contact = std::sqrt(organ.radius * organ.depth)}));
   }
   return found;

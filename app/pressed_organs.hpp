@@ -33,6 +33,7 @@ struct ElementsWay {
   sfem::Formulation formulation = sfem::Formulation::kStandard;
   int refinement = 1;    // of the patch
   bool cut_all = false;  // every tetrahedron in eight, all over
+  double reach = 1;      // of the patch, in parts of the organ's
 };
 /// Where a ball comes down: the middle of a triangle, and its normal.
 struct PressedPlace {
@@ -48,6 +49,9 @@ struct OrganForces {
   int nodes = 0;              // free ones
   sfem::GreenCost cost;
 };
+/// About how many operations its presses take, known before anything is built: nearly all of them factor the
+/// dense systems of the patches.
+double press_flops(const PressedOrgan& organ, const ElementsWay& way);
 Result<OrganForces> press_organ(const Exec& exec, const PressedOrgan& organ, const ElementsWay& way,
                                 double poisson);
 

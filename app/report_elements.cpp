@@ -61,12 +61,14 @@ std::vector<Figure> figures_of(const std::vector<LayerRow>& rows) {
 std::vector<Figure> figures_of(const std::vector<ElementsRow>& rows) {
   std::vector<Figure> figures;
   for (const ElementsRow& row : rows) {
+    if (row.elements == row.reference) continue;
     const std::string name = fmt::format("{} of {} tetrahedra, ν = {}: {}, worst press", row.organ,
                                          row.tetrahedra, row.poisson, row.elements);
-    if (row.quadratic && row.refinement > 1)  // the default
-      figures.push_back(near_figure(name, "cut in eight", 1 + row.worst, 1, 0.03));
-    else
-      figures.push_back(near_figure(name, "what a report says", 1 + row.worst, 1, row.said));
+    const bool has_patch = row.quadratic && row.refinement > 1;  // the default
+    figures.push_back(has_patch ? near_figure(name, row.reference, 1 + row.worst, 1, 0.03)
+                                : near_figure(name, "what a report says", 1 + row.worst, 1, row.said));
+    // Some four nodes across what the ball covers: at one of the three places they lie badly.
+    figures.back().known_limit = has_patch && row.organ == "liver" && row.refinement == 2 && row.to_patch;
   }
   return figures;
 }

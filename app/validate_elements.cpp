@@ -13,6 +13,10 @@ namespace {
 
 using sfem::Formulation;
 
+/// Of the reference's patch, whose elements are small on its border as well: on the liver the force is within
+/// 0.2 % of that with the whole patch, which takes six times as long.
+constexpr double kReferenceReach = 0.75;
+
 ElementsWay quadratic(int refinement) {
   return {refinement == 1 ? "quadratic, no patch" : fmt::format("quadratic, patch r = {}", refinement), true,
           Formulation::kStandard, refinement};
@@ -32,7 +36,7 @@ std::vector<ElementsWay> levels() {
           quadratic(2),
           quadratic(3),
           quadratic(4),
-          {"quadratic, cut in eight, patch r = 2", true, Formulation::kStandard, 2, true}};
+          {"quadratic, cut in eight, patch r = 2", true, Formulation::kStandard, 2, true, kReferenceReach}};
 }
 
 struct Presses {
@@ -61,6 +65,8 @@ Result<std::vector<Presses>> all_presses(const Exec& exec, bool quick) {
 ElementsRow row_of(const Presses& presses, const ElementsWay& way, const OrganForces& found) {
   return {.organ = presses.organ.name,
           .elements = way.name,
+          .reference = presses.ways.back().name,
+          .to_patch = presses.ways.back().refinement > 1,
           .quadratic = way.quadratic,
           .refinement = way.refinement,
           .poisson = presses.poisson,
@@ -85,8 +91,9 @@ void set_errors(const std::vector<double>& force, const std::vector<double>& ref
 Result<std::vector<ElementsRow>> validate_elements(const Exec& exec, bool quick, const Progress& progress) {
   const Result<std::vector<Presses>> all = all_presses(exec, quick);
   if (!all) return all.error();
-  std::size_t total = 0;
-  for (const Presses& presses : *all) total += presses.ways.size();
+  double total = 0, done = 0;
+  for (const Presses& presses : *all)
+    for (const ElementsWay& way : presses.ways) total += press_flops(presses.organ, way);
   std::vector<ElementsRow> rows;
   for (const Presses& presses : *all) {
     std::vector<std::vector<double>> forces;
@@ -95,7 +102,8 @@ Result<std::vector<ElementsRow>> validate_elements(const Exec& exec, bool quick,
       if (!found) return found.error();
       forces.push_back(found->force);
       rows.push_back(row_of(presses, way, *found));
-      if (progress) progress(double(rows.size()) / double(total));
+      done += press_flops(presses.organ, way);
+      if (progress) progress(done / total);
     }
     for (std::size_t w = 0; w < forces.size(); w++)
       set_errors(forces[w], forces.back(), rows[rows.size() - forces.size() + w]);

@@ -75,7 +75,8 @@ Result<NoduleResult> validate_nodule(const Exec& exec, int columns, double width
 
 /// What a kind of elements answers on an organ's mesh, and what it costs beforehand.
 struct ElementsRow {
-  std::string organ, elements;
+  std::string organ, elements, reference;
+  bool to_patch = false;  // the reference has a patch itself
   bool quadratic = false;
   int refinement = 1;
   double poisson = 0;

@@ -106,6 +106,28 @@ TEST(SurfaceCheck, coplanar_neighbours_do_not_cross) {
   EXPECT_TRUE(crossing_triangles(Exec(1), test::surface_of(hex_block({0.1, 0.1, 0.1}, {7, 7, 7}))).empty());
 }
 
+/// A frame of a sheet of cloth in free fall, of cells of 10 mm: what was taken for a crossing.
+TEST(SurfaceCheck, triangles_a_cell_apart_in_one_plane_but_for_their_last_digits_do_not_cross) {
+  const TriMesh two{.vertices = {{0x1.413ddcp-6f, 0x1.44e1a6p-4f, -0x1.12b2cp-3f},
+                                 {0x1.e514e6p-6f, 0x1.6dd76cp-4f, -0x1.12b2cp-3f},
+                                 {0x1.413dd6p-6f, 0x1.6dd76ap-4f, -0x1.12b2c4p-3f},
+                                 {0x1.e514e8p-6f, 0x1.44e1a8p-4f, -0x1.12b2bcp-3f},
+                                 {0x1.4475fap-5f, 0x1.44e1a8p-4f, -0x1.12b2b8p-3f},
+                                 {0x1.4475fcp-5f, 0x1.6dd76cp-4f, -0x1.12b2bcp-3f}},
+                    .triangles = {{0, 1, 2}, {3, 4, 5}}};
+  EXPECT_TRUE(crossing_triangles(Exec(1), two).empty());
+}
+
+TEST(SurfaceCheck, an_edge_that_passes_exactly_through_an_edge_or_a_corner_crosses) {
+  const std::vector<Vec3> flat{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  for (const Vec3 place : {Vec3{0.25f, 0, 0}, Vec3{0, 0, 0}, Vec3{0.5f, 0.5f, 0}}) {
+    TriMesh two{.vertices = flat, .triangles = {{0, 1, 2}, {3, 4, 5}}};
+    for (const Vec3 off : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{-3, -2, 5}})
+      two.vertices.push_back(place + off);
+    EXPECT_EQ(crossing_triangles(Exec(1), two).size(), 1u) << place.x << ' ' << place.y;
+  }
+}
+
 TEST(SurfaceCheck, nothing_flat_and_what_is_no_number_are_refused_in_words) {
   EXPECT_EQ(refusal({}), "the surface has no triangles");
   TriMesh flat;

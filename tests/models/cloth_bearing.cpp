@@ -1,4 +1,6 @@
 // Obstacles that bear a sheet, solved together with it.
+#include <memory>
+
 #include "tests/models/cloth_meshes.hpp"
 #include "tests/models/cloth_sheets.hpp"
 #include "turgor/contact/cloth_obstacle.hpp"
@@ -37,6 +39,31 @@ Shape shape_of(const Model& model, const State& state) {
   return shape;
 }
 
+struct Falling {
+  Model model;
+  State state;
+  Inputs inputs;
+  std::unique_ptr<const contact::Shape> ball;  // that the obstacle refers to
+};
+/// A sheet of 0.3 m that begins 15 mm above a ball, a little beside its middle.
+Falling sheet_over_ball(Pattern pattern, double cell, double ball, const Params& params) {
+  TriMesh mesh = rectangle(pattern, -0.15, 0.15, 0.3, cell);
+  for (Vec3& x : mesh.vertices) x += Vec3{0.004f, -0.145f, Real(ball + 0.015)};
+  Falling falling{.model = must_build(mesh, params),
+                  .state = {},
+                  .inputs = in_vacuum(),
+                  .ball = std::make_unique<const contact::Shape>(contact::Sphere{ball})};
+  falling.state = make_state(falling.model);
+  falling.inputs.obstacles.push_back(contact::cloth_obstacle(*falling.ball, {}, {}, kFrame));
+  falling.inputs.obstacles.back().friction = 0.5;
+  return falling;
+}
+
+double total_energy(const Model& model, const State& state, const Inputs& inputs) {
+  const Energy e = energy(model, state, inputs.gravity);
+  return e.elastic + e.kinetic + e.potential;
+}
+
 TEST(ClothBearing, a_sheet_that_falls_over_a_small_ball_stays_smooth_loses_energy_and_is_borne) {
   struct Fall {
     Pattern pattern;
@@ -47,14 +74,7 @@ TEST(ClothBearing, a_sheet_that_falls_over_a_small_ball_stays_smooth_loses_energ
         Fall{Pattern::kRandom, 0.012, 0.06, 0.3, 3000}}) {
     Params params = solved();
     params.fabric.density = density, params.fabric.warp = params.fabric.weft = stiffness;
-    TriMesh mesh = rectangle(pattern, -0.15, 0.15, 0.3, cell);
-    for (Vec3& x : mesh.vertices) x += Vec3{0.004f, -0.145f, Real(ball + 0.015)};
-    const Model model = must_build(mesh, params);
-    State state = make_state(model);
-    const contact::Shape shape = contact::Sphere{ball};
-    Inputs inputs = in_vacuum();
-    inputs.obstacles.push_back(contact::cloth_obstacle(shape, {}, {}, kFrame));
-    inputs.obstacles.back().friction = 0.5;
+    auto [model, state, inputs, shape] = sheet_over_ball(pattern, cell, ball, params);
     double before = INFINITY, borne = 0;
     for (int n = 1; n <= 100; n++) {
       ASSERT_TRUE(step(Exec(2), model, state, inputs, kFrame).finite);
@@ -64,9 +84,9 @@ TEST(ClothBearing, a_sheet_that_falls_over_a_small_ball_stays_smooth_loses_energ
       EXPECT_NEAR(now.area, 1, 0.01) << cell << " m, frame " << n;
       EXPECT_GT(now.shortest, 0.9) << cell << " m, frame " << n;
       EXPECT_LT(now.longest, 1.12) << cell << " m, frame " << n;
-      const Energy e = energy(model, state, inputs.gravity);
-      EXPECT_LT(e.elastic + e.kinetic + e.potential, before) << cell << " m, frame " << n;
-      before = e.elastic + e.kinetic + e.potential;
+      const double now_has = total_energy(model, state, inputs);
+      EXPECT_LT(now_has, before) << cell << " m, frame " << n;
+      before = now_has;
     }
     EXPECT_NEAR(borne / (model.total_mass * -kGravity), 1, 0.05) << cell;
   }
@@ -84,14 +104,7 @@ TEST(ClothBearing, where_a_sheet_folds_onto_itself_it_is_no_longer_and_nothing_i
     Params params = solved(true);
     params.fabric.density = density, params.fabric.warp = params.fabric.weft = stiffness;
     params.collision.thickness = thickness * cell;
-    TriMesh mesh = rectangle(pattern, -0.15, 0.15, 0.3, cell);
-    for (Vec3& x : mesh.vertices) x += Vec3{0.004f, -0.145f, Real(ball + 0.015)};
-    const Model model = must_build(mesh, params);
-    State state = make_state(model);
-    const contact::Shape shape = contact::Sphere{ball};
-    Inputs inputs = in_vacuum();
-    inputs.obstacles.push_back(contact::cloth_obstacle(shape, {}, {}, kFrame));
-    inputs.obstacles.back().friction = 0.5;
+    auto [model, state, inputs, shape] = sheet_over_ball(pattern, cell, ball, params);
     double before = INFINITY, borne = 0;
     int pressed = 0;
     for (int n = 1; n <= 80; n++) {
@@ -103,9 +116,9 @@ TEST(ClothBearing, where_a_sheet_folds_onto_itself_it_is_no_longer_and_nothing_i
       if (n > 10) {  // the landing stretches it, with and without folds
         EXPECT_LT(now.longest, 1.05) << cell << " m, frame " << n;
       }
-      const Energy e = energy(model, state, inputs.gravity);
-      EXPECT_LT(e.elastic + e.kinetic + e.potential, before) << cell << " m, frame " << n;
-      before = e.elastic + e.kinetic + e.potential;
+      const double now_has = total_energy(model, state, inputs);
+      EXPECT_LT(now_has, before) << cell << " m, frame " << n;
+      before = now_has;
     }
     EXPECT_NEAR(borne / (model.total_mass * -kGravity), 1, 0.05) << cell;
     if (thickness > 0.5) {

@@ -2,6 +2,8 @@
 #include <set>
 
 #include "tests/models/cloth_sheets.hpp"
+#include "turgor/geometry/triangle_tree.hpp"
+#include "turgor/models/cloth/coarse_near.hpp"
 #include "turgor/models/cloth/contact.hpp"
 #include "turgor/models/cloth/obstacle.hpp"
 
@@ -179,6 +181,77 @@ TEST(ClothContact, a_fine_sheet_does_not_fall_through_a_coarse_one) {
   Inputs inputs{.gravity = {0, 0, -9.81}};
   for (int frame = 0; frame < 120; frame++) step(Exec(1), model, state, inputs, kFrame);
   for (int v = 9; v < 90; v++) EXPECT_GT(state.x.z[std::size_t(model.place[std::size_t(v)])], 0.0055f) << v;
+}
+
+/// What every vertex and every edge of a random sheet has near it, one by one, in double numbers.
+TEST(ClothContact, sixteen_at_a_time_leave_out_nothing_that_is_near_and_folded) {
+  constexpr std::size_t kCount = 1600;
+  constexpr Real kReach = 0.02f;
+  RandomNumbers next{3};
+  const auto place = [&](double size) {
+    const double x = next(), y = next(), z = next();
+    return Vec3(Vec3d{x, y, z} * size);
+  };
+  Neighbourhood near;
+  for (Vectors* v : {&near.at, &near.rest, &near.way, &near.rest_way}) v->resize(padded(kCount));
+  for (std::size_t n = 0; n < kCount; n++) {
+    near.index.push_back(int(n));
+    near.at.set(n, place(0.04)), near.way.set(n, place(0.02));
+    near.rest.set(n, place(0.5)), near.rest_way.set(n, place(0.02));
+  }
+  const Nearness nearness{kReach, 0.01f};
+  const Vec3 a = place(0.02), p = place(0.02), q = place(0.02), far{1, 1, 1};
+  std::set<int> by_triangle, by_edge;
+  visit_neighbours(near, NearTriangle{nearness, -far, far, {a, p, q}, {{}, p, q}},
+                   [&](int n) { by_triangle.insert(n); });
+  visit_neighbours(near, NearEdge{nearness, -far, far, {a, p}, {{}, p}}, [&](int n) { by_edge.insert(n); });
+  int near_triangle = 0, near_edge = 0;
+  for (std::size_t n = 0; n < kCount; n++) {
+    const Vec3 x = near.at[n];
+    const TrianglePoint on = nearest_on_triangle(Vec3d(x), Vec3d(a), Vec3d(a + p), Vec3d(a + q));
+    const Vec3 rest = near.rest[n] - p * Real(on.weights.y) - q * Real(on.weights.z);
+    const bool meets = on.distance < double(kReach) && on.distance < 0.9 * double(norm(rest));
+    near_triangle += meets;
+    EXPECT_TRUE(!meets || norm(rest) < 0.01f || by_triangle.count(int(n)) == 1) << n;
+    const Vec3d way(near.way[n]), from = Vec3d(x) - way * 0.5, along(p), off = from - Vec3d(a);
+    const double pp = dot(along, along), pq = dot(along, way), qq = dot(way, way);
+    const double s = (dot(off, along) * qq - dot(off, way) * pq) / (pp * qq - pq * pq);
+    const double t = (dot(off, along) * pq - dot(off, way) * pp) / (pp * qq - pq * pq);
+    const bool inside = s > 0 && s < 1 && t > 0 && t < 1;
+    const bool meet = inside && norm(off + way * t - along * s) < double(kReach);
+    near_edge += meet;
+    EXPECT_TRUE(!meet || by_edge.count(int(n)) == 1) << n;
+  }
+  EXPECT_GT(near_triangle, 50);
+  EXPECT_GT(near_edge, 10);
+  EXPECT_LT(int(by_triangle.size()), near_triangle + 20) << "it sieves";
+  EXPECT_LT(int(by_edge.size()), near_edge + 20);
+}
+
+/// A sheet bent round a pipe of five thicknesses: nothing in it touches, and nothing has to be looked at.
+TEST(ClothContact, in_a_sheet_that_is_bent_and_not_folded_hardly_anything_is_looked_at) {
+  constexpr Real kCell = 0.01f, kRadius = 0.05f;
+  Neighbourhood near;
+  std::vector<Vec3> now, rest;
+  for (int i = 0; i < 16; i++)
+    for (int j = 0; j < 16; j++) {
+      const Real angle = kCell * Real(i) / kRadius;
+      rest.push_back({kCell * Real(i), kCell * Real(j), 0});
+      now.push_back({kRadius * std::sin(angle), kCell * Real(j), kRadius * std::cos(angle)});
+    }
+  for (Vectors* v : {&near.at, &near.rest}) v->resize(now.size());
+  for (std::size_t n = 0; n < now.size(); n++)
+    near.index.push_back(int(n)), near.at.set(n, now[n]), near.rest.set(n, rest[n]);
+  const std::size_t a = 7 * 16 + 7, b = a + 16, c = a + 1;
+  int looked_at = 0;
+  visit_neighbours(near,
+                   NearTriangle{{0.02f, 0.0095f},
+                                {-1, -1, -1},
+                                {1, 1, 1},
+                                {now[a], now[b] - now[a], now[c] - now[a]},
+                                {rest[a], rest[b] - rest[a], rest[c] - rest[a]}},
+                   [&](int) { looked_at++; });
+  EXPECT_EQ(looked_at, 0);
 }
 
 TEST(ClothContact, crossing_edges_push_each_other_away) {

@@ -5,14 +5,15 @@
 
 #include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/coarse_near.hpp"
 #include "turgor/models/cloth/crossing.hpp"
 
 namespace turgor::cloth {
 
 namespace {
 
-constexpr std::size_t kPieces = 128;   // triangles or edges that are done at once
-constexpr Real kStraight = Real(0.9);  // of the way along the sheet: what is farther apart is not folded
+constexpr std::size_t kPieces = 128;  // triangles or edges that are done at once
+constexpr std::size_t kBlock = 16;    // of these that have one neighbourhood
 
 /// How far two places must be apart whose distance along the sheet is `along`: a sheet that turns round in
 /// half a circle of its thickness θ has them θ sin(along/θ) apart. 0 = they are neighbours, nothing keeps
@@ -34,50 +35,25 @@ bool nearest_inside(Vec3 a, Vec3 p, Vec3 b, Vec3 q, Real& s, Real& t) {
   return s > 0 && s < 1 && t > 0 && t < 1;
 }
 
-/// Which of sixteen points are not beyond the sides of a triangle by more than the reach, and as near to its
-/// plane.
-struct NearPlanes {
-  Vec3 through[4], normal[4];  // its own plane, then its sides'
-  Real reach;
-
-  unsigned operator()(Lanes3 p) const {
-    unsigned bits = 0xffff;
-    for (int k = 0; k < 4; k++) {
-      const auto [n, o] = std::pair(normal[k], through[k]);
-      const Lanes off = (p.x - o.x) * n.x + (p.y - o.y) * n.y + (p.z - o.z) * n.z;
-      bits &= lanes_below(k == 0 ? larger(off, -off) : off, reach);
-    }
-    return bits;
-  }
+struct Box {
+  Vec3 low, high;
 };
+Box both(const Box& a, const Box& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
 
-unsigned inside(Vec3 low, Vec3 high, Lanes3 p) {
-  const Lanes x = larger(low.x - p.x, p.x - high.x), y = larger(low.y - p.y, p.y - high.y),
-              z = larger(low.z - p.z, p.z - high.z);
-  return lanes_below(larger(x, larger(y, z)), 0);
+void resize(Neighbourhood& near, std::size_t count) {
+  for (Vectors* v : {&near.at, &near.rest, &near.way, &near.rest_way}) v->resize(padded(count));
 }
 
-/// Which of sixteen edges, given by their middles, come nearest to an edge a + s·p inside of both, and within
-/// reach. Hardly any does in a sheet that lies flat. Rounding lets some more through.
-struct NearEdges {
-  const Vectors& way;  // from end to end, in the order of the middles
-  Vec3 low, high, a, p;
-  Real reach;
-
-  unsigned operator()(Lanes3 middle, std::size_t first) const {
-    constexpr Real kSlack = Real(1e-3), kParallel = Real(5e-7);
-    const Lanes3 q = load(way, first);
-    const auto by_p = [&](const Lanes3& r) { return r.x * p.x + r.y * p.y + r.z * p.z; };
-    const Lanes3 d{middle.x - q.x * 0.5f - a.x, middle.y - q.y * 0.5f - a.y, middle.z - q.z * 0.5f - a.z};
-    const Lanes pq = by_p(q), qq = dot(q, q), dp = by_p(d), dq = dot(d, q);
-    const Lanes product = qq * dot(p, p), determinant = product - pq * pq;
-    const Lanes s = (dp * qq - dq * pq) / determinant, t = (dp * pq - dq * dot(p, p)) / determinant;
-    const Lanes beyond = larger(larger(-s, s - 1), larger(-t, t - 1));
-    const Lanes3 gap{d.x + q.x * t - s * p.x, d.y + q.y * t - s * p.y, d.z + q.z * t - s * p.z};
-    return lanes_below(beyond, kSlack) & lanes_below(product * kParallel - determinant, 0) &
-           lanes_below(dot(gap, gap), reach * reach * (1 + 10 * kSlack)) & inside(low, high, middle);
-  }
-};
+/// The sorted points in a box that are wanted, as they are sorted.
+template <class Wanted>
+void list_inside(const NearPoints& points, const Box& box, const Wanted& wanted, Neighbourhood& near) {
+  near.index.clear();
+  visit_box(
+      points, box.low, box.high, [&](Lanes3 p, std::size_t) { return lanes_inside(box.low, box.high, p); },
+      [&](int point, Vec3) {
+        if (wanted(point)) near.index.push_back(point);
+      });
+}
 
 struct FindCoarse {
   const Model& model;
@@ -110,45 +86,80 @@ struct FindCoarse {
     found.push_back(c);
   }
 
-  void triangle(Int3 t, std::vector<Contact>& found) const {
-    const Vec3 a = state.x[std::size_t(t.x)], b = state.x[std::size_t(t.y)], c = state.x[std::size_t(t.z)];
-    const Vec3 margin{reach, reach, reach}, low = min(a, min(b, c)) - margin,
-                                            high = max(a, max(b, c)) + margin;
-    const Vec3 normal = normalized(cross(b - a, c - a));
-    const NearPlanes planes{{a, a, b, c},
-                            {normal, normalized(cross(b - a, normal)), normalized(cross(c - b, normal)),
-                             normalized(cross(a - c, normal))},
-                            reach};
-    visit_box(
-        state.near_points, low, high, [&](Lanes3 p, std::size_t) { return planes(p) & inside(low, high, p); },
-        [&](int v, Vec3 p) {
-          if (v == t.x || v == t.y || v == t.z) return;
-          const TrianglePoint at = nearest_on_triangle(Vec3d(p), Vec3d(a), Vec3d(b), Vec3d(c));
-          const Vec3 w(at.weights);
-          if (at.distance >= double(reach) || w.x == 1 || w.y == 1 || w.z == 1) return;
-          Contact contact{.vertex = {v, t.x, t.y, t.z}, .weight = {1, -w.x, -w.y, -w.z}};
-          keep(contact, found);
-        });
+  Box around(const Int3& t) const {
+    const Vec3 a = at(t.x), b = at(t.y), c = at(t.z), margin{reach, reach, reach};
+    return {min(a, min(b, c)) - margin, max(a, max(b, c)) + margin};
+  }
+  /// Of the middles of edges that are near to this one.
+  Box around(const std::array<int, 2>& ends) const {
+    const Vec3 a = at(ends[0]), b = at(ends[1]);
+    const Real r = Real(1.01) * (reach + state.contacts.longest_half);
+    return {min(a, b) - Vec3{r, r, r}, max(a, b) + Vec3{r, r, r}};
   }
 
-  void edge(std::size_t e, std::vector<Contact>& found) const {
+  /// All vertices within reach of these triangles.
+  void look_around(std::span<const Int3> triangles, Neighbourhood& near) const {
+    Box box = around(triangles[0]);
+    for (const Int3& t : triangles) box = both(box, around(t));
+    list_inside(
+        state.near_points, box, [](int) { return true; }, near);
+    resize(near, near.index.size());
+    for (std::size_t n = 0; n < near.index.size(); n++)
+      near.at.set(n, at(near.index[n])), near.rest.set(n, at_rest(near.index[n]));
+  }
+  /// All edges within reach of these, from `first` on, that come after it.
+  void look_around(std::span<const std::array<int, 2>> edges, std::size_t first, Neighbourhood& near) const {
+    Box box = around(edges[0]);
+    for (const std::array<int, 2>& e : edges) box = both(box, around(e));
+    list_inside(
+        state.contacts.midpoints, box, [&](int e) { return std::size_t(e) > first; }, near);
+    resize(near, near.index.size());
+    for (std::size_t n = 0; n < near.index.size(); n++) {
+      const auto [a, b] = model.coarse.edges[std::size_t(near.index[n])];
+      near.at.set(n, (at(a) + at(b)) * Real(0.5)), near.way.set(n, at(b) - at(a));
+      near.rest.set(n, (at_rest(a) + at_rest(b)) * Real(0.5)), near.rest_way.set(n, at_rest(b) - at_rest(a));
+    }
+  }
+
+  void triangle(Int3 t, const Neighbourhood& near, std::vector<Contact>& found) const {
+    const Vec3 a = at(t.x), b = at(t.y), c = at(t.z);
+    const Box box = around(t);
+    const NearTriangle is_near{nearness(),
+                               box.low,
+                               box.high,
+                               {a, b - a, c - a},
+                               {at_rest(t.x), at_rest(t.y) - at_rest(t.x), at_rest(t.z) - at_rest(t.x)}};
+    visit_neighbours(near, is_near, [&](int v) {
+      if (v == t.x || v == t.y || v == t.z) return;
+      const TrianglePoint nearest = nearest_on_triangle(Vec3d(at(v)), Vec3d(a), Vec3d(b), Vec3d(c));
+      const Vec3 w(nearest.weights);
+      if (nearest.distance >= double(reach) || w.x == 1 || w.y == 1 || w.z == 1) return;
+      Contact contact{.vertex = {v, t.x, t.y, t.z}, .weight = {1, -w.x, -w.y, -w.z}};
+      keep(contact, found);
+    });
+  }
+
+  void edge(std::size_t e, const Neighbourhood& near, std::vector<Contact>& found) const {
     const auto ends = model.coarse.edges[e];
     const int ea = ends[0], eb = ends[1];
-    const Vec3 a = state.x[std::size_t(ea)], p = state.x[std::size_t(eb)] - a;
-    const Real r = Real(1.01) * (reach + state.contacts.longest_half);  // of a middle from this edge
-    const Vec3 low = min(a, a + p) - Vec3{r, r, r}, high = max(a, a + p) + Vec3{r, r, r};
-    const NearEdges is_near{state.contacts.middles, low, high, a, p, reach};
-    visit_box(state.contacts.midpoints, low, high, is_near, [&](int other, Vec3) {
+    const Vec3 a = at(ea), p = at(eb) - a;
+    const Box box = around(ends);
+    const NearEdge is_near{nearness(), box.low, box.high, {a, p}, {at_rest(ea), at_rest(eb) - at_rest(ea)}};
+    visit_neighbours(near, is_near, [&](int other) {
       if (std::size_t(other) <= e) return;
       const auto [fa, fb] = model.coarse.edges[std::size_t(other)];
       if (fa == ea || fa == eb || fb == ea || fb == eb) return;
-      const Vec3 b = state.x[std::size_t(fa)], q = state.x[std::size_t(fb)] - b;
+      const Vec3 b = at(fa), q = at(fb) - b;
       Real s, t;
       if (!nearest_inside(a, p, b, q, s, t)) return;
       Contact contact{.vertex = {ea, eb, fa, fb}, .weight = {1 - s, s, t - 1, -t}};
       keep(contact, found);
     });
   }
+
+  Vec3 at(int v) const { return state.x[std::size_t(v)]; }
+  Vec3 at_rest(int v) const { return model.x_rest[std::size_t(v)]; }
+  Nearness nearness() const { return {reach, Real(model.params.collision.thickness)}; }
 };
 
 /// What would have met in the step before is kept apart like coarse triangles and edges, as long as it is
@@ -172,7 +183,7 @@ struct FindMet {
   }
 };
 
-/// Middles of the edges, sorted, the ways from end to end in their order, and half of the longest.
+/// Middles of the edges, sorted, and half of the longest.
 void place_midpoints(const Exec& exec, const Model& model, State& state) {
   Contacts& contacts = state.contacts;
   const std::size_t count = model.coarse.edges.size();
@@ -186,10 +197,6 @@ void place_midpoints(const Exec& exec, const Model& model, State& state) {
   }
   contacts.longest_half = std::sqrt(longest2) / 2;
   sort_points(exec, contacts.middles, int(count), model.coarse.longest, contacts.midpoints);
-  for (std::size_t n = 0; n < count; n++) {  // the middles are sorted: now from end to end of each, likewise
-    const auto ends = model.coarse.edges[std::size_t(contacts.midpoints.index[n])];
-    contacts.middles.set(n, state.x[std::size_t(ends[1])] - state.x[std::size_t(ends[0])]);
-  }
 }
 
 }  // namespace
@@ -225,8 +232,16 @@ void find_coarse_contacts(const Exec& exec, const Model& model, State& state, Lo
     const bool is_triangles = piece < triangle_pieces;
     const std::size_t begin = (is_triangles ? piece : piece - triangle_pieces) * kPieces;
     const std::size_t end = std::min(begin + kPieces, is_triangles ? triangles.size() : edges.size());
-    for (std::size_t i = begin; i < end; i++)
-      is_triangles ? find.triangle(triangles[i], found[piece]) : find.edge(i, found[piece]);
+    Neighbourhood near;
+    for (std::size_t first = begin; first < end; first += kBlock) {
+      const std::size_t last = std::min(first + kBlock, end);
+      if (is_triangles)
+        find.look_around(std::span(triangles).subspan(first, last - first), near);
+      else
+        find.look_around(std::span(edges).subspan(first, last - first), first, near);
+      for (std::size_t i = first; i < last; i++)
+        is_triangles ? find.triangle(triangles[i], near, found[piece]) : find.edge(i, near, found[piece]);
+    }
   });
 }
 

@@ -7,8 +7,8 @@
 
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/models/sfem/expected_error.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
+#include "turgor/sim/report/force_error.hpp"
 #include "turgor/sim/report/off_the_body.hpp"
 #include "turgor/sim/report/over_parts.hpp"
 #include "turgor/sim/report/report_compare.hpp"
@@ -204,24 +204,9 @@ ToolPart tool_part(const ToolScene& scene, const TouchingTool& tool, const World
   return part;
 }
 
-/// Of the ball or rod that presses finite elements; tools of other shapes and other bodies have none.
 Json expected_force_error(const ToolPart& t) {
-  const auto* ball = std::get_if<BallTool>(&t.scene.shape);
-  const auto* rod = std::get_if<RodTool>(&t.scene.shape);
-  if (t.tool.body.kind != BodyKind::kSfem || t.depth <= 0 || (!ball && !rod)) return absent();
-  const SfemBody& body = t.world.sfem_bodies[std::size_t(t.tool.body.index)];
-  const sfem::Model& model = body.model;
-  const std::span<const int> elements = body.now.patch->elements;
-  const int e = elements.front();
-  const std::vector<int>& material = model.body.material;
-  return sfem::expected_error(
-      {.corners = model.body.mesh.corners,
-       .formulation = model.params.formulation,
-       .poisson = model.body.materials[material.empty() ? 0 : std::size_t(material[std::size_t(e)])].poisson,
-       .edge = sfem::mean_edge(model.body.mesh, elements),
-       .refinement = body.refinement,
-       .patch = body.follow.radius,
-       .contact = std::sqrt((ball ? ball->radius : rod->radius) * t.depth)});
+  const auto touched = touched_elements(t.world, t.tool);
+  return touched ? Json(sfem::expected_error(*touched)) : absent();
 }
 
 using T = ToolPart;
@@ -338,6 +323,7 @@ std::vector<std::string> touch_warnings(const World& world) {
     for (const std::string& note : tool.notes) warnings.push_back(tool.name + ": " + note);
     if (const std::string off = off_the_body(world, tool); !off.empty()) warnings.push_back(off);
     add_limits(tool, warnings);
+    if (const std::string coarse = coarse_below(world, tool); !coarse.empty()) warnings.push_back(coarse);
   }
   for (const TouchingTool& tool : world.tools)
     if (tool.samples.missed() > 0)

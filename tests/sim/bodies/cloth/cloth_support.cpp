@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/block_scene.hpp"
+#include "sim/bodies/cloth/cloth_scenes.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/models/cloth/measure.hpp"
 #include "turgor/models/sfem/cholesky.hpp"
@@ -15,21 +16,9 @@
 namespace turgor {
 namespace {
 
-constexpr double kGravity = 9.81;
+using namespace test;
 
-/// A block of 60 × 60 × 30 mm that stands on its bottom.
-constexpr const char* kBlock = R"(
-[world]
-gravity = [0, 0, -9.81]
-[body.pad]
-model = "sfem"
-block = { size = [0.06, 0.06, 0.03], count = [8, 8, 4] }
-fixed = { sides = "bottom", depth = 0 }
-young = 5e3
-poisson = 0
-precision = "double"
-cache = false
-)";
+constexpr double kGravity = 9.81;
 
 /// A heavy sheet that covers it, 3 mm above.
 constexpr const char* kSheet = R"(
@@ -42,29 +31,6 @@ wind = { density = 0 }
 [body.sheet.obstacle.pad]
 body = "pad"
 )";
-
-World must_load(const std::string& text, const std::vector<std::string>& overrides = {},
-                const Exec& exec = Exec(1)) {
-  const Result<Scene> scene = parse_scene(text, "sheet.toml", overrides);
-  EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-  Result<World> world = load_world(exec, *scene);
-  EXPECT_TRUE(world) << (world ? "" : world.error().message);
-  return std::move(*world);
-}
-
-void run(World& world, int frames, const Exec& exec = Exec(1)) {
-  for (int n = 0; n < frames; n++) {
-    const Result<FrameReport> report = step(exec, world);
-    ASSERT_TRUE(report && report->finite) << "frame " << world.frame;
-  }
-}
-
-Vec3d mean_force(const ClothObstacle& obstacle, std::size_t frames) {
-  Vec3d sum;
-  for (std::size_t n = obstacle.force.size() - frames; n < obstacle.force.size(); n++)
-    sum += obstacle.force[n];
-  return sum / double(frames);
-}
 
 /// Of the block's top, downwards: mean, least and most [m].
 struct Sinking {
@@ -86,12 +52,12 @@ Sinking sinking(const SfemBody& body) {
 // ------------------------------------------------------------ a sheet that lies on a block
 
 TEST(cloth_support, an_organ_bears_the_sheets_weight_and_sinks_by_pressure_times_height_over_youngs_modulus) {
-  World world = must_load(std::string(kBlock) + kSheet);
+  World world = must_load(std::string(kPad) + kSheet);
   run(world, 240);
   const SfemBody& pad = world.sfem_bodies[0];
   const double pressure = 10 * kGravity, weight = pressure * 0.06 * 0.06;
   const Vec3d felt = total_force(pad.press->load),
-              pushed = mean_force(world.cloth_bodies[0].obstacles[0], 60);
+              pushed = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
   EXPECT_NEAR(pushed.z, -weight, 0.01 * weight) << "N, the cloth's side";
   EXPECT_NEAR(felt.z, -weight, 0.01 * weight) << "N, the body's side";
   EXPECT_LT(std::hypot(felt.x, felt.y), 0.01 * weight);
@@ -107,7 +73,7 @@ TEST(cloth_support, with_its_sides_held_the_block_sinks_by_the_oedometric_modulu
   const double young = 5e3, nu = 0.3, modulus = young * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
   // Nothing but the middle of a wide block: far from its sides, tissue cannot give way sideways.
   World world = must_load(
-      std::string(kBlock) + kSheet,
+      std::string(kPad) + kSheet,
       {"body.pad.poisson=0.3", "body.pad.block={ size = [0.3, 0.3, 0.03], count = [20, 20, 3] }",
        "body.sheet.sheet={ corner = [0, 0, 0.033], side = [0.3, 0, 0], up = [0, 0.3, 0], columns = 40, rows "
        "= 40 }"});
@@ -126,7 +92,7 @@ TEST(cloth_support, with_its_sides_held_the_block_sinks_by_the_oedometric_modulu
 
 TEST(cloth_support, the_displacement_is_the_solution_of_k_u_equals_f) {
   for (const char* how : {"body.pad.precision=double", "body.pad.rotations=true", "body.pad.memory=0.004"}) {
-    World world = must_load(std::string(kBlock) + kSheet, {"body.pad.poisson=0.3", how});
+    World world = must_load(std::string(kPad) + kSheet, {"body.pad.poisson=0.3", how});
     run(world, 60);
     SfemBody& pad = world.sfem_bodies[0];
     EXPECT_EQ(pad.facts.on_demand, std::string_view(how).find("memory") != std::string_view::npos);
@@ -150,14 +116,15 @@ TEST(cloth_support, the_displacement_is_the_solution_of_k_u_equals_f) {
 
 TEST(cloth_support, body_and_floor_share_the_weight_of_a_sheet_that_hangs_over) {
   World world = must_load(
-      std::string(kBlock) + kSheet + "[body.sheet.obstacle.floor]\nplane = { through = [0, 0, 0] }\n",
+      std::string(kPad) + kSheet + "[body.sheet.obstacle.floor]\nplane = { through = [0, 0, 0] }\n",
       {"body.sheet.sheet={ corner = [-0.07, 0, 0.033], side = [0.2, 0, 0], up = [0, 0.06, 0], columns = 80, "
        "rows = 24 }",
        "body.sheet.fabric.density=2"});
   run(world, 300);
   const ClothBody& sheet = world.cloth_bodies[0];
   const double weight = 2 * kGravity * 0.2 * 0.06;
-  const Vec3d pad = mean_force(sheet.obstacles[0], 60), floor = mean_force(sheet.obstacles[1], 60);
+  const Vec3d pad = mean_of_last(sheet.obstacles[0].force, 60),
+              floor = mean_of_last(sheet.obstacles[1].force, 60);
   EXPECT_GT(-pad.z, 0.25 * weight);
   EXPECT_GT(-floor.z, 0.1 * weight);
   EXPECT_NEAR((pad + floor).z, -weight, 0.01 * weight) << pad.z << " N and " << floor.z << " N";
@@ -229,7 +196,7 @@ TEST(cloth_support, a_lattice_bears_the_sheets_weight_and_sinks_by_pressure_time
   }
   const double pressure = 10 * kGravity, weight = pressure * 0.128 * 0.128;
   const ClothBody& sheet = world.cloth_bodies[0];
-  EXPECT_NEAR(mean_force(sheet.obstacles[0], 60).y, weight, 0.01 * weight) << "N, the cloth's side";
+  EXPECT_NEAR(mean_of_last(sheet.obstacles[0].force, 60).y, weight, 0.01 * weight) << "N, the cloth's side";
   EXPECT_NEAR(total_force(world.lattice_bodies[0].cloth).y, weight, 0.01 * weight) << "N, the body's side";
   // Held below and 1.6 times as wide as high on each side: between the moduli of a free column, E, and of one
   // whose sides are held, 1.2 E for Poisson's ratio of 1/4.
@@ -278,8 +245,7 @@ TEST(cloth_support, a_lattice_that_floats_gets_the_momentum_of_what_it_feels) {
 
 TEST(cloth_support, a_sheet_far_heavier_than_the_coupling_alone_would_bear_comes_to_rest) {
   // A static sinking of more than g h²/4 = 0.7 mm makes the plain exchange of forces unstable; here 8.8 mm.
-  World world =
-      must_load(std::string(kBlock) + kSheet, {"body.pad.young=1e3", "body.sheet.fabric.density=30"});
+  World world = must_load(std::string(kPad) + kSheet, {"body.pad.young=1e3", "body.sheet.fabric.density=30"});
   const SfemBody& pad = world.sfem_bodies[0];
   const double expected = 30 * kGravity * 0.03 / 1e3;
   double early = 0, least = 1, most = 0, kinetic = 0;
@@ -302,8 +268,8 @@ TEST(cloth_support, a_sheet_far_heavier_than_the_coupling_alone_would_bear_comes
 }
 
 TEST(cloth_support, turned_elements_bear_the_sheet_as_well) {
-  World plain = must_load(std::string(kBlock) + kSheet);
-  World turned = must_load(std::string(kBlock) + kSheet, {"body.pad.rotations=true"});
+  World plain = must_load(std::string(kPad) + kSheet);
+  World turned = must_load(std::string(kPad) + kSheet, {"body.pad.rotations=true"});
   run(plain, 240), run(turned, 240);
   const SfemBody& pad = turned.sfem_bodies[0];
   ASSERT_TRUE(pad.turning);
@@ -318,7 +284,7 @@ TEST(cloth_support, turned_elements_bear_the_sheet_as_well) {
 }
 
 TEST(cloth_support, what_the_cloth_loses_in_momentum_the_body_gets) {
-  World world = must_load(std::string(kBlock) + kSheet);
+  World world = must_load(std::string(kPad) + kSheet);
   ClothBody& sheet = world.cloth_bodies[0];
   const double mass = sheet.model.total_mass;
   double largest = 0;
@@ -338,7 +304,7 @@ TEST(cloth_support, what_the_cloth_loses_in_momentum_the_body_gets) {
 }
 
 TEST(cloth_support, when_the_cloth_is_gone_the_body_rises_again) {
-  World world = must_load(std::string(kBlock) + kSheet +
+  World world = must_load(std::string(kPad) + kSheet +
                           "[body.sheet.hold.all]\nbox = [[-1, -1, -1], [1, 1, 1]]\nstart = 2\npath = [[2, 0, "
                           "0, 0], [2.3, 0, 0, 0.1]]\n");
   run(world, 120);
@@ -351,7 +317,7 @@ TEST(cloth_support, equal_bits_on_1_2_and_8_threads) {
   std::set<std::uint64_t> hashes;
   for (const int threads : {1, 2, 8}) {
     const Exec exec(threads);
-    World world = must_load(std::string(kBlock) + kSheet, {"body.pad.precision=single"}, exec);
+    World world = must_load(std::string(kPad) + kSheet, {"body.pad.precision=single"}, exec);
     run(world, 60, exec);
     const auto& u = world.sfem_bodies[0].press->displacement;
     hashes.insert(hash_bytes(u.data(), u.size() * sizeof u[0],
@@ -369,7 +335,7 @@ TEST(cloth_support, a_tool_meets_the_body_where_the_cloth_has_pressed_it) {
         "depth = {}, start = 2, duration = 0.2, hold = 1 }}\n",
         depth);
     World world =
-        must_load(kBlock + std::string(with_sheet ? kSheet : "") + tool, {"body.pad.patch.radius=0.03"});
+        must_load(kPad + std::string(with_sheet ? kSheet : "") + tool, {"body.pad.patch.radius=0.03"});
     run(world, 180);
     EXPECT_GT(world.tools[0].samples.back().contacts, 0);
     return norm(world.tools[0].samples.back().force);

@@ -112,5 +112,22 @@ TEST(WideContact, WhatFindsNoRoomIsCountedAndWarnedOf) {
       << warnings[0];
 }
 
+/// A ball of 8 mm that is pressed 1 mm covers 2.8 mm, of cells of 4.2 mm.
+TEST(WideContact, elements_that_are_too_large_for_what_a_tool_covers_are_told_with_what_would_do) {
+  const auto told = [](int refinement, double depth) {
+    for (const std::string& warning : touch_warnings(pressed_world(kBlock, refinement, depth, 64)))
+      if (warning.find("its force may be off by up to") != std::string::npos) return warning;
+    return std::string();
+  };
+  const std::string coarse = told(1, 0.001);
+  EXPECT_NE(coarse.find("in 1 parts"), std::string::npos) << coarse;
+  EXPECT_NE(coarse.find("a radius of 2.83 mm"), std::string::npos) << coarse;
+  const std::size_t at = coarse.find("patch.refinement = ");
+  ASSERT_NE(at, std::string::npos) << coarse;
+  const int enough = coarse[at + 19] - '0';
+  EXPECT_EQ(told(enough, 0.001), "");
+  EXPECT_NE(told(enough - 1, 0.001), "");
+}
+
 }  // namespace
 }  // namespace turgor

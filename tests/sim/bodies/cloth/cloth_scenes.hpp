@@ -1,0 +1,53 @@
+// Scenes of cloth on other bodies, and how tests run them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "turgor/sim/world.hpp"
+
+namespace turgor::test {
+
+/// A block of 60 × 60 × 30 mm of 5 kPa that stands on its bottom, "pad".
+inline constexpr const char* kPad = R"(
+[world]
+gravity = [0, 0, -9.81]
+[body.pad]
+model = "sfem"
+block = { size = [0.06, 0.06, 0.03], count = [8, 8, 4] }
+fixed = { sides = "bottom", depth = 0 }
+young = 5e3
+poisson = 0
+precision = "double"
+cache = false
+)";
+
+inline World must_load_scene(const Scene& scene, const Exec& exec = Exec(1)) {
+  Result<World> world = load_world(exec, scene);
+  EXPECT_TRUE(world) << (world ? "" : world.error().message);
+  return std::move(*world);
+}
+
+inline World must_load(const std::string& text, const std::vector<std::string>& overrides = {},
+                       const Exec& exec = Exec(1)) {
+  const Result<Scene> scene = parse_scene(text, "sheet.toml", overrides);
+  EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+  return must_load_scene(*scene, exec);
+}
+
+inline void run(World& world, int frames, const Exec& exec = Exec(1)) {
+  for (int n = 0; n < frames; n++) {
+    const Result<FrameReport> report = step(exec, world);
+    ASSERT_TRUE(report && report->finite) << "frame " << world.frame;
+  }
+}
+
+inline Vec3d mean_of_last(const std::vector<Vec3d>& forces, std::size_t count) {
+  Vec3d sum;
+  for (std::size_t n = forces.size() - count; n < forces.size(); n++) sum += forces[n];
+  return sum / double(count);
+}
+
+}  // namespace turgor::test

@@ -1,0 +1,70 @@
+#include "turgor/sim/report/force_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace turgor {
+
+namespace {
+
+constexpr double kMuch = 0.10;  // of the force
+
+/// Of a shape that has one; 0 = it has none [m].
+double radius_of(const contact::Shape& shape) {
+  if (const auto* ball = std::get_if<contact::Sphere>(&shape)) return ball->radius;
+  if (const auto* rod = std::get_if<contact::Capsule>(&shape)) return rod->radius;
+  return 0;
+}
+
+double deepest(const TouchingTool& tool) {
+  double depth = 0;
+  for (const ForceSample& s : tool.samples) depth = std::max(depth, s.depth);
+  return depth;
+}
+
+/// The least refinement with which it is no longer much; 0 = there is none.
+int enough(sfem::TouchedElements touched) {
+  constexpr int kFinest = 4;
+  for (touched.refinement++; touched.refinement <= kFinest; touched.refinement++)
+    if (sfem::expected_error(touched) <= kMuch) return touched.refinement;
+  return 0;
+}
+
+}  // namespace
+
+std::optional<sfem::TouchedElements> touched_elements(const World& world, const TouchingTool& tool) {
+  const double radius = radius_of(tool.tool.shape), depth = deepest(tool);
+  if (tool.body.kind != BodyKind::kSfem || depth <= 0 || radius <= 0) return {};
+  const SfemBody& body = world.sfem_bodies[std::size_t(tool.body.index)];
+  const sfem::Model& model = body.model;
+  const std::span<const int> elements = body.now.patch->elements;
+  const std::vector<int>& material = model.body.material;
+  const std::size_t kind = material.empty() ? 0 : std::size_t(material[std::size_t(elements.front())]);
+  return sfem::TouchedElements{.corners = model.body.mesh.corners,
+                               .formulation = model.params.formulation,
+                               .poisson = model.body.materials[kind].poisson,
+                               .edge = sfem::mean_edge(model.body.mesh, elements),
+                               .refinement = body.refinement,
+                               .patch = body.follow.radius,
+                               .contact = std::sqrt(radius * depth)};
+}
+
+std::string coarse_below(const World& world, const TouchingTool& tool) {
+  const auto touched = touched_elements(world, tool);
+  if (!touched) return {};
+  const double error = sfem::expected_error(*touched);
+  if (error <= kMuch) return {};
+  const int finer = enough(*touched);
+  const std::string advice = finer > 0 ? fmt::format("patch.refinement = {} brings that below", finer)
+                                       : std::string("a finer mesh brings that below");
+  return fmt::format(
+      "{}: its force may be off by up to {:.0f} %, since elements there have edges of {:.3g} mm, in {} "
+      "parts, and "
+      "what it covers a radius of {:.3g} mm: {} {:.0f} %",
+      tool.name, 100 * error, 1e3 * touched->edge, touched->refinement, 1e3 * touched->contact, advice,
+      100 * kMuch);
+}
+
+}  // namespace turgor
