@@ -69,12 +69,12 @@ struct CellForces {
       int corner[kCellCorners];
       for (int c = 0; c < kCellCorners; c++) corner[c] = slot_offset(l, cell_corner(c), parity);
       for (int j = 0; j + 1 < l.size.y; j++)
-        for (const Run run : cells.of_half_row(row_slot(l, j, k) / l.half + parity))
-{
-            int begin = 0;
-            for (; begin + 2 * kGroup <= run.count; begin += 2 * kGroup) add<2 * kGroup>(run.begin + begin, corner);
-            if (begin < run.count) add<kGroup>(run.begin + begin, corner);
-          }
+        for (const Run run : cells.of_half_row(row_slot(l, j, k) / l.half + parity)) {
+          int begin = 0;
+          for (; begin + 2 * kGroup <= run.count; begin += 2 * kGroup)
+            add<2 * kGroup>(run.begin + begin, corner);
+          if (begin < run.count) add<kGroup>(run.begin + begin, corner);
+        }
     }
   }
 };
@@ -231,7 +231,9 @@ void move_nodes(const Exec& exec, const Model& model, State& state, const Coarse
     for (std::size_t c = 0; c < 8; c++) sum += by_row[std::size_t(block.corner[c])] * w[c];
     return sum;
   };
-  const auto move = [&](int slot, Vec3 way) { state.u.set(std::size_t(slot), state.u[std::size_t(slot)] + way); };
+  const auto move = [&](int slot, Vec3 way) {
+    state.u.set(std::size_t(slot), state.u[std::size_t(slot)] + way);
+  };
   parallel_for(exec, std::size_t(model.lattice.size.z), [&](std::size_t k) {
     for_followers(
         model, space, int(k),
@@ -269,7 +271,6 @@ void find_left_over(const Exec& exec, const Model& model, State& state, const Co
   add_loose_edges(model, state, space, out.nodes);
 }
 
-
 bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt) {
   const Params& params = model.params;
   if (!params.solver.coarse || params.solver.method != Method::kDescent) return false;
@@ -284,7 +285,8 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
   return state.coarse->unknowns > 0;
 }
 
-void correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
+void correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                         double dt) {
   constexpr double kFarthest = 1.5;  // of what the space says
   const CoarseSpace& space = *state.coarse;
   const auto forces = [&] {
@@ -304,7 +306,8 @@ std::size_t memory_bytes(const CoarseSpace& space) {
   const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   return bytes(space.blocks) + bytes(space.row_begin) + bytes(space.terms) + bytes(space.follows) +
          bytes(space.outside) + bytes(space.loose) + bytes(space.cells.all) + bytes(space.cells.row_begin) +
-         std::size_t(space.stiffness.matrixL().nestedExpression().nonZeros()) * (sizeof(double) + sizeof(int));
+         std::size_t(space.stiffness.matrixL().nestedExpression().nonZeros()) *
+             (sizeof(double) + sizeof(int));
 }
 
 }  // namespace turgor::lattice

@@ -6,10 +6,9 @@
 // energy by more than what is not linear in it. [Galerkin; Dick, Georgii and Westermann 2011 for cuts]
 #pragma once
 
+#include <Eigen/SparseCholesky>
 #include <memory>
 #include <vector>
-
-#include <Eigen/SparseCholesky>
 
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/runs.hpp"
@@ -25,8 +24,8 @@ struct Leaf {
 
 /// A block that moves by what is trilinear in its eight corners.
 struct CoarseBlock {
-  Int3 low;                     // its lowest node
-  int size = 0;                 // steps a side
+  Int3 low;      // its lowest node
+  int size = 0;  // steps a side
   Leaf leaf;
   std::array<int, 8> corner{};  // rows of CoarseSpace::row_begin
 };
@@ -50,10 +49,10 @@ struct CoarseSpace {
   std::vector<CoarseBlock> blocks;
   std::vector<int> row_begin;     // of corners, and of nodes by themselves, in `terms`
   std::vector<CoarseTerm> terms;  // row by row
-  aligned_vector<int> follows;    // by slot, then by copy: kFixed, a block, or −2 − the row of a node by itself
-  std::vector<int> outside;       // of these, nodes outside of the block that they follow
-  std::vector<LooseEdge> loose;   // edges that no cell holds
-  Runs cells;                     // slots of cells with something in them that can move
+  aligned_vector<int> follows;  // by slot, then by copy: kFixed, a block, or −2 − the row of a node by itself
+  std::vector<int> outside;      // of these, nodes outside of the block that they follow
+  std::vector<LooseEdge> loose;  // edges that no cell holds
+  Runs cells;                    // slots of cells with something in them that can move
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> stiffness;  // [N/m]
 
   static constexpr int kFixed = -1;

@@ -1,10 +1,11 @@
 // Cells joined to blocks of two a side, and these again, as far as tissue in them holds together.
+#include "turgor/models/lattice/coarse_levels.hpp"
+
 #include <algorithm>
 #include <numeric>
 #include <tuple>
 
 #include "turgor/models/lattice/cells.hpp"
-#include "turgor/models/lattice/coarse_levels.hpp"
 
 namespace turgor::lattice {
 
@@ -142,11 +143,11 @@ FineCells find_cells(const Model& model, const State& state) {
   const int slots = slot_count(l);
   FineCells cells;
   cells.copy_slot.assign(state.copies.size(), -1);
-  for (const PartNode& copy : state.parts.copies) cells.copy_slot[std::size_t(copy.corner - slots)] = copy.slot;
+  for (const PartNode& copy : state.parts.copies)
+    cells.copy_slot[std::size_t(copy.corner - slots)] = copy.slot;
   cells.level.place.resize(std::size_t(slots) + state.copies.size());
   const auto add = [&](Int3 low, const std::array<int, 8>& corner, Real young) {
-    for (std::size_t n = 0; n < 8; n++)
-      cells.level.place[std::size_t(corner[n])] = low + cell_corner(int(n));
+    for (std::size_t n = 0; n < 8; n++) cells.level.place[std::size_t(corner[n])] = low + cell_corner(int(n));
     cells.level.grains.push_back({.low = low, .corner = corner});
     cells.young.push_back(young);
   };

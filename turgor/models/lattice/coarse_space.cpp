@@ -38,7 +38,8 @@ struct SpaceBuilder {
     return int(space.row_begin.size()) - 2;
   }
 
-  /// A grain of the next level in which a node lies and that no blade went through; −1: none, it is an unknown itself.
+  /// A grain of the next level in which a node lies and that no blade went through; −1: none, it is an
+  /// unknown itself.
   int grain_above(std::size_t level, int node) const {
     const CoarseLevel& here = levels[level];
     if (level + 1 == levels.size()) return -1;
@@ -66,8 +67,8 @@ struct SpaceBuilder {
       const auto of = std::size_t(row(level + 1, grain.corner[c]));
       for (int t = space.row_begin[of]; t < space.row_begin[of + 1]; t++) {
         const CoarseTerm term = space.terms[std::size_t(t)];
-        const auto same =
-            std::find_if(sum.begin(), sum.end(), [&](const CoarseTerm& s) { return s.unknown == term.unknown; });
+        const auto same = std::find_if(sum.begin(), sum.end(),
+                                       [&](const CoarseTerm& s) { return s.unknown == term.unknown; });
         if (same == sum.end())
           sum.push_back({term.unknown, term.weight * weights[c]});
         else
@@ -82,8 +83,7 @@ struct SpaceBuilder {
     if (known >= 0) return known;
     const Grain& grain = levels[std::size_t(leaf.level)].grains[std::size_t(leaf.grain)];
     CoarseBlock made{.low = grain.low * (1 << leaf.level), .size = 1 << leaf.level, .leaf = leaf};
-    for (std::size_t c = 0; c < 8; c++)
-      made.corner[c] = row(std::size_t(leaf.level), grain.corner[c]);
+    for (std::size_t c = 0; c < 8; c++) made.corner[c] = row(std::size_t(leaf.level), grain.corner[c]);
     space.blocks.push_back(made);
     return known = int(space.blocks.size()) - 1;
   }
@@ -96,7 +96,8 @@ struct SpaceBuilder {
 
   void follow(int node) {
     const CoarseLevel& fine = levels[0];
-    if (fine.lies_begin[std::size_t(node)] == fine.lies_begin[std::size_t(node) + 1] || !is_free(node)) return;
+    if (fine.lies_begin[std::size_t(node)] == fine.lies_begin[std::size_t(node) + 1] || !is_free(node))
+      return;
     const int grain = grain_above(0, node);
     space.follows[std::size_t(node)] = grain < 0 ? -2 - row(0, node) : block(leaf_above(levels, 1, grain));
   }

@@ -54,7 +54,8 @@ struct StiffnessBuilder {
         for (int i = 0; i < 3; i++)
           for (int j = 0; j < 3; j++) {
             const int row = 3 * p.unknown + i, column = 3 * q.unknown + j;
-            if (row >= column) entries.emplace_back(row, column, double(p.weight) * double(q.weight) * k.column[j][i]);
+            if (row >= column)
+              entries.emplace_back(row, column, double(p.weight) * double(q.weight) * k.column[j][i]);
           }
   }
 
@@ -72,7 +73,8 @@ struct StiffnessBuilder {
         if (leaf_above(levels, 1, fine.lies_in[std::size_t(n)]) == leaf) return true;
       return false;
     };
-    for (int n = fine.lies_begin[std::size_t(nodes[0])]; n < fine.lies_begin[std::size_t(nodes[0]) + 1]; n++) {
+    for (int n = fine.lies_begin[std::size_t(nodes[0])]; n < fine.lies_begin[std::size_t(nodes[0]) + 1];
+         n++) {
       const Leaf leaf = leaf_above(levels, 1, fine.lies_in[std::size_t(n)]);
       if (leaf.level < 0) continue;
       bool all = true;
@@ -161,9 +163,7 @@ std::array<Mat3d, 64> cell_stiffness(Vec3 step, double poisson) {
   return k;
 }
 
-Mat3d scaled(const Mat3d& m, double by) {
-  return {{m.column[0] * by, m.column[1] * by, m.column[2] * by}};
-}
+Mat3d scaled(const Mat3d& m, double by) { return {{m.column[0] * by, m.column[1] * by, m.column[2] * by}}; }
 void add_outer(Mat3d& m, Vec3d a, Vec3d b, double by) {
   for (int j = 0; j < 3; j++) m.column[std::size_t(j)] = m.column[std::size_t(j)] + a * (b[j] * by);
 }
@@ -195,7 +195,8 @@ struct SkinStiffness {
   }
   void add_fibre(Mat3d& k, Vec3d g, double share, double rest, double area) const {
     const double length = norm(g), strain = std::max(0.0, length - rest);
-    const double stiffness = double(law.stiffness) * area * share * (1 + double(law.amplification) * strain / rest);
+    const double stiffness =
+        double(law.stiffness) * area * share * (1 + double(law.amplification) * strain / rest);
     const double lateral = stiffness * strain / length;
     add_outer(k, g, g, (stiffness - lateral) / (length * length));
     add_isotropic(k, lateral);
@@ -204,8 +205,8 @@ struct SkinStiffness {
     const Vec3d place[3] = {{}, Vec3d(t.edge1), Vec3d(t.edge2)};
     const Vec3d n = cross(place[1], place[2]), u = n * (1 / norm(n));
     const double ratio = double(rest_area_ratio(model.params.skin)), growth = 1 / ratio - 1;
-    const double stiffness = model.params.skin.stiffness / (ratio * t.area) *
-                             (1 + model.params.skin.amplification * growth);
+    const double stiffness =
+        model.params.skin.stiffness / (ratio * t.area) * (1 + model.params.skin.amplification * growth);
     const auto opposite = [&](int c) { return place[(c + 1) % 3] - place[(c + 2) % 3]; };
     const Vec3d ga = cross(opposite(a), u) * 0.5, gb = cross(opposite(b), u) * 0.5;
     Mat3d k = kNothing;

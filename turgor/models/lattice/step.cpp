@@ -181,7 +181,9 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   return report;
 }
 
-std::size_t memory_bytes(const Model& model, const State& state) { return bytes_of_fields(model, state); }
+std::size_t memory_bytes(const Model& model, const State& state) {
+  return bytes_of_fields(model, state) + (state.coarse ? memory_bytes(*state.coarse) : 0);
+}
 
 std::uint64_t state_hash(const Model& model, const State& state) {
   std::uint64_t hash = kHashSeed;
