@@ -36,6 +36,16 @@ class Turgor(unittest.TestCase):
         self.assertEqual(sheet.triangles.min(), 0)
         self.assertEqual(sheet.triangles.max(), len(sheet.points) - 1)
 
+    def test_walls_of_a_wound_are_the_last_triangles_and_come_with_the_cut(self):
+        world = turgor.World(text=TORSO)
+        torso = world["torso"]
+        self.assertEqual(torso.wall_begin, len(torso.triangles))
+        world.step(10)
+        self.assertLess(torso.wall_begin, len(torso.triangles))
+        inside = torso.rest_points[torso.triangles[torso.wall_begin:]].mean(axis=(0, 1))
+        np.testing.assert_allclose(inside[[0, 2]], [0, 0], atol=0.02)  # under the middle of the cut
+        self.assertEqual(turgor.World(text=CLOTH)["sheet"].wall_begin, len(turgor.World(text=CLOTH)["sheet"].triangles))
+
     def test_arrays_outlive_their_world_and_do_not_change(self):
         world = turgor.World(text=CLOTH)
         before = world["sheet"].points
