@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "turgor/models/lattice/block_body.hpp"
+#include "turgor/models/lattice/coarse.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/parts.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
@@ -170,6 +171,101 @@ TEST(lattice_parts, a_blade_that_moves_leaves_the_wound_that_one_at_once_does) {
   EXPECT_EQ(state.copies.size(), at_once.state.copies.size());
   const double once = measure_wound(at_once.model, at_once.state, at_once.path, 0).gape_max;
   EXPECT_NEAR(measure_wound(moving.model, state, moving.path, 0).gape_max, once, 0.01 * once) << "m";
+}
+
+/// Gapes of the first frames at 60 Hz.
+std::vector<double> course(Wounded wounded, int frames) {
+  std::vector<double> gapes;
+  for (int n = 0; n < frames; n++) {
+    EXPECT_TRUE(step(Exec(2), wounded.model, wounded.state, {}, 1.0 / 60).finite);
+    gapes.push_back(measure_wound(wounded.model, wounded.state, wounded.path, 0).gape_max);
+  }
+  return gapes;
+}
+
+TEST(lattice_parts, a_wound_goes_its_way_with_five_sweeps_as_with_hundreds) {
+  for (const auto& [aside, degrees] : {std::pair{0.3, 20.0}, {0.2, 110.0}}) {
+    Params many = solid_params(200, 1.2, 45), few = solid_params(5, 1.2, 45);
+    many.tissue.poisson = few.tissue.poisson = 0.45, many.solver.coarse = false;
+    constexpr int kFrames = 8;
+    const std::vector<double> wanted = course(Wounded(aside, 0.5, degrees, many), kFrames);
+    double farthest[2] = {};
+    for (const bool coarse : {false, true}) {
+      few.solver.coarse = coarse;
+      const std::vector<double> gapes = course(Wounded(aside, 0.5, degrees, few), kFrames);
+      for (int n = 0; n < kFrames; n++)
+        farthest[coarse] = std::max(farthest[coarse],
+                                    std::abs(gapes[std::size_t(n)] - wanted[std::size_t(n)]) / wanted.back());
+    }
+    std::printf("%.1f aside, %3.0f degrees: %.3f of the gape, %.3f by sweeps alone\n", aside, degrees,
+                farthest[1], farthest[0]);
+    EXPECT_LT(farthest[1], 0.08) << "of the gape, " << degrees << " degrees";
+    EXPECT_GT(farthest[0], 0.5) << "of the gape, by sweeps alone";
+  }
+}
+
+TEST(lattice_parts, a_wound_comes_to_rest_where_sweeps_alone_bring_it) {
+  double gapes[2];
+  for (const bool coarse : {false, true}) {
+    Params params = solid_params(5, 4, 45);
+    params.solver.coarse = coarse;
+    Wounded wounded(0.3, 0.5, 20, params);
+    for (int n = 0; n < 240; n++) step(Exec(2), wounded.model, wounded.state, {}, 1.0 / 60);
+    gapes[coarse] = measure_wound(wounded.model, wounded.state, wounded.path, 0).gape_max;
+  }
+  EXPECT_NEAR(gapes[1], gapes[0], 1e-4 * gapes[0]) << "m";
+}
+
+TEST(lattice_parts, forces_left_over_cell_by_cell_are_those_node_by_node) {
+  Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
+  const Model& model = wounded.model;
+  State& state = wounded.state;
+  scatter(model, state, 0.0005);
+  const Inputs inputs{.gravity = {1, 2, -9}};
+  predict(kOne, model, state, inputs, 1.0 / 60);
+  ASSERT_TRUE(prepare_coarse_space(model, state, inputs, 1.0 / 60));
+  find_left_over(kOne, model, state, *state.coarse, inputs, 1.0 / 60, state.left_over);
+  double sum2 = 0;
+  for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
+    if (model.inverse_mass[s] > 0)
+      sum2 += dot(Vec3d(state.left_over.nodes[s]), Vec3d(state.left_over.nodes[s]));
+  for (const PartNode& copy : state.parts.copies) {
+    if (model.inverse_mass[std::size_t(copy.slot)] == 0) continue;
+    const CopyShift& f = state.left_over.copies[std::size_t(copy.corner - slot_count(model.lattice))];
+    sum2 += dot(Vec3d{f.x, f.y, f.z}, Vec3d{f.x, f.y, f.z});
+  }
+  const double rms = measure_residual(kOne, model, state, inputs, 1.0 / 60).rms;
+  EXPECT_NEAR(std::sqrt(sum2 / model.free_nodes), rms, 1e-4 * rms) << "N";
+}
+
+TEST(lattice_parts, solving_for_the_smooth_part_never_raises_the_energy_of_a_step) {
+  for (const double way : {1e-5, 5e-4, 4e-3}) {
+    Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
+    const Model& model = wounded.model;
+    State& state = wounded.state;
+    scatter(model, state, way);
+    predict(kOne, model, state, {}, 1.0 / 60);
+    ASSERT_TRUE(prepare_coarse_space(model, state, {}, 1.0 / 60));
+    double before = step_energy(kOne, model, state, {}, 1.0 / 60);
+    for (int n = 0; n < 4; n++) {
+      correct_smooth_part(kOne, model, state, {}, 1.0 / 60);
+      const double after = step_energy(kOne, model, state, {}, 1.0 / 60);
+      EXPECT_LE(after, before * (1 + 1e-6)) << "J, thrown " << way << " m";
+      before = after;
+    }
+  }
+}
+
+TEST(lattice_parts, a_wound_has_equal_bits_on_1_2_and_8_threads) {
+  std::uint64_t hashes[3];
+  for (int n = 0; n < 3; n++) {
+    Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
+    for (int frame = 0; frame < 6; frame++)
+      step(Exec(n == 0 ? 1 : n == 1 ? 2 : 8), wounded.model, wounded.state, {}, 1.0 / 60);
+    hashes[n] = state_hash(wounded.model, wounded.state);
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+  EXPECT_EQ(hashes[0], hashes[2]);
 }
 
 }  // namespace

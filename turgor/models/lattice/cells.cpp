@@ -173,6 +173,24 @@ void build_cells(const Exec& exec, Model& model) {
   for_each(l.size, [&](Int3 p) { mark_group(model, p, model.around); });
 }
 
+bool is_whole_now(const Model& model, const State& state, Int3 cell) {
+  if (!is_whole(model, cell)) return false;
+  int cut = state.cut[std::size_t(node_slot(model.lattice, cell))] & kParted;
+  for (int n = 0; n < kCellCorners; n++)
+    cut |= state.cut[std::size_t(node_slot(model.lattice, cell + cell_corner(n)))] & edges_from_corner(n);
+  return cut == 0;
+}
+
+bool is_held_now(const Model& model, const State& state, Int3 node, Int3 offset) {
+  for (int n = 0; n < kCellCorners; n++) {
+    const Int3 cell = node - cell_corner(n);
+    if (!cell_holds(n, offset) || !contains(model.lattice, cell)) continue;
+    const bool parted = (state.cut[std::size_t(node_slot(model.lattice, cell))] & kParted) != 0;
+    if (parted || is_whole_now(model, state, cell)) return true;
+  }
+  return false;
+}
+
 SolidRow::SolidRow(const Model& m, State& s)
     : model(m),
       row_cut(s.row_cut.data()),

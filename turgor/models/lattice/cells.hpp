@@ -29,6 +29,11 @@ constexpr bool cell_holds(int n, Int3 offset) {
   return end.x >= 0 && end.y >= 0 && end.z >= 0 && end.x <= 1 && end.y <= 1 && end.z <= 1;
 }
 
+/// Is a cell, known by its lowest node, whole and not parted as the body is cut now?
+bool is_whole_now(const Model& model, const State& state, Int3 cell);
+/// Does a whole cell, or its parts, hold the edge from a node along `offset`?
+bool is_held_now(const Model& model, const State& state, Int3 node, Int3 offset);
+
 /// The twenty-seven nodes of the eight cells around a node, by 1 + offset.
 constexpr int kBlockNodes = 27;
 constexpr int block_index(Int3 offset) { return offset.x + 1 + 3 * (offset.y + 1) + 9 * (offset.z + 1); }

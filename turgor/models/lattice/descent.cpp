@@ -9,6 +9,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/cells.hpp"
 #include "turgor/models/lattice/kernels.hpp"
+#include "turgor/models/lattice/moving.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/node_contact.hpp"
 #include "turgor/models/lattice/parts.hpp"
@@ -81,31 +82,6 @@ void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_vo
   }
 }
 
-/// Adds what the skin around the nodes of [slot, slot + count) asks of them.
-void gather_skin(const Model& model, const State& state, const NodeArrays& n, const SkinForces& forces,
-                 int slot, int count, SystemBuffer& out) {
-  const Skin& skin = model.skin;
-  const auto row = std::size_t(slot / model.lattice.half);
-  const int *nodes = skin.nodes.data(), *end = nodes + skin.row_begin[row + 1];
-  const int* node = std::lower_bound(nodes + skin.row_begin[row], end, slot);
-  if (node == end || *node >= slot + count) return;
-  const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
-  CornerSystems systems;
-  int gathered = -1;  // which lanes
-  for (; node != end && *node < slot + count; node++) {
-    const auto at = std::size_t(node - nodes);
-    NodeSystem s = out.get(*node - slot);
-    s.f -= skin.pull[at];
-    for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
-      const int lanes = skin.lanes_begin[row] + (c - first) / kSkinLanes, lane = (c - first) % kSkinLanes;
-      const SkinCorners& corners = skin.corners[std::size_t(lanes)];
-      if (lanes != gathered) forces.gather(corners, n, systems), gathered = lanes;
-      if (!state.skin_cut[std::size_t(corners.triangle[lane])]) add(s, systems.get(lane));
-    }
-    out.set(*node - slot, s);
-  }
-}
-
 /// Everything a half row is asked for, without inertia.
 struct GatherRow {
   const Model& model;
@@ -133,6 +109,12 @@ struct GatherRow {
       elements(nodes, neighbours[parity], model.rest_volume, model.volume_scale, slot + begin, begin, out);
   }
 
+  void add_skin(int slot, int count, SystemBuffer& out) const {
+    for_skin_nodes(
+        model, state, nodes, skin, slot, count, [&](int at) { return out.get(at - slot); },
+        [&](int at, const NodeSystem& s) { out.set(at - slot, s); });
+  }
+
   void operator()(int parity, int slot, int count, SystemBuffer& out) const {
     if (model.params.tissue.law == TissueLaw::kSolid)
       solid.gather(parity, slot, count, out);
@@ -140,7 +122,7 @@ struct GatherRow {
       springs<true>(parity, slot, count, out);
     else
       springs<false>(parity, slot, count, out);
-    if (!model.skin.triangles.empty()) gather_skin(model, state, nodes, skin, slot, count, out);
+    if (!model.skin.triangles.empty()) add_skin(slot, count, out);
     for (const PartNode& node : parts.nodes_of(slot, count)) {
       NodeSystem s = out.get(node.slot - slot);
       add(s, parts.gather(node));
@@ -148,51 +130,6 @@ struct GatherRow {
     }
   }
 };
-
-/// Where inertia and gravity lead: y = u_before + h v + h² g.
-struct Inertia {
-  const Real *bx, *by, *bz, *vx, *vy, *vz, *w;
-  const std::uint8_t* removed;
-  Vec3 fall;  // h² g [m]
-  Real dt;
-
-  Inertia(const Model& model, const State& s, const Inputs& inputs, double step)
-      : bx(s.u_before.x.data()),
-        by(s.u_before.y.data()),
-        bz(s.u_before.z.data()),
-        vx(s.v.x.data()),
-        vy(s.v.y.data()),
-        vz(s.v.z.data()),
-        w(model.inverse_mass.data()),
-        removed(s.removed.data()),
-        fall(lattice_gravity(model, inputs) * Real(step * step)),
-        dt(Real(step)) {}
-
-  /// 1 where there is a node that can move, or 0.
-  Real moves(int s) const { return ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0); }
-  Vec3 operator()(int s) const { return at(s, moves(s)); }
-  Vec3 at(int s, Real moves) const {
-    return {bx[s] + moves * (dt * vx[s] + fall.x), by[s] + moves * (dt * vy[s] + fall.y),
-            bz[s] + moves * (dt * vz[s] + fall.z)};
-  }
-};
-
-/// Calls body(parity, slot, count) on pieces of all half rows of a layer that can move and are awake, in
-/// order or against it.
-template <class Body>
-void for_each_piece(const Model& model, const std::uint8_t* awake, int k, const Body& body,
-                    Order order = Order::kForward) {
-  const Lattice& l = model.lattice;
-  const bool backward = order == Order::kBackward;
-  for (int row = 0; row < l.size.y; row++)
-    for (int turn = 0; turn < 2; turn++) {
-      const int j = backward ? l.size.y - 1 - row : row, parity = backward ? 1 - turn : turn;
-      if (awake != nullptr && !awake[row_of(model, row_slot(l, j, k))]) continue;
-      for (const Run run : model.moving.of_half_row(row_slot(l, j, k) / l.half + parity))
-        for (int begin = 0; begin < run.count; begin += kLanes)
-          body(parity, run.begin + begin, std::min(kLanes, run.count - begin));
-    }
-}
 
 struct DescendLayer {
   const GatherRow& gather;

@@ -29,28 +29,8 @@ struct LayerEnergy {
     return state.cut[std::size_t(slot)] >> family & 1;
   }
 
-  bool is_whole(Int3 corner) const {
-    if (!contains(model.lattice, corner)) return false;
-    if (!(model.cell_young[std::size_t(node_slot(model.lattice, corner))] > 0)) return false;
-    int cut = 0;
-    for (int n = 0; n < kCellCorners; n++)
-      cut |= state.cut[std::size_t(node_slot(model.lattice, corner + cell_corner(n)))] & edges_from_corner(n);
-    return cut == 0 && !is_parted(corner);
-  }
-  bool is_parted(Int3 corner) const {
-    return contains(model.lattice, corner) &&
-           (state.cut[std::size_t(node_slot(model.lattice, corner))] & kParted) != 0;
-  }
-  /// Does a whole cell, or its parts, hold the edge from a along `offset`?
-  bool is_held(Int3 a, Int3 offset) const {
-    for (int n = 0; n < kCellCorners; n++) {
-      const Int3 cell = a - cell_corner(n);
-      if (cell_holds(n, offset) && (is_whole(cell) || is_parted(cell))) return true;
-    }
-    return false;
-  }
   double solid(Int3 corner) const {
-    if (!is_whole(corner)) return 0;
+    if (!is_whole_now(model, state, corner)) return 0;
     Vec3d u[kCellCorners];
     for (int n = 0; n < kCellCorners; n++)
       u[n] = Vec3d(state.u[std::size_t(node_slot(model.lattice, corner + cell_corner(n)))]);
@@ -63,7 +43,7 @@ struct LayerEnergy {
     for (std::size_t f = 0; f < kFamilyCount; f++) {
       const Int3 b = a + kFamilies[f];
       if (!contains(model.lattice, b) || is_cut(a, b)) continue;
-      if (is_solid() && is_held(a, kFamilies[f])) continue;
+      if (is_solid() && is_held_now(model, state, a, kFamilies[f])) continue;
       const double stretch = norm(x(b) - x(a)) - model.rest_length[f];
       sum += 0.5 * model.spring_scale[f] * root(a) * root(b) * stretch * stretch;
     }

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -59,7 +60,8 @@ struct SolverParams {
   double damping = 1.2;      // velocities lose exp(-damping·t) [1/s]
   double pbd_stiffness = 1;  // pbd only: scales the density-based stiffness in [0, 1] [1]
   bool pbd_volume = false;   // pbd only: project the tetrahedra's volumes too
-  double sleep = 0;  // descent only: rows near which nothing is faster stand still; 0: none does [m/s]
+  bool coarse = true;  // solid descent only: the smooth part of what sweeps leave is solved for (coarse.hpp)
+  double sleep = 0;    // descent only: rows near which nothing is faster stand still; 0: none does [m/s]
 };
 
 struct Params {
@@ -213,6 +215,15 @@ struct Sleep {
   Vec3d gravity;                    // that it has come to rest under [m/s²]
 };
 
+/// What solves for the smooth part of a step's motion (coarse.hpp).
+struct CoarseSpace;
+
+/// The forces that are left over at all nodes and copies, along the lattice's axes [N].
+struct LeftOver {
+  VecField nodes;                 // by slot
+  std::vector<CopyShift> copies;  // [N]
+};
+
 constexpr std::uint8_t kParted = 1u << kFamilyCount;
 
 /// What changes.
@@ -230,6 +241,10 @@ struct State {
   PartsOfCells parts;                            // follows from the cuts
   int removed_nodes = 0;                         // how many left the body
   Sleep sleep;
+  std::shared_ptr<const CoarseSpace> coarse;  // follows from the cuts and the length of steps
+  LeftOver left_over;                         // room to work in
+  std::size_t cuts_before = 0;                // cut_version a step ago
+  bool was_cut = false;                       // in the step before
 };
 
 /// A force from outside on one node, for the length of a step. Fixed and removed nodes do not feel it.

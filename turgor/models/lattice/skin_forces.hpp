@@ -1,6 +1,8 @@
 // What skin asks of the nodes of a row, by the law of the model: many corners of triangles at once.
 #pragma once
 
+#include <algorithm>
+
 #include "turgor/models/lattice/node_systems.hpp"
 #include "turgor/models/lattice/rows.hpp"
 
@@ -23,5 +25,31 @@ struct SkinForces {
   /// What each of these corners asks of its own node.
   void gather(const SkinCorners& corners, const NodeArrays& nodes, CornerSystems& out) const;
 };
+
+/// Adds what the skin around the nodes of [slot, slot + count) asks of them: store(node, load(node) + that).
+template <class Load, class Store>
+void for_skin_nodes(const Model& model, const State& state, const NodeArrays& n, const SkinForces& forces,
+                    int slot, int count, const Load& load, const Store& store) {
+  const Skin& skin = model.skin;
+  const auto row = std::size_t(slot / model.lattice.half);
+  const int *nodes = skin.nodes.data(), *end = nodes + skin.row_begin[row + 1];
+  const int* node = std::lower_bound(nodes + skin.row_begin[row], end, slot);
+  if (node == end || *node >= slot + count) return;
+  const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
+  CornerSystems systems;
+  int gathered = -1;  // which lanes
+  for (; node != end && *node < slot + count; node++) {
+    const auto at = std::size_t(node - nodes);
+    NodeSystem s = load(*node);
+    s.f -= skin.pull[at];
+    for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
+      const int lanes = skin.lanes_begin[row] + (c - first) / kSkinLanes, lane = (c - first) % kSkinLanes;
+      const SkinCorners& corners = skin.corners[std::size_t(lanes)];
+      if (lanes != gathered) forces.gather(corners, n, systems), gathered = lanes;
+      if (!state.skin_cut[std::size_t(corners.triangle[lane])]) add(s, systems.get(lane));
+    }
+    store(*node, s);
+  }
+}
 
 }  // namespace turgor::lattice

@@ -64,6 +64,44 @@ TURGOR_HD inline void add_cell(NodeSystem& s, const CellGradient& u, int at, con
   add_outer(s, cg, bulk);
 }
 
+/// What the same cell bears, as forces on its corners ask for it.
+struct CellStress {
+  Vec3 x, y, z;         // on corners at the far end of each axis, and minus that on those at the near one [N]
+  Vec3 mean, along[3];  // displacements: eight times their mean, and by axis [m]
+  Real hourglass;       // [N/m]
+};
+/// `d`: displacements of the corners beyond that of any one [m].
+[[gnu::always_inline]] TURGOR_HD inline CellStress cell_stress(const Vec3 (&d)[kCellCorners],
+                                                               const SolidLaw& law, Real young) {
+  const Vec3 sum0 = d[0] + d[1], sum1 = d[2] + d[3], sum2 = d[4] + d[5], sum3 = d[6] + d[7];
+  const Vec3 low = sum0 + sum1, high = sum2 + sum3, z = high - low;
+  const Vec3 x = (d[1] - d[0]) + (d[3] - d[2]) + ((d[5] - d[4]) + (d[7] - d[6]));
+  const Vec3 y = (sum1 - sum0) + (sum3 - sum2);
+  const Vec3 ux = x * law.slope.x, uy = y * law.slope.y, uz = z * law.slope.z;
+  const Vec3 cx = cross(uy, uz), cy = cross(uz, ux), cz = cross(ux, uy);
+  const Real trace = ux.x + uy.y + uz.z;
+  const Real stretch = 2 * trace + dot(ux, ux) + dot(uy, uy) + dot(uz, uz);
+  const Real growth = trace + (cx.x + cy.y + cz.z) + dot(ux, cx);
+  const Real beyond = Real(0.25) * stretch / (4 + stretch);
+  const Vec3 facing_x = Vec3{trace - ux.x, -uy.x, -uz.x} + cx,
+             facing_y = Vec3{-ux.y, trace - uy.y, -uz.y} + cy,
+             facing_z = Vec3{-ux.z, -uy.z, trace - uz.z} + cz;
+  const Real shear = young * law.shear, bulk = young * law.bulk * growth, skew = Real(0.75) * shear;
+  const Real sides = beyond * shear;
+  const Vec3 px = ux * sides + (ux - facing_x) * skew + facing_x * bulk + Vec3{sides + bulk, 0, 0},
+             py = uy * sides + (uy - facing_y) * skew + facing_y * bulk + Vec3{0, sides + bulk, 0},
+             pz = uz * sides + (uz - facing_z) * skew + facing_z * bulk + Vec3{0, 0, sides + bulk};
+  return {px * -law.slope.x, py * -law.slope.y, pz * -law.slope.z,
+          low + high,        {x, y, z},         young * law.hourglass};
+}
+/// Force on a corner that has moved by d [N].
+[[gnu::always_inline]] TURGOR_HD inline Vec3 corner_force(const CellStress& s, Vec3 d, int corner) {
+  const Int3 side = corner_side(corner);
+  const Real x = Real(side.x), y = Real(side.y), z = Real(side.z);
+  const Vec3 plane = s.mean + s.along[0] * x + s.along[1] * y + s.along[2] * z;
+  return s.x * x + s.y * y + s.z * z + (plane * Real(0.125) - d) * s.hourglass;
+}
+
 /// The same cell's energy per unit of Young's modulus, from the definition; 0 at rest [m³].
 double cell_energy(const Vec3d (&u)[kCellCorners], Vec3 step, double poisson);
 

@@ -5,6 +5,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
+#include "turgor/models/lattice/coarse.hpp"
 #include "turgor/models/lattice/fields.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/sleep.hpp"
@@ -204,12 +205,17 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   const double before = measures ? measure_residual(exec, model, state, inputs, dt).rms : 0;
   const int sweeps = model.params.solver.sweeps;
   const bool solid = model.params.tissue.law == TissueLaw::kSolid;
-  for (int sweep = 0; sweep < sweeps; sweep++)
-    if (model.params.solver.method == Method::kPbd)
+  const bool coarse = prepare_coarse_space(model, state, inputs, dt);
+  for (int sweep = 0; sweep < sweeps; sweep++) {
+    if (model.params.solver.method == Method::kPbd) {
       sweep_pbd(exec, model, state);
-    else
-      sweep_descent(exec, model, state, inputs, dt,
-                    solid && 2 * sweep >= sweeps ? Order::kBackward : Order::kForward);
+      continue;
+    }
+    const bool backward = solid && 2 * sweep >= sweeps;
+    if (coarse && backward && 2 * (sweep - 1) < sweeps) correct_smooth_part(exec, model, state, inputs, dt);
+    sweep_descent(exec, model, state, inputs, dt, backward ? Order::kBackward : Order::kForward);
+  }
+  if (coarse) correct_smooth_part(exec, model, state, inputs, dt);
   if (measures) residual = measure_residual(exec, model, state, inputs, dt);
   residual.before = before;
   StepReport report = finish(exec, model, state, dt);
@@ -221,7 +227,9 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   return report;
 }
 
-std::size_t memory_bytes(const Model& model, const State& state) { return bytes_of_fields(model, state); }
+std::size_t memory_bytes(const Model& model, const State& state) {
+  return bytes_of_fields(model, state) + (state.coarse ? memory_bytes(*state.coarse) : 0);
+}
 
 std::uint64_t state_hash(const Model& model, const State& state) {
   std::uint64_t hash = kHashSeed;

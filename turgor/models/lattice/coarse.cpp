@@ -1,0 +1,313 @@
+// Forces that a step has left over, cell by cell; and the step of its smooth part.
+#include "turgor/models/lattice/coarse.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/models/lattice/cells.hpp"
+#include "turgor/models/lattice/coarse_levels.hpp"
+#include "turgor/models/lattice/moving.hpp"
+#include "turgor/models/lattice/parts.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Forces of the cells whose lowest nodes are [slot, slot + kGroup), added to those of their corners.
+struct CellForces {
+  const Model& model;
+  const State& state;
+  NodeArrays nodes;
+  SolidLaw law;
+  VecField& out;
+
+  /// Moduli of those that are whole now.
+  template <int kWidth>
+  void find_young(int slot, const int (&corner)[kCellCorners], Real (&young)[kWidth]) const {
+    for (int i = 0; i < kWidth; i++) young[i] = model.cell_young[std::size_t(slot + i)];
+    if (!state.row_cut[std::size_t(slot / row_stride(model.lattice))]) return;
+    std::uint8_t bits[kWidth] = {};
+    for (int i = 0; i < kWidth; i++) bits[i] = nodes.cut[slot + i] & kParted;
+    for (int c = 0; c < kCellCorners; c++)
+      for (int i = 0; i < kWidth; i++) bits[i] |= nodes.cut[slot + corner[c] + i] & edges_from_corner(c);
+    for (int i = 0; i < kWidth; i++) young[i] = bits[i] ? 0 : young[i];
+  }
+
+  template <int kWidth>
+  void add(int slot, const int (&corners)[kCellCorners]) const {
+    Real young[kWidth];
+    find_young<kWidth>(slot, corners, young);
+    const SolidLaw by = law;
+    const NodeArrays n = nodes;
+    Real *fx = out.x.data(), *fy = out.y.data(), *fz = out.z.data();
+    int corner[kCellCorners];
+    for (int c = 0; c < kCellCorners; c++) corner[c] = corners[c];
+    Real px[kCellCorners][kWidth], py[kCellCorners][kWidth], pz[kCellCorners][kWidth];
+    TURGOR_LANES
+    for (int i = 0; i < kWidth; i++) {
+      const int a = slot + i;
+      Vec3 d[kCellCorners];
+#pragma GCC unroll 8
+      for (int c = 0; c < kCellCorners; c++) d[c] = n.u(a + corner[c]) - n.u(a);
+      const CellStress stress = cell_stress(d, by, young[i]);
+#pragma GCC unroll 8
+      for (int c = 0; c < kCellCorners; c++) {
+        const Vec3 f = corner_force(stress, d[c], c);
+        px[c][i] = f.x, py[c][i] = f.y, pz[c][i] = f.z;
+      }
+    }
+    for (int c = 0; c < kCellCorners; c++)
+      for (int i = 0; i < kWidth; i++) {
+        const int at = slot + corner[c] + i;
+        fx[at] += px[c][i], fy[at] += py[c][i], fz[at] += pz[c][i];
+      }
+  }
+
+  void operator()(const Runs& cells, int k) const {
+    const Lattice& l = model.lattice;
+    for (int parity = 0; parity < 2; parity++) {
+      int corner[kCellCorners];
+      for (int c = 0; c < kCellCorners; c++) corner[c] = slot_offset(l, cell_corner(c), parity);
+      for (int j = 0; j + 1 < l.size.y; j++)
+        for (const Run run : cells.of_half_row(row_slot(l, j, k) / l.half + parity)) {
+          int begin = 0;
+          for (; begin + 2 * kGroup <= run.count; begin += 2 * kGroup)
+            add<2 * kGroup>(run.begin + begin, corner);
+          if (begin < run.count) add<kGroup>(run.begin + begin, corner);
+        }
+    }
+  }
+};
+
+/// Inertia, and nothing yet where nothing moves.
+void begin_layer(const Model& model, const Inertia& inertia, const State& state, int k, VecField& out) {
+  const Lattice& l = model.lattice;
+  const auto first = std::size_t(row_slot(l, -1, k)), count = std::size_t(layer_stride(l));
+  for (auto* axis : {&out.x, &out.y, &out.z})
+    std::fill_n(axis->begin() + std::ptrdiff_t(first), count, Real(0));
+  const Real per_h2 = 1 / (inertia.dt * inertia.dt);
+  for_each_piece(model, nullptr, k, [&](int, int slot, int pieces) {
+    Real *fx = out.x.data(), *fy = out.y.data(), *fz = out.z.data();
+    const Real *ux = state.u.x.data(), *uy = state.u.y.data(), *uz = state.u.z.data();
+    const Inertia y = inertia;
+    TURGOR_LANES
+    for (int s = slot; s < slot + pieces; s++) {
+      const Real m = y.moves(s) * per_h2 / nonzero(y.w[s]);
+      const Vec3 lack = y.at(s, 1) - Vec3{ux[s], uy[s], uz[s]};
+      fx[s] = lack.x * m, fy[s] = lack.y * m, fz[s] = lack.z * m;
+    }
+  });
+}
+
+/// Skin, and what blades parted.
+void add_skin_and_parts(const Model& model, State& state, const SkinForces& skin, const PartForces& parts,
+                        int k, LeftOver& out) {
+  const NodeArrays nodes = node_arrays(model, state);
+  const auto add = [&](int slot, Vec3 f) {
+    out.nodes.set(std::size_t(slot), out.nodes[std::size_t(slot)] + f);
+  };
+  for_each_piece(model, nullptr, k, [&](int, int slot, int count) {
+    if (!model.skin.triangles.empty())
+      for_skin_nodes(
+          model, state, nodes, skin, slot, count, [](int) { return NodeSystem{}; },
+          [&](int at, const NodeSystem& s) { add(at, s.f); });
+    for (const PartNode& node : parts.nodes_of(slot, count)) add(node.slot, parts.gather(node).f);
+  });
+  for (const PartNode& copy : parts.copies_of(k)) {
+    const Vec3 f = parts.gather(copy).f;
+    out.copies[std::size_t(copy.corner - slot_count(model.lattice))] = {f.x, f.y, f.z};
+  }
+}
+
+void add_loose_edges(const Model& model, const State& state, const CoarseSpace& space, VecField& out) {
+  const auto root = [&](int slot) { return model.root_stiffness[std::size_t(slot)]; };
+  for (const LooseEdge& edge : space.loose) {
+    const int other = end_of(model.lattice, edge);
+    const auto a = std::size_t(edge.slot), b = std::size_t(other), family = std::size_t(edge.family);
+    NodeSystem s;
+    const Vec3 d = hadamard(model.lattice.step, Vec3(kFamilies[family])) + (state.u[b] - state.u[a]);
+    add_spring(s, d, model.rest_length[family], model.spring_scale[family] * root(edge.slot) * root(other));
+    out.set(a, out[a] + s.f), out.set(b, out[b] - s.f);
+  }
+}
+
+// ---------------------------------------------------------------- between nodes and unknowns
+
+/// Sums and values by row are kept for so many stretches of layers, whatever the threads.
+constexpr int kStretches = 8;
+
+/// Calls visit(block, weights, slot) or visit(row, slot) for what follows the unknowns in a layer.
+template <class OfBlock, class OfRow>
+void for_followers(const Model& model, const CoarseSpace& space, int k, const OfBlock& of_block,
+                   const OfRow& of_row) {
+  const Lattice& l = model.lattice;
+  for (int j = 0; j < l.size.y; j++)
+    for (int parity = 0; parity < 2; parity++) {
+      const int first = row_slot(l, j, k) + parity * l.half;
+      for (const Run run : model.moving.of_half_row(first / l.half))
+        for (int s = run.begin; s < run.begin + run.count; s++) {
+          const int to = space.follows[std::size_t(s)];
+          if (to >= 0) {
+            const CoarseBlock& block = space.blocks[std::size_t(to)];
+            of_block(block, corner_weights(block, {2 * (s - first) + parity, j, k}), s);
+          } else if (to != CoarseSpace::kFixed) {
+            of_row(-2 - to, s);
+          }
+        }
+    }
+}
+
+/// The same for copies, numbered from 0.
+template <class OfBlock, class OfRow>
+void for_copies(const Model& model, const State& state, const CoarseSpace& space, const OfBlock& of_block,
+                const OfRow& of_row) {
+  const int slots = slot_count(model.lattice);
+  for (const PartNode& copy : state.parts.copies) {
+    const int to = space.follows[std::size_t(copy.corner)];
+    if (to >= 0) {
+      const CoarseBlock& block = space.blocks[std::size_t(to)];
+      of_block(block, corner_weights(block, slot_node(model.lattice, copy.slot)), copy.corner - slots);
+    } else if (to != CoarseSpace::kFixed) {
+      of_row(-2 - to, copy.corner - slots);
+    }
+  }
+}
+
+/// What forces at the nodes do to the unknowns.
+Eigen::VectorXd gather_unknowns(const Exec& exec, const Model& model, const State& state,
+                                const CoarseSpace& space, const LeftOver& forces) {
+  const std::size_t rows = space.row_begin.size() - 1;
+  const int layers = model.lattice.size.z;
+  std::vector<Vec3d> sums(kStretches * rows);
+  const auto add = [&](Vec3d* sum, const CoarseBlock& block, const std::array<float, 8>& w, Vec3d f) {
+    for (std::size_t c = 0; c < 8; c++) sum[block.corner[c]] += f * double(w[c]);
+  };
+  parallel_for(exec, kStretches, [&](std::size_t stretch) {
+    Vec3d* sum = sums.data() + stretch * rows;
+    for (int k = layers * int(stretch) / kStretches; k < layers * int(stretch + 1) / kStretches; k++)
+      for_followers(
+          model, space, k,
+          [&](const CoarseBlock& block, const std::array<float, 8>& w, int slot) {
+            add(sum, block, w, Vec3d(forces.nodes[std::size_t(slot)]));
+          },
+          [&](int row, int slot) { sum[row] += Vec3d(forces.nodes[std::size_t(slot)]); });
+  });
+  const auto of_copy = [&](int c) {
+    const CopyShift& f = forces.copies[std::size_t(c)];
+    return Vec3d{f.x, f.y, f.z};
+  };
+  for_copies(
+      model, state, space,
+      [&](const CoarseBlock& block, const std::array<float, 8>& w, int c) {
+        add(sums.data(), block, w, of_copy(c));
+      },
+      [&](int row, int c) { sums[std::size_t(row)] += of_copy(c); });
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(3 * space.unknowns);
+  for (std::size_t row = 0; row < rows; row++) {
+    Vec3d sum;
+    for (std::size_t stretch = 0; stretch < kStretches; stretch++) sum += sums[stretch * rows + row];
+    for (int t = space.row_begin[row]; t < space.row_begin[row + 1]; t++)
+      for (int axis = 0; axis < 3; axis++)
+        out[3 * space.terms[std::size_t(t)].unknown + axis] +=
+            double(space.terms[std::size_t(t)].weight) * sum[axis];
+  }
+  return out;
+}
+
+/// Moves nodes and copies by `part` of what the unknowns say.
+void move_nodes(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
+                const Eigen::VectorXd& unknowns, double part) {
+  std::vector<Vec3> by_row(space.row_begin.size() - 1);
+  for (std::size_t row = 0; row < by_row.size(); row++) {
+    Vec3d sum;
+    for (int t = space.row_begin[row]; t < space.row_begin[row + 1]; t++)
+      for (int axis = 0; axis < 3; axis++)
+        sum[axis] += double(space.terms[std::size_t(t)].weight) *
+                     unknowns[3 * space.terms[std::size_t(t)].unknown + axis];
+    by_row[row] = Vec3(sum * part);
+  }
+  const auto at = [&](const CoarseBlock& block, const std::array<float, 8>& w) {
+    Vec3 sum;
+    for (std::size_t c = 0; c < 8; c++) sum += by_row[std::size_t(block.corner[c])] * w[c];
+    return sum;
+  };
+  const auto move = [&](int slot, Vec3 way) {
+    state.u.set(std::size_t(slot), state.u[std::size_t(slot)] + way);
+  };
+  parallel_for(exec, std::size_t(model.lattice.size.z), [&](std::size_t k) {
+    for_followers(
+        model, space, int(k),
+        [&](const CoarseBlock& block, const std::array<float, 8>& w, int slot) { move(slot, at(block, w)); },
+        [&](int row, int slot) { move(slot, by_row[std::size_t(row)]); });
+  });
+  const auto move_copy = [&](int c, Vec3 way) {
+    CopyShift& copy = state.copies[std::size_t(c)];
+    copy = {copy.x + way.x, copy.y + way.y, copy.z + way.z};
+  };
+  for_copies(
+      model, state, space,
+      [&](const CoarseBlock& block, const std::array<float, 8>& w, int c) { move_copy(c, at(block, w)); },
+      [&](int row, int c) { move_copy(c, by_row[std::size_t(row)]); });
+}
+
+}  // namespace
+
+void find_left_over(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
+                    const Inputs& inputs, double dt, LeftOver& out) {
+  const std::size_t slots = model.inverse_mass.size();
+  if (out.nodes.x.size() != slots) out.nodes.resize(slots);
+  out.copies.assign(state.copies.size(), {});
+  const Inertia inertia(model, state, inputs, dt);
+  const CellForces cells{model, state, node_arrays(model, state),
+                         solid_law(model.lattice.step, model.params.tissue.poisson), out.nodes};
+  const SkinForces skin(model);
+  const PartForces parts(model, state);
+  const int layers = model.lattice.size.z;
+  parallel_for(exec, std::size_t(layers),
+               [&](std::size_t k) { begin_layer(model, inertia, state, int(k), out.nodes); });
+  sweep_slabs(exec, layers - 1, [&](int k) { cells(space.cells, k); });
+  parallel_for(exec, std::size_t(layers),
+               [&](std::size_t k) { add_skin_and_parts(model, state, skin, parts, int(k), out); });
+  add_loose_edges(model, state, space, out.nodes);
+}
+
+bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt) {
+  const Params& params = model.params;
+  if (!params.solver.coarse || params.solver.method != Method::kDescent) return false;
+  if (params.tissue.law != TissueLaw::kSolid || can_sleep(model) || !inputs.contacts.empty()) return false;
+  const std::size_t cuts = cut_version(state);
+  const bool cut_now = cuts != state.cuts_before, goes_on = cut_now && state.was_cut;
+  state.cuts_before = cuts, state.was_cut = cut_now;
+  if (!state.coarse || state.coarse->version != cuts || state.coarse->dt != dt) {
+    if (goes_on) return false;
+    state.coarse = make_coarse_space(model, state, dt);
+  }
+  return state.coarse->unknowns > 0;
+}
+
+void correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                         double dt) {
+  constexpr double kFarthest = 1.5;  // of what the space says
+  const CoarseSpace& space = *state.coarse;
+  const auto forces = [&] {
+    find_left_over(exec, model, state, space, inputs, dt, state.left_over);
+    return gather_unknowns(exec, model, state, space, state.left_over);
+  };
+  const Eigen::VectorXd before = forces(), way = space.stiffness.solve(before);
+  const double slope = before.dot(way);
+  if (!(slope > 0)) return;
+  move_nodes(exec, model, state, space, way, 1);
+  const double after = forces().dot(way);
+  const double part = slope > after ? std::min(kFarthest, slope / (slope - after)) : kFarthest;
+  move_nodes(exec, model, state, space, way, (std::isfinite(after) ? part : 0) - 1);
+}
+
+std::size_t memory_bytes(const CoarseSpace& space) {
+  const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
+  return bytes(space.blocks) + bytes(space.row_begin) + bytes(space.terms) + bytes(space.follows) +
+         bytes(space.outside) + bytes(space.loose) + bytes(space.cells.all) + bytes(space.cells.row_begin) +
+         std::size_t(space.stiffness.matrixL().nestedExpression().nonZeros()) *
+             (sizeof(double) + sizeof(int));
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,79 @@
+// A coarse space beside the sweeps: what a few sweeps cannot carry through a body, the smooth part of what a
+// frame is short of, is solved for at once. Blocks of cells, halved until few enough nodes are left, move by
+// what is trilinear in their corners; tissue that a blade parted has corners of its own on each side, and the
+// blocks that it went through are refined down to single nodes. The space's stiffness is that of
+// the body in the CT, factored once for every cut; a search along the way makes the step never raise the
+// energy by more than what is not linear in it. [Galerkin; Dick, Georgii and Westermann 2011 for cuts]
+#pragma once
+
+#include <Eigen/SparseCholesky>
+#include <memory>
+#include <vector>
+
+#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/runs.hpp"
+
+namespace turgor::lattice {
+
+/// Where a block is among the levels of blocks in blocks (coarse_levels.hpp).
+struct Leaf {
+  int level = -1, grain = -1;
+
+  friend bool operator==(const Leaf&, const Leaf&) = default;
+};
+
+/// A block that moves by what is trilinear in its eight corners.
+struct CoarseBlock {
+  Int3 low;      // its lowest node
+  int size = 0;  // steps a side
+  Leaf leaf;
+  std::array<int, 8> corner{};  // rows of CoarseSpace::row_begin
+};
+
+/// What a corner, or a node beside a blade's end, is of the unknowns: Σ weight · unknown.
+struct CoarseTerm {
+  int unknown = 0;
+  float weight = 0;
+};
+
+/// A spring between two neighbouring nodes that no cell holds.
+struct LooseEdge {
+  int slot = 0, family = 0;
+};
+
+/// How nodes and copies follow the unknowns, and what moving these costs.
+struct CoarseSpace {
+  std::size_t version = 0;  // cut_version of the state that it was made of
+  double dt = 0;            // of the steps [s]
+  int unknowns = 0;         // of three numbers each
+  std::vector<CoarseBlock> blocks;
+  std::vector<int> row_begin;     // of corners, and of nodes by themselves, in `terms`
+  std::vector<CoarseTerm> terms;  // row by row
+  aligned_vector<int> follows;  // by slot, then by copy: kFixed, a block, or −2 − the row of a node by itself
+  std::vector<int> outside;      // of these, nodes outside of the block that they follow
+  std::vector<LooseEdge> loose;  // edges that no cell holds
+  Runs cells;                    // slots of cells with something in them that can move
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> stiffness;  // [N/m]
+
+  static constexpr int kFixed = -1;
+};
+
+/// Of the body as it is cut now; for a body that nothing can move, without unknowns.
+std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const State& state, double dt);
+
+/// The forces that are left over at all nodes and copies, along the lattice's axes.
+void find_left_over(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
+                    const Inputs& inputs, double dt, LeftOver& out);
+
+/// Makes the space anew when cuts or the length of steps ask for it; while a blade goes on from step to step
+/// there is none. Is there one that this step can use? Not where contacts press, rows sleep or tissue is
+/// springs.
+bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt);
+/// One step in the coarse space, between sweeps: towards the minimum of what is quadratic there, as far along
+/// that way as the forces at its end say.
+void correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+
+/// Memory of a space, its factors among it.
+std::size_t memory_bytes(const CoarseSpace& space);
+
+}  // namespace turgor::lattice
