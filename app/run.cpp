@@ -1,7 +1,9 @@
 // `turgor run`: simulates a scene, or draws a recording again, into a folder that appears when it is
 // complete. The work is the library's (pictures/run_scene.hpp); here are its options, bars and summary.
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
@@ -23,7 +25,7 @@ namespace fs = std::filesystem;
 struct CommandOptions {
   fs::path scene, out, replay;
   std::vector<std::string> overrides, required;
-  bool quiet = false, force = false, real_time = false, check = false;
+  bool quiet = false, tells_progress = false, force = false, real_time = false, check = false;
   LiveOptions live;
 };
 
@@ -34,11 +36,21 @@ T required(Result<T> result) {
   return std::move(*result);
 }
 
+/// A line a percent on standard error, for programs that read along: "simulating 0.42".
+Progress progress_lines(const std::string& label) {
+  return [label, last = std::make_shared<std::atomic<int>>(-1)](double fraction) {
+    const int percent = int(100 * fraction);
+    if (last->exchange(percent) != percent) fmt::print(stderr, "{} {:.2f}\n", label, fraction);
+  };
+}
+
 /// Work that takes long is announced by a sentence and gets a bar of its own, unless the run is quiet.
-RunCallbacks make_callbacks(bool quiet, std::optional<ProgressBar>& bar) {
+RunCallbacks make_callbacks(const CommandOptions& options, std::optional<ProgressBar>& bar) {
   RunCallbacks callbacks;
   callbacks.note = [](const std::string& sentence) { note(sentence); };
-  if (quiet) return callbacks;
+  if (options.tells_progress)
+    callbacks.begin = [](const std::string& label, const std::string&) { return progress_lines(label); };
+  if (options.quiet || options.tells_progress) return callbacks;
   callbacks.begin = [&bar](const std::string& label, const std::string& sentence) {
     bar.reset();
     if (!sentence.empty()) fmt::print("{}\n", sentence);
@@ -62,7 +74,7 @@ void run(const Exec& exec, const CommandOptions& options) {
   std::vector<Requirement> requirements;
   for (const std::string& text : options.required) requirements.push_back(required(read_requirement(text)));
   std::optional<ProgressBar> bar;
-  const RunCallbacks callbacks = make_callbacks(options.quiet, bar);
+  const RunCallbacks callbacks = make_callbacks(options, bar);
   const Json report =
       options.replay.empty()
           ? required(run_scene(exec, required(read_scene(options.scene, options.overrides)), goal, callbacks))
@@ -126,6 +138,8 @@ void add_run_command(CLI::App& program, Global& global) {
       ->allow_extra_args(false);
   add_force_option(*command, options->force);
   command->add_flag("-q,--quiet", options->quiet, "No progress bar and no table");
+  command->add_flag("--progress", options->tells_progress,
+                    "Instead of a bar, lines for a program that reads along: simulating 0.42");
   command->callback([options, &global] {
     if (options->scene.empty() == options->replay.empty())
       throw Failure{2, "run: expected either a scene or --replay FILE; see turgor run --help"};

@@ -94,6 +94,9 @@ void bind_body(nb::module_& module) {
       .def_prop_ro(
           "triangles", [](const PyBody& b) { return rows_of(shown_of(b).triangles); }, kOwn,
           "(m, 3), counter-clockwise seen from outside; a cut changes them")
+      .def_prop_ro(
+          "wall_begin", [](const PyBody& b) { return shown_of(b).wall_begin; },
+          "from this one of `triangles` on they are walls of wounds; their count where there are none")
       .def("_volume", [](const PyBody& b) { return parts_of(lattice_of(b).ct); })
       .def("_deformed_volume", &deformed_volume);
 }

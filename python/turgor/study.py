@@ -5,7 +5,7 @@
     design = { kind = "saltelli", count = 64, seed = 1 }   # or lhs with count and seed; grid
     cases = "cohort.csv"                                   # every member for every row: its columns are keys of the scene
     [vary]
-    "body.torso.skin.tension" = { uniform = [20, 80] }     # or log_uniform, or values = [...]
+    "body.torso.skin.tension" = { uniform = [20, 80] }     # or log_uniform, or values = [...]; ends may be vectors
     [measure]
     gape = "wounds.midline.gape_max_mm"                    # where report.json has it; items of a list by their name
     [run]
@@ -45,11 +45,14 @@ def _value(spec, share):
     """Of what is varied: at this share of its range, in [0, 1)."""
     if "values" in spec:
         return spec["values"][int(share * len(spec["values"]))]
-    if "uniform" in spec:
-        low, high = spec["uniform"]
-        return low + (high - low) * share
-    low, high = spec["log_uniform"]
-    return low * (high / low) ** share
+    low, high = spec["uniform"] if "uniform" in spec else spec["log_uniform"]
+    if isinstance(low, list):  # a vector, from one to the other
+        return [_between(*ends, share, "uniform" in spec) for ends in zip(low, high)]
+    return _between(low, high, share, "uniform" in spec)
+
+
+def _between(low, high, share, linear):
+    return low + (high - low) * share if linear else low * (high / low) ** share
 
 
 def latin_hypercube(count, dimensions, seed):
@@ -155,7 +158,16 @@ class Study:
             known = [name for name in ("values", "uniform", "log_uniform") if name in spec]
             if len(known) != 1 or (kind == "grid" and known != ["values"]):
                 raise Error(f"{self.file}: vary.{key}: expected one of {'values' if kind == 'grid' else 'values, uniform, log_uniform'}, found {spec}")
+            if known != ["values"]:
+                self._check_ends(key, spec[known[0]])
         return _rows_of_design(self.design, self.vary)
+
+    def _check_ends(self, key, ends):
+        """Two numbers, or two vectors of as many numbers."""
+        sizes = [len(end) if isinstance(end, list) else 0 for end in ends] if isinstance(ends, list) else []
+        numbers = [n for end in ends for n in (end if isinstance(end, list) else [end])] if sizes else []
+        if len(sizes) != 2 or sizes[0] != sizes[1] or not all(type(n) in (int, float) for n in numbers):
+            raise Error(f"{self.file}: vary.{key}: expected two numbers, or two vectors of as many, found {ends}")
 
     def _cases(self, table):
         if table is None:
@@ -257,7 +269,7 @@ def _gather(study, folder, rows):
     for member, row in zip(study.members, rows):
         measured = (row or {}).get("measured", {})
         lines.append([*(member["set"].get(key, "") for key in keys), *(measured.get(name, "") for name in study.measure), (row or {}).get("failed", "")])
-    quoted = lambda cell: '"' + str(cell).replace('"', '""') + '"' if isinstance(cell, str) else repr(cell)
+    quoted = lambda cell: repr(cell) if isinstance(cell, (int, float)) else '"' + str(cell).replace('"', '""') + '"'
     _write(folder / "table.csv", "".join(",".join(map(quoted, line)) + "\n" for line in lines))
     report = _report(study, rows)
     _write(folder / "report.json", json.dumps(report, indent=1))

@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <csignal>
+#include <sstream>
+#include <vector>
 
 #include "app/program.hpp"
 
@@ -28,6 +31,29 @@ TEST(Run, LeavesPicturesMeshesTheCtARecordingAndAReport) {
   EXPECT_LT(std::abs(report["deformed_ct"][0]["mass_error"].get<double>()), 0.05);
   for (const json& picture : report["pictures"])
     EXPECT_TRUE(fs::exists(out / picture["file"].get<std::string>()));
+}
+
+TEST(Run, TellsAProgramThatReadsAlongHowFarItIsAndNamesWallsOfWoundsInItsMesh) {
+  const fs::path folder = fresh_folder();
+  write(folder / "s.toml", small_scene());
+  const char* plain = " --set output.video=false --set output.volume_rendering=false";
+  const Ended ended = run_program(std::string("run s.toml --progress --out out") + plain, folder);
+  ASSERT_EQ(ended.code, 0) << ended.printed;
+  std::vector<double> told;
+  std::istringstream lines(ended.printed);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("simulating ")) told.push_back(std::stod(line.substr(11)));
+  ASSERT_GT(told.size(), 5u) << ended.printed;
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end())) << ended.printed;
+  EXPECT_LT(told.front(), 0.2);
+  EXPECT_EQ(told.back(), 1);
+  const std::string obj = bytes_of(folder / "out" / "torso.obj");
+  const std::size_t skin = obj.find("\ng skin\n"), wound = obj.find("\ng wound\n");
+  ASSERT_NE(skin, std::string::npos);
+  ASSERT_NE(wound, std::string::npos);
+  EXPECT_LT(skin, wound);
+  EXPECT_EQ(run_program(std::string("run s.toml -q --out out") + plain, folder).printed.find("simulating"),
+            std::string::npos);
 }
 
 TEST(Run, AFolderForTheDeformedCtBecomesADicomSeriesOfTheSamePatient) {

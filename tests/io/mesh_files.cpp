@@ -53,6 +53,13 @@ TEST(MeshFiles, ObjCountsFromOneAndRefersToNormals) {
   EXPECT_NE(smooth.find("\nf 3//3 2//2 4//4\n"), std::string::npos);
 }
 
+TEST(MeshFiles, ObjNamesItsGroupsWhereTheyBegin) {
+  const std::vector<MeshGroup> groups{{"skin", 0}, {"wound", 1}};
+  const std::string text =
+      written("groups.obj", [&](const auto& path) { return write_obj(path, two_triangles(), {}, groups); });
+  EXPECT_NE(text.find("\ng skin\nf 1 2 3\ng wound\nf 3 2 4\n"), std::string::npos) << text;
+}
+
 TEST(MeshFiles, VtuHoldsPointsCellsAndFieldsInItsBinaryEnd) {
   const TriMesh mesh = two_triangles();
   const std::vector<float> stretch = {0, 1, 2, 3};

@@ -1,4 +1,8 @@
 // Files that others wrote: NIfTI-2 by nibabel, enhanced images and segmentations by highdicom.
+#include <gdcmReader.h>
+#include <gdcmSequenceOfFragments.h>
+#include <gdcmWriter.h>
+
 #include "io/dicom_series.hpp"
 
 namespace turgor {
@@ -78,6 +82,106 @@ TEST(OtherWriters, ADicomSegmentationLiesOnItsCtWithItsNames) {
         const bool liver = (k == 1 || k == 2) && (j == 2 || j == 3) && i >= 3 && i < 6;
         EXPECT_EQ(read->labels.at(i, j, k), liver ? 1 : k == 2 && j < 2 && i < 2 ? 2 : 0) << i << j << k;
       }
+}
+
+/// A frame as runs of literal bytes. [PS3.5, annex G]
+std::string run_lengths(std::string_view samples) {
+  std::string code(64, '\0');
+  code[0] = 1, code[4] = 64;  // one segment, behind this header
+  for (std::size_t at = 0; at < samples.size(); at += 100) {
+    const std::string_view run = samples.substr(at, 100);
+    code += char(run.size() - 1);
+    code += run;
+  }
+  return code.size() % 2 ? code + '\0' : code;
+}
+
+/// Written again with fractions instead of bits: just a half where there was one, just less elsewhere.
+void write_fractions(const fs::path& file, bool compressed, int most) {
+  gdcm::Reader reader;
+  reader.SetFileName((kCorpus / "segmentation.dcm").c_str());
+  ASSERT_TRUE(reader.Read());
+  gdcm::DataSet& set = reader.GetFile().GetDataSet();
+  const auto put = [&set](std::uint16_t group, std::uint16_t element, gdcm::VR vr, std::string bytes) {
+    gdcm::DataElement e(gdcm::Tag(group, element));
+    e.SetVR(vr);
+    e.SetByteValue(bytes.data(), std::uint32_t(bytes.size()));
+    set.Replace(e);
+  };
+  const gdcm::ByteValue* bits = set.GetDataElement(gdcm::Tag(0x7fe0, 0x0010)).GetByteValue();
+  constexpr std::size_t kArea = 8 * 6;
+  std::string bytes;
+  for (std::size_t n = 0; n < bits->GetLength() * 8 / kArea * kArea; n++)
+    bytes += char((bits->GetPointer()[n / 8] >> (n % 8) & 1) != 0 ? (most + 1) / 2 : (most - 1) / 2);
+  put(0x0062, 0x0001, gdcm::VR::CS, "FRACTIONAL");
+  put(0x0062, 0x0010, gdcm::VR::CS, "OCCUPANCY ");
+  put(0x0062, 0x000e, gdcm::VR::US, std::string{char(most), '\0'});
+  for (const auto& [element, value] : {std::pair{0x0100, 8}, {0x0101, 8}, {0x0102, 7}})
+    put(0x0028, std::uint16_t(element), gdcm::VR::US, std::string{char(value), '\0'});
+  if (compressed) {
+    const gdcm::SmartPointer<gdcm::SequenceOfFragments> frames = new gdcm::SequenceOfFragments;
+    for (std::size_t at = 0; at < bytes.size(); at += kArea) {
+      const std::string code = run_lengths(std::string_view(bytes).substr(at, kArea));
+      gdcm::Fragment fragment;
+      fragment.SetByteValue(code.data(), std::uint32_t(code.size()));
+      frames->AddFragment(fragment);
+    }
+    gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
+    pixels.SetVR(gdcm::VR::OB);
+    pixels.SetValue(*frames);
+    set.Replace(pixels);
+  } else {
+    put(0x7fe0, 0x0010, gdcm::VR::OB, bytes);
+  }
+  reader.GetFile().GetHeader().SetDataSetTransferSyntax(
+      compressed ? gdcm::TransferSyntax::RLELossless : gdcm::TransferSyntax::ExplicitVRLittleEndian);
+  gdcm::Writer writer;
+  writer.SetFile(reader.GetFile());
+  writer.SetFileName(file.c_str());
+  ASSERT_TRUE(writer.Write());
+}
+
+TEST(OtherWriters, FractionsOfASegmentationAreLabelsFromAHalfOnPlainAndCompressed) {
+  const fs::path file = test::fresh_folder() / "a.dcm";
+  const LabelVolume bits = read_labels(kCorpus / "segmentation.dcm").value().labels;
+  for (const bool compressed : {false, true})
+    for (const int most : {255, 101, 7}) {
+      write_fractions(file, compressed, most);
+      const Result<LabelFile> read = read_labels(file);
+      ASSERT_TRUE(read) << read.error().message;
+      EXPECT_EQ(read->labels.samples, bits.samples) << compressed << " " << most;
+      EXPECT_EQ(read->names, (LabelNames{{1, "liver"}, {2, "left kidney"}}));
+    }
+}
+
+TEST(OtherWriters, ADamagedSegmentationOfFractionsEndsInASentence) {
+  const fs::path file = test::fresh_folder() / "a.dcm";
+  for (const bool compressed : {false, true}) {
+    write_fractions(file, compressed, 255);
+    const std::string whole = test::bytes_of(file);
+    for (std::size_t kept = whole.size() - 20; kept > 300; kept -= std::min<std::size_t>(kept, 397)) {
+      test::write(file, whole.substr(0, kept));
+      EXPECT_REFUSED(read_labels(file), "a.dcm");
+    }
+  }
+}
+
+TEST(OtherWriters, ADeflatedSegmentationIsReadAndOneCutShortIsNamed) {
+  const fs::path file = test::fresh_folder() / "a.dcm";
+  gdcm::Reader reader;
+  reader.SetFileName((kCorpus / "segmentation.dcm").c_str());
+  ASSERT_TRUE(reader.Read());
+  reader.GetFile().GetHeader().SetDataSetTransferSyntax(gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian);
+  gdcm::Writer writer;
+  writer.SetFile(reader.GetFile());
+  writer.SetFileName(file.c_str());
+  ASSERT_TRUE(writer.Write());
+  const Result<LabelFile> read = read_labels(file);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->labels.samples, read_labels(kCorpus / "segmentation.dcm").value().labels.samples);
+  const std::string whole = test::bytes_of(file);
+  test::write(file, whole.substr(0, whole.size() - 64));
+  EXPECT_REFUSED(read_labels(file), "a.dcm");
 }
 
 TEST(OtherWriters, ADicomSegmentationOfAnotherGridOrWithOverlapsIsRefused) {

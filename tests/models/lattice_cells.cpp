@@ -185,6 +185,29 @@ TEST(lattice_cells, what_is_turned_inside_out_comes_back) {
   }
 }
 
+TEST(lattice_cells, what_is_shot_off_its_holds_comes_back_whatever_the_sweeps) {
+  for (const int sweeps : {2, 5, 20}) {
+    const Block block{
+        .size = {7, 6, 7}, .young = 1e4, .skin_on_top = false, .is_fixed = [](Int3 p) { return p.z == 0; }};
+    const Model model = block_model(block, solid_params(sweeps, 0.45));
+    State state = make_state(model);
+    const Vec3 shot{3, 0, 8};  // m/s, 36 steps in a frame
+    for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
+      if (model.inverse_mass[s] > 0) state.v.set(s, shot);
+    state.fastest = norm(shot);
+    double worst = 0, farthest = 0;
+    for (int n = 0; n < 180; n++) {
+      EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite);
+      farthest = 0;
+      for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
+        farthest = std::max(farthest, double(norm(state.u[s])));
+      worst = std::max(worst, farthest);
+    }
+    EXPECT_LT(worst, 0.2) << "m, " << sweeps << " sweeps: little more than one frame of it";
+    EXPECT_LT(farthest, 0.001) << "m after three seconds, " << sweeps << " sweeps";
+  }
+}
+
 TEST(lattice_cells, the_residual_is_the_gradient_of_the_step_energy_of_cells_springs_and_cuts) {
   const Model model = stepped_block(0.45, 5);
   for (const bool cut : {false, true})

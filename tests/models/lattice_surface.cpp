@@ -86,6 +86,20 @@ TEST(lattice_surface, a_ball_has_its_area_and_volume) {
   EXPECT_EQ(surface.skin_triangles, int(surface.triangles.size()));
 }
 
+TEST(lattice_surface, any_number_of_threads_finds_the_same_points_in_the_same_order) {
+  const CtVolume ct = soft_ball(64, 20);
+  const Model model = body_of(ct, {4, 4, 4});
+  State state = make_state(model);
+  const BodySurface one = build_surface(model, state, &ct, Extent::kAll, Exec(1));
+  for (const int threads : {2, 3, 8}) {
+    const BodySurface many = build_surface(model, state, &ct, Extent::kAll, Exec(threads));
+    EXPECT_EQ(many.triangles, one.triangles);
+    EXPECT_EQ(many.rest, one.rest);
+    EXPECT_EQ(many.slot, one.slot);
+  }
+  EXPECT_GT(one.triangles.size(), 1000u);
+}
+
 TEST(lattice_surface, a_ball_is_watertight_and_has_no_holes) {
   const Model model = body_of(soft_ball(64, 20), {4, 4, 4});
   const BodySurface surface = build_surface(model, make_state(model));

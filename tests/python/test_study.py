@@ -14,7 +14,7 @@ import numpy as np
 
 import turgor
 from scenes import PAD
-from turgor.study import latin_hypercube, run_study, sobol_indices, _saltelli
+from turgor.study import latin_hypercube, run_study, sobol_indices, _saltelli, _value
 
 STUDY = """
 [study]
@@ -49,6 +49,11 @@ class Designs(unittest.TestCase):
         points = latin_hypercube(50, 3, seed=4)
         for column in points.T:
             self.assertEqual(sorted((column * 50).astype(int)), list(range(50)))
+
+    def test_vectors_go_from_one_end_to_the_other(self):
+        self.assertEqual(_value({"uniform": [[20, 10], [80, 40]]}, 0.5), [50, 25])
+        self.assertEqual(_value({"uniform": [1, 3]}, 0.25), 1.5)
+        np.testing.assert_allclose(_value({"log_uniform": [[1, 100], [100, 1]]}, 0.5), [10, 10])
 
     def test_ishigamis_indices_lie_in_their_intervals(self):
         x = np.pi * (2 * _saltelli(4096, 3, seed=2) - 1)
@@ -116,6 +121,10 @@ class Studies(unittest.TestCase):
             folder = folder_with(design)
             with self.assertRaisesRegex(turgor.Error, sentence):
                 run_study(folder / "study.toml", folder / "out")
+        for ends in ("[1e3]", "[1e3, [2e3]]", "[[1, 2], [1, 2, 3]]", '["a", 3]', "3"):
+            folder = folder_with('{ kind = "lhs", count = 3 }', f"{{ uniform = {ends} }}")
+            with self.assertRaisesRegex(turgor.Error, "body.pad.young: expected two numbers, or two vectors"):
+                run_study(folder / "study.toml", folder / "out")
         folder = folder_with()
         text = (folder / "study.toml").read_text().replace("force_max_N", "no_such")
         (folder / "study.toml").write_text(text)
@@ -124,6 +133,18 @@ class Studies(unittest.TestCase):
         done = subprocess.run([sys.executable, "-m", "turgor.study", "nowhere.toml"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 2)
         self.assertNotIn("Traceback", done.stderr)
+
+    def test_a_vector_is_one_cell_of_the_table_and_reaches_the_scene(self):
+        folder = folder_with('{ kind = "lhs", count = 2, seed = 3 }')
+        text = (folder / "study.toml").read_text().replace(
+            '"tool.finger.friction" = { values = [0.0, 0.6] }', '"world.gravity" = { uniform = [[0, 0, 0], [0, 0, -9.81]] }')
+        (folder / "study.toml").write_text(text)
+        run_study(folder / "study.toml", folder / "out", jobs=2)
+        for row in table_of(folder / "out"):
+            gravity = json.loads(row["world.gravity"])
+            self.assertEqual(gravity[:2], [0, 0])
+            self.assertTrue(-9.81 < gravity[2] < 0)
+            self.assertGreater(float(row["force"]), 0.001)
 
     def test_a_report_has_the_indices_of_what_was_varied(self):
         folder = folder_with('{ kind = "saltelli", count = 4, seed = 1 }', "{ uniform = [2e3, 8e3] }")

@@ -1,4 +1,5 @@
 """The Python module against the program: TURGOR (the program) and PYTHONPATH come from scripts/python."""
+import os
 import pathlib
 import tempfile
 import threading
@@ -35,6 +36,24 @@ class Turgor(unittest.TestCase):
         self.assertLess(sheet.displacement[:, 2].min(), -1e-3)
         self.assertEqual(sheet.triangles.min(), 0)
         self.assertEqual(sheet.triangles.max(), len(sheet.points) - 1)
+
+    @unittest.skipUnless(os.uname().machine == "x86_64", "another processor")
+    def test_the_report_names_all_instructions_that_this_processor_has(self):
+        flags = set(next(line for line in open("/proc/cpuinfo") if line.startswith("flags")).split())
+        levels = [("x86-64-v4", {"avx512f", "avx512vl", "avx512bw", "avx512dq"}), ("x86-64-v3", {"avx2", "fma", "bmi2"}),
+                  ("x86-64-v2", {"sse4_2", "popcnt"}), ("x86-64", set())]
+        highest = next(name for name, needs in levels if needs <= flags)
+        self.assertEqual(turgor.World(text=CLOTH).report()["machine"]["instructions"], highest)
+
+    def test_walls_of_a_wound_are_the_last_triangles_and_come_with_the_cut(self):
+        world = turgor.World(text=TORSO)
+        torso = world["torso"]
+        self.assertEqual(torso.wall_begin, len(torso.triangles))
+        world.step(10)
+        self.assertLess(torso.wall_begin, len(torso.triangles))
+        inside = torso.rest_points[torso.triangles[torso.wall_begin:]].mean(axis=(0, 1))
+        np.testing.assert_allclose(inside[[0, 2]], [0, 0], atol=0.02)  # under the middle of the cut
+        self.assertEqual(turgor.World(text=CLOTH)["sheet"].wall_begin, len(turgor.World(text=CLOTH)["sheet"].triangles))
 
     def test_arrays_outlive_their_world_and_do_not_change(self):
         world = turgor.World(text=CLOTH)

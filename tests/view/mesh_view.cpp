@@ -87,6 +87,58 @@ TEST_F(MeshView, APartMarkedSoIsSeenThroughWhatHidesItAndShadowsOfOthersStay) {
   EXPECT_EQ(find(hidden, is_green).count, 0);
 }
 
+TEST_F(MeshView, LayersOfAPartThatIsSeenThroughDoNotAddUp) {
+  const TriMesh front = test::sphere({0, -0.05f, 0}, 0.05f), behind = test::sphere({0, 0.05f, 0}, 0.05f),
+                body = test::sphere({}, 0.2f);
+  TriMesh both = front;
+  for (const Int3 t : behind.triangles)
+    both.triangles.push_back(t + Int3{1, 1, 1} * int(front.vertices.size()));
+  both.vertices.insert(both.vertices.end(), behind.vertices.begin(), behind.vertices.end());
+  const MeshPart outer{.mesh = &body, .color = kRed};
+  const auto middle = [&](const TriMesh& mesh) {
+    return draw({outer, {.mesh = &mesh, .color = kGreen, .through = true}}).at(kWidth / 2, kHeight / 2);
+  };
+  EXPECT_GT(int(middle(front).g), 60);
+  EXPECT_LE(test::difference(middle(both), middle(front)), 2);
+}
+
+TEST_F(MeshView, AClosedBodyLooksTheSameWithoutItsBacks) {
+  const TriMesh ball = test::sphere({0, 0, 0.05f}, 0.12f), floor = test::sphere({0, 0, -2}, 1.95f, 200);
+  MeshPart red{.mesh = &ball, .color = kRed};
+  const Image open = draw({red, {.mesh = &floor}});
+  red.closed = true;
+  const Image closed = draw({red, {.mesh = &floor, .closed = true}});
+  const auto other = test::find_pixels(
+      open, [&](int x, int y) { return test::difference(open.at(x, y), closed.at(x, y)) > 8; });
+  EXPECT_LE(other.count, 0.0005 * kWidth * kHeight) << "its shadow on the floor and its outline too";
+  TriMesh plate{{{-0.2f, 0, -0.2f}, {0.2f, 0, -0.2f}, {0.2f, 0, 0.2f}}, {{0, 1, 2}}, {}, {}};
+  const int fronts = find(draw({{.mesh = &plate, .color = kRed, .closed = true}}), is_red).count;
+  std::swap(plate.triangles[0].y, plate.triangles[0].z);
+  const int backs = find(draw({{.mesh = &plate, .color = kRed, .closed = true}}), is_red).count;
+  EXPECT_GT(fronts, 1000);
+  EXPECT_EQ(backs, 0);
+}
+
+TEST_F(MeshView, OutlinesBeforeAnotherSurfaceAreMixturesOfTheTwo) {
+  const TriMesh ball = test::sphere({0, -0.3f, 0}, 0.1f), wall = test::sphere({0, 3, 0}, 2.7f, 200);
+  const Image image = draw({{.mesh = &ball, .color = kRed}, {.mesh = &wall, .color = kGreen}});
+  int mixed = 0, outlines = 0;
+  for (int y = kHeight / 2 - 20; y < kHeight / 2 + 20; y++)
+    for (int x = 2; x + 2 < kWidth; x++) {
+      const Rgb left = image.at(x - 2, y), right = image.at(x + 2, y), here = image.at(x, y);
+      if (!(is_red(left) && is_green(right)) && !(is_green(left) && is_red(right))) continue;
+      outlines++;
+      const auto between = [](int a, int v, int b) {
+        return v >= std::min(a, b) - 12 && v <= std::max(a, b) + 12;
+      };
+      EXPECT_TRUE(between(left.r, here.r, right.r) && between(left.g, here.g, right.g))
+          << x << " " << y << ": neither a dark nor a bright seam";
+      mixed += !is_red(here) && !is_green(here);
+    }
+  EXPECT_GT(outlines, 100);
+  EXPECT_GT(mixed, outlines / 8);
+}
+
 TEST_F(MeshView, BothSidesOfATriangleAreLit) {
   TriMesh plate{{{-0.2f, 0, -0.2f}, {0.2f, 0, -0.2f}, {0.2f, 0, 0.2f}, {-0.2f, 0, 0.2f}},
                 {{0, 1, 2}, {0, 2, 3}},

@@ -1,11 +1,20 @@
 """What is special about the wheel: what it is without, and that it says so."""
+import importlib.metadata
+import os
 import pathlib
+import platform
+import re
+import sys
 import tempfile
 import unittest
 
 import numpy as np
 
 import turgor
+
+SLICER = pathlib.Path(__file__).resolve().parents[2] / "slicer/Turgor/Turgor"
+sys.path.insert(0, str(SLICER))
+from TurgorLib.cut import Cut, Cutter, Wishes  # noqa: E402
 
 PAD = {"world": {"duration": 0.2, "frame_rate": 50},
        "body": {"pad": {"model": "sfem", "block": {"size": [0.06, 0.06, 0.03], "count": [6, 6, 3]}, "fixed": "bottom", "young": 5e3,
@@ -26,6 +35,18 @@ class Wheel(unittest.TestCase):
         for name in ("libGL", "libEGL", "libepoxy", "libhdf5", "libgdcm", "libcurl"):
             self.assertNotIn(name, loaded)
         self.assertIn("turgor.libs", loaded)
+
+    def test_any_linux_since_glibc_2_34_takes_it(self):
+        if platform.freedesktop_os_release().get("VERSION_CODENAME") != "bookworm":
+            self.skipTest("a wheel asks for what the system has that it was made on")
+        tags = [line for line in importlib.metadata.distribution("turgor").read_text("WHEEL").splitlines() if line.startswith("Tag:")]
+        self.assertEqual(len(tags), 1)
+        self.assertLessEqual(int(re.search(r"manylinux_2_(\d+)_x86_64$", tags[0]).group(1)), 34)
+
+    def test_the_report_names_instructions_that_this_processor_has(self):
+        flags = set(next(line for line in open("/proc/cpuinfo") if line.startswith("flags")).split())
+        needs = {"x86-64": set(), "x86-64-v2": {"sse4_2"}, "x86-64-v3": {"avx2", "fma"}, "x86-64-v4": {"avx512f", "avx512vl"}}
+        self.assertLessEqual(needs[turgor.World(PAD).report()["machine"]["instructions"]], flags)
 
     def test_a_cache_that_cannot_be_is_no_reason_to_fail(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -64,6 +85,22 @@ class Wheel(unittest.TestCase):
         volume = from_file["block"].volume()
         self.assertEqual(sorted(np.unique(volume.samples).tolist()), [-1000, 40])
         np.testing.assert_allclose(volume.spacing, 3e-3)
+
+
+    def test_it_cuts_for_3d_slicer(self):
+        samples = np.full((24, 24, 24), -1000, dtype=np.int16)
+        samples[2:22, 2:22, :] = 40
+        to_ras = np.diag([-3.0, -3.0, 3.0, 1.0])
+        line = np.array([[-35.0, -6, 20], [-35, -6, 50]])  # on the front
+        python = Cutter(lambda folder: [sys.executable, str(SLICER / "TurgorLib/worker.py"), str(folder)], dict(os.environ))
+        cut = Cut(python, samples, to_ras, line, Wishes(depth=15, step=6, seconds=0.3))
+        cut.process.wait()
+        opened = cut.opened()
+        self.assertEqual(opened.samples.shape, samples.shape)
+        self.assertGreater(dict((name, value) for name, value, _ in opened.measures)["gape, largest"], 0.5)
+        wall = opened.points[opened.wound].reshape(-1, 3)
+        self.assertGreater(len(wall), 10)
+        self.assertLess(np.abs(wall[:, 0] + 35).max(), 15)
 
 
 if __name__ == "__main__":

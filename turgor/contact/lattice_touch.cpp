@@ -232,6 +232,11 @@ void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattic
   });
 }
 
+void put_tool(LatticeTouch& touch, const lattice::Model& model, int tool, const ToolPose& pose) {
+  touch.poses[std::size_t(tool)] = in_lattice(model.grid, pose);
+  std::erase_if(touch.contacts, [tool](const LatticeContact& contact) { return contact.tool == tool; });
+}
+
 lattice::StepReport step(const Exec& exec, const lattice::Model& model, lattice::State& state,
                          LatticeTouch& touch, std::span<const Tool> tools, std::span<const ToolPose> poses,
                          lattice::Inputs inputs, double dt, std::span<ToolForce> forces) {

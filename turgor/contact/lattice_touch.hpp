@@ -53,6 +53,9 @@ LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::Stat
 void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattice::State& state,
                   const lattice::BodySurface& surface);
 
+/// A tool is elsewhere [patient frame], without a way there: it lets go of all that it touched.
+void put_tool(LatticeTouch& touch, const lattice::Model& model, int tool, const ToolPose& pose);
+
 /// A step of the body in which the tools go to `poses` [patient frame]; `inputs` without contacts. The
 /// model's solver must be descent. Forces: one a tool; its area stays 0.
 lattice::StepReport step(const Exec& exec, const lattice::Model& model, lattice::State& state,

@@ -31,6 +31,7 @@ struct LocalContact {
   double friction = 0;         // Coulomb's μ [1]
   double reach = 0;            // the plane is known for the tissue so far from `origin` [m]
   long number = 0;             // of the planes of this tool so far
+  int puts = 0;                // how often the tool had been put elsewhere by then
 };
 
 struct LocalTouchParams {

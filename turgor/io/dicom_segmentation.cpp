@@ -1,5 +1,5 @@
-// DICOM segmentations: a bit a sample, segment after segment, only the slices that have any of it. [DICOM
-// PS3.3, A.51, C.8.20]
+// DICOM segmentations: a bit a sample, or how much of it the segment has, segment after segment, only the
+// slices that have any of it. [DICOM PS3.3, A.51, C.8.20]
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -24,6 +24,8 @@ struct Segmentation {
   DicomSlice image;                // of all frames
   std::vector<DicomSlice> frames;  // where they lie
   std::vector<int> segment;        // of each frame
+  bool is_fractional = false;
+  int most = 1;  // the value of a sample that is all the segment's
 };
 
 LabelNames names_of(const DicomElements& set) {
@@ -50,19 +52,29 @@ Error refusal(const fs::path& file, const std::string& what) {
   return {fmt::format("{}: {}", file.string(), what)};
 }
 
-/// What is no DICOM segmentation of one bit a sample, said so.
-Status check_kind(const fs::path& file, const DicomElements& set, const DicomSlice& image) {
+/// What is no DICOM segmentation that is read, said so. Bits are never compressed one by one: whole files
+/// are, by deflation. [PS3.5, 8.2, A.4, A.5]
+Status check_kind(const fs::path& file, Segmentation& seg) {
+  const DicomElements& set = seg.elements;
+  const DicomSlice& image = seg.image;
   const std::string kind = trimmed(set.value(0x0008, 0x0016).substr(0, kSegmentation.size()));
   const std::string type = trimmed(set.value(0x0062, 0x0001));
   if (kind != kSegmentation)
     return refusal(
         file, "a DICOM file that is no segmentation; expected labels: a DICOM SEG, NIfTI, NRRD or MetaImage");
-  if (type != "BINARY" || image.bits_allocated != 1)
-    return refusal(file, fmt::format("a segmentation of type {}, {} bits a sample; expected BINARY, 1 bit",
-                                     type, image.bits_allocated));
-  if (image.is_compressed || image.is_deflated || image.is_big_endian)
-    return refusal(file, "a compressed segmentation; expected plain little-endian bits");
-  return Done{};
+  seg.is_fractional = type == "FRACTIONAL";
+  if ((type != "BINARY" || image.bits_allocated != 1) && (!seg.is_fractional || image.bits_allocated != 8))
+    return refusal(file,
+                   fmt::format("a segmentation of type {}, {} bits a sample; expected BINARY, 1 bit, or "
+                               "FRACTIONAL, 8 bits",
+                               type, image.bits_allocated));
+  if (image.is_big_endian) return refusal(file, "a big-endian segmentation; expected a little-endian one");
+  if (!seg.is_fractional && image.is_compressed)
+    return refusal(file, "compressed bits; expected BINARY plain or deflated, compressed FRACTIONAL alone");
+  if (!seg.is_fractional) return Done{};
+  seg.most = short_integer(set.value(0x0062, 0x000e), false, false).value_or(0);
+  if (seg.most >= 1 && seg.most <= 255) return Done{};
+  return refusal(file, fmt::format("MaximumFractionalValue is {}, expected 1 to 255", seg.most));
 }
 
 /// SpacingBetweenSlices, which all frames share [mm].
@@ -117,7 +129,7 @@ Result<Segmentation> read_frames(const fs::path& file) {
   FileWindow window(file);
   if (const Status found = find_elements(window, seg.elements); !found)
     return refusal(file, found.error().message);
-  if (const Status kind = check_kind(file, seg.elements, seg.image); !kind) return kind.error();
+  if (const Status kind = check_kind(file, seg); !kind) return kind.error();
   seg.frames = frames_of(seg.image, seg.elements);
   if (seg.frames.empty()) return refusal(file, "its header does not say where its frames lie");
   for (const DicomValues& frame : seg.elements.frames) {
@@ -128,30 +140,77 @@ Result<Segmentation> read_frames(const fs::path& file) {
   return seg;
 }
 
-/// Bits of all frames without a gap between them, the lowest of each byte first.
+/// Pixels as they lie in the file, or in what it inflates to; as many of the wanted bytes as are there.
+Result<std::string> plain_bytes(const fs::path& file, const DicomSlice& image, std::size_t wanted) {
+  if (image.is_deflated) {
+    const Result<std::string> all = inflate_dataset(file, image.dataset_offset);
+    if (!all) return refusal(file, all.error().message);
+    return all->substr(std::min<std::size_t>(image.pixel_offset, all->size()), wanted);
+  }
+  std::string bytes(wanted, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.seekg(std::streamoff(image.pixel_offset));
+  stream.read(bytes.data(), std::streamsize(wanted));
+  bytes.resize(std::size_t(std::max<std::streamsize>(stream.gcount(), 0)));
+  return bytes;
+}
+
+/// Samples of all frames, a byte each.
+Result<std::string> decoded_bytes(const Segmentation& seg, std::size_t area) {
+  std::vector<std::int16_t> values(area * seg.frames.size());
+  std::vector<const DicomSlice*> slices;
+  std::vector<std::span<std::int16_t>> samples;
+  for (std::size_t f = 0; f < seg.frames.size(); f++) {
+    if (const Status size = check_frame(seg.frames[f]); !size) return size.error();
+    slices.push_back(&seg.frames[f]);
+    samples.push_back(std::span(values).subspan(f * area, area));
+  }
+  const Result<ChangedSamples> decoded = decode_dicom_samples(Exec(), slices, samples, {});
+  if (!decoded) return decoded.error();
+  return std::string(values.begin(), values.end());
+}
+
+/// Bits of all frames without a gap between them, the lowest of each byte first, or bytes.
+Result<std::string> bytes_of_frames(const fs::path& file, const Segmentation& seg, std::size_t area) {
+  if (seg.image.is_compressed) return decoded_bytes(seg, area);
+  const std::size_t samples = area * seg.frames.size(),
+                    wanted = seg.is_fractional ? samples : (samples + 7) / 8;
+  Result<std::string> bytes = plain_bytes(file, seg.image, wanted);
+  if (!bytes || (seg.image.pixel_length >= wanted && bytes->size() == wanted)) return bytes;
+  return refusal(
+      file,
+      fmt::format("truncated or corrupt: {} bytes of pixels, expected {} ({} frames of {} x {})",
+                  seg.image.pixel_length, wanted, seg.frames.size(), seg.image.columns, seg.image.rows));
+}
+
+Error overlap(const fs::path& file, const Grid& grid, int one, int other, std::size_t sample) {
+  const auto columns = std::size_t(grid.size.x), area = columns * std::size_t(grid.size.y);
+  return refusal(file,
+                 fmt::format("segments {} and {} overlap at sample ({}, {}, {}); expected one label a "
+                             "sample: export the segments as one label map",
+                             one, other, sample % area % columns, sample % area / columns, sample / area));
+}
+
+/// Of fractions, a sample is of the segment that has most of it, and at least half.
 Status fill_labels(const fs::path& file, const Segmentation& seg, LabelVolume& labels) {
   const std::size_t area = std::size_t(labels.grid.size.x) * std::size_t(labels.grid.size.y);
-  std::vector<char> bits((area * seg.frames.size() + 7) / 8);
-  std::ifstream stream(file, std::ios::binary);
-  stream.seekg(std::streamoff(seg.image.pixel_offset));
-  stream.read(bits.data(), std::streamsize(bits.size()));
-  if (seg.image.pixel_length < bits.size() || std::size_t(stream.gcount()) < bits.size())
-    return refusal(file,
-                   fmt::format("truncated or corrupt: {} bytes of pixels, expected {} ({} frames of {} x {})",
-                               seg.image.pixel_length, bits.size(), seg.frames.size(), labels.grid.size.x,
-                               labels.grid.size.y));
+  const Result<std::string> bytes = bytes_of_frames(file, seg, area);
+  if (!bytes) return bytes.error();
+  std::vector<std::uint8_t> taken(seg.is_fractional ? labels.samples.size() : 0);
   for (std::size_t f = 0; f < seg.frames.size(); f++) {
     const auto k = std::size_t(std::lround(index_at(labels.grid, *seg.frames[f].position * 1e-3).z));
     for (std::size_t n = 0; n < area; n++) {
-      const std::size_t bit = f * area + n;
-      if (!(bits[bit / 8] >> (bit % 8) & 1)) continue;
+      const std::size_t at = f * area + n;
       std::uint16_t& label = labels.samples[k * area + n];
-      if (label != 0 && label != seg.segment[f])
-        return refusal(file,
-                       fmt::format("segments {} and {} overlap at sample ({}, {}, {}); expected one label a "
-                                   "sample: export the segments as one label map",
-                                   label, seg.segment[f], n % std::size_t(labels.grid.size.x),
-                                   n / std::size_t(labels.grid.size.x), k));
+      if (seg.is_fractional) {
+        const auto share = std::uint8_t((*bytes)[at]);
+        if (2 * share < seg.most || share <= taken[k * area + n]) continue;
+        taken[k * area + n] = share;
+      } else if (!((*bytes)[at / 8] >> (at % 8) & 1)) {
+        continue;
+      } else if (label != 0 && label != seg.segment[f]) {
+        return overlap(file, labels.grid, label, seg.segment[f], k * area + n);
+      }
       label = std::uint16_t(seg.segment[f]);
     }
   }

@@ -122,7 +122,8 @@ std::string vtu_end(const Appended& appended) {
 
 }  // namespace
 
-Status write_obj(const std::filesystem::path& path, const TriMesh& mesh, MeshSpace space) {
+Status write_obj(const std::filesystem::path& path, const TriMesh& mesh, MeshSpace space,
+                 std::span<const MeshGroup> groups) {
   std::string text = fmt::format("# Turgor: {}\n# SPACE={}\n", space_text(space), frame_name(space));
   const auto out = std::back_inserter(text);
   const bool normals = mesh.normals.size() == mesh.vertices.size();
@@ -133,7 +134,10 @@ Status write_obj(const std::filesystem::path& path, const TriMesh& mesh, MeshSpa
   if (normals)
     for (const Vec3 n : turned(mesh.normals, space))
       fmt::format_to(out, "vn {:.4f} {:.4f} {:.4f}\n", n.x, n.y, n.z);
-  for (const auto [a, b, c] : mesh.triangles) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); t++) {
+    const auto [a, b, c] = mesh.triangles[t];
+    for (const MeshGroup& group : groups)
+      if (group.begin == t) fmt::format_to(out, "g {}\n", group.name);
     if (normals)
       fmt::format_to(out, "f {0}//{0} {1}//{1} {2}//{2}\n", a + 1, b + 1, c + 1);
     else

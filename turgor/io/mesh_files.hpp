@@ -22,8 +22,15 @@ struct MeshSpace {
 };
 inline const char* unit_name(MeshSpace space) { return space.is_mm ? "mm" : "m"; }
 
-/// Vertices, normals when the mesh has them, and triangles.
-Status write_obj(const std::filesystem::path& path, const TriMesh& mesh, MeshSpace space = {});
+/// A named part of a mesh: from this triangle on, to where the next one begins.
+struct MeshGroup {
+  std::string name;
+  std::size_t begin = 0;
+};
+
+/// Vertices, normals when the mesh has them, and triangles; in groups, when there are any.
+Status write_obj(const std::filesystem::path& path, const TriMesh& mesh, MeshSpace space = {},
+                 std::span<const MeshGroup> groups = {});
 
 /// A quantity at every vertex, or in every element of a solid mesh: `components` numbers each, 1 or 3.
 struct VertexField {

@@ -24,6 +24,12 @@ const ShownBody& worth_keeping(const ShownBody& body, const std::vector<Pressed>
   return body;
 }
 
+/// Walls of wounds apart from the skin, where there are any.
+std::vector<MeshGroup> groups_of(const ShownBody& body) {
+  if (body.wall_begin >= body.triangles.size()) return {};
+  return {{"skin", 0}, {"wound", body.wall_begin}};
+}
+
 /// Tools where they are, and a point for each with the force on it.
 Status write_tools(const ShownWorld& shown, Outputs& outputs) {
   const MeshSpace space = outputs.scene->output.mesh_space;
@@ -63,8 +69,9 @@ Status write_objs(const ShownWorld& shown, const std::vector<Pressed>& pressed, 
   const AddTime time(outputs.facts.file_seconds);
   for (const ShownBody& body : shown.bodies) {
     const std::string file = body.name + ".obj";
-    const Status status = write_obj(outputs.folder / file, shown_mesh(worth_keeping(body, pressed)),
-                                    outputs.scene->output.mesh_space);
+    const ShownBody& kept = worth_keeping(body, pressed);
+    const Status status =
+        write_obj(outputs.folder / file, shown_mesh(kept), outputs.scene->output.mesh_space, groups_of(kept));
     if (!status) return status;
     outputs.facts.files.push_back(file);
   }

@@ -88,12 +88,14 @@ void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, P
     walls.triangles.erase(walls.triangles.begin(), walls.triangles.begin() + split);
     surface.triangles.resize(body.wall_begin);
     parts.add(std::move(walls), kWall);
+    parts.parts.back().closed = true;
   }
   if (body.look == Look::kCloth) surface = two_sided(std::move(surface));
   parts.add(std::move(surface), color_of(body.look), scale);
+  parts.parts.back().closed = true;
   if (body.inside.triangles.empty()) return;
   parts.add(body.inside, kInside);
-  parts.parts.back().through = true;
+  parts.parts.back().through = parts.parts.back().closed = true;
 }
 
 TriMesh placed_mesh(const ShownTool& tool) {

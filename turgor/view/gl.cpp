@@ -52,9 +52,9 @@ void set_uniform(const char* name, int a) { glUniform1i(uniform_place(name), a);
 void set_uniform(const char* name, const std::array<float, 16>& columns) {
   glUniformMatrix4fv(uniform_place(name), 1, GL_FALSE, columns.data());
 }
-void set_texture(const char* name, int unit, GLuint texture) {
+void set_texture(const char* name, int unit, GLuint texture, GLenum kind) {
   glActiveTexture(GLenum(GL_TEXTURE0 + unit));
-  glBindTexture(GL_TEXTURE_2D, texture);
+  glBindTexture(kind, texture);
   set_uniform(name, unit);
 }
 

@@ -41,7 +41,7 @@ void set_uniform(const char* name, float a, float b);
 void set_uniform(const char* name, float a);
 void set_uniform(const char* name, int a);
 void set_uniform(const char* name, const std::array<float, 16>& columns);
-void set_texture(const char* name, int unit, GLuint texture);
+void set_texture(const char* name, int unit, GLuint texture, GLenum kind = GL_TEXTURE_2D);
 
 /// A texture with one sample a pixel, unfiltered.
 GLuint new_texture(GlObjects& objects, GLint format, GLenum layout, GLenum type, int width, int height);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -15,8 +16,9 @@ namespace turgor {
 
 namespace {
 
-constexpr float kOcclusionReach = 0.08f;  // of the picture's height
-constexpr float kThrough = 0.5f;          // of its own light has a part that is seen through another
+constexpr float kOcclusionReach = 0.08f;                                // of the picture's height
+constexpr float kNoLevel = 1, kSmoothLevel = 0.5f, kEdgeLevel = 0.25f;  // how a pixel is lit
+constexpr float kThrough = 0.5f;  // of its own light has a part that is seen through another
 
 template <class T>
 void upload(GlObjects& objects, GLuint attribute, int components, GLenum type, const std::vector<T>& values) {
@@ -31,7 +33,7 @@ struct HeldPart {
   GLuint array = 0;
   GLsizei indices = 0;
   Vec3 color;
-  bool use_map = false, through = false;
+  bool use_map = false, through = false, closed = false;
 };
 
 HeldPart hold_part(GlObjects& objects, const MeshPart& part) {
@@ -40,7 +42,8 @@ HeldPart hold_part(GlObjects& objects, const MeshPart& part) {
                 .indices = GLsizei(3 * mesh.triangles.size()),
                 .color = Vec3{float(part.color.r), float(part.color.g), float(part.color.b)} / 255,
                 .use_map = part.scale != nullptr,
-                .through = part.through};
+                .through = part.through,
+                .closed = part.closed};
   glBindVertexArray(held.array);
   upload(objects, 0, 3, GL_FLOAT, mesh.vertices);
   upload(objects, 1, 3, GL_FLOAT, mesh.normals.empty() ? vertex_normals(mesh) : mesh.normals);
@@ -63,8 +66,10 @@ void draw_parts(const std::vector<HeldPart>& parts, MeshStyle style = MeshStyle:
     glBindVertexArray(part.array);
     glVertexAttrib3f(2, part.color.x, part.color.y, part.color.z);  // where vertices have no colours
     set_uniform("use_map", part.use_map);
+    (part.closed ? glEnable : glDisable)(GL_CULL_FACE);
     glDrawElements(GL_TRIANGLES, part.indices, GL_UNSIGNED_INT, nullptr);
   }
+  glDisable(GL_CULL_FACE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
@@ -76,6 +81,12 @@ GLuint new_color_map(GlObjects& objects) {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   return texture;
+}
+
+void set_axes(const View& view) {
+  set_uniform("right_axis", Vec3(view.frame.right));
+  set_uniform("up", Vec3(view.frame.up));
+  set_uniform("back_axis", Vec3(view.frame.back));
 }
 
 // What the key light sees.
@@ -102,87 +113,132 @@ void set_lights(const View& view) {
   set_uniform("floor_color", lights.floor_color);
 }
 
-// Depths alone, so that no pixel is lit which something hides.
-void draw_depths(GLuint program, const std::vector<HeldPart>& parts, const View& view) {
-  glUseProgram(program);
-  set_uniform("to_clip", camera_matrix(view));
-  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  draw_parts(parts);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-}
-
-// What other surfaces hide of the parts that are seen through them, over those: with the program, the targets
-// and the depths of the picture so far.
-void draw_through(const std::vector<HeldPart>& parts) {
+std::vector<HeldPart> seen_through(const std::vector<HeldPart>& parts) {
   std::vector<HeldPart> through;
   std::copy_if(parts.begin(), parts.end(), std::back_inserter(through),
                [](const HeldPart& part) { return part.through; });
+  return through;
+}
+
+// What other surfaces hide of the parts that are seen through them, over those: with the program and the
+// depths of the quick picture so far.
+void draw_through(const std::vector<HeldPart>& parts) {
+  const std::vector<HeldPart> through = seen_through(parts);
   if (through.empty()) return;
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_FALSE);
-  glColorMaski(1, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);  // normals stay those of the surface before it
   glEnable(GL_BLEND);
-  glEnable(GL_CULL_FACE);
   glBlendColor(0, 0, 0, kThrough);
   glBlendFuncSeparate(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA, GL_ZERO, GL_ONE);
-  set_uniform("through", true);
   draw_parts(through);
-  set_uniform("through", false);
-  glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
-  glColorMaski(1, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
 }
 
-void draw_surfaces(GlObjects& objects, const MeshPrograms& programs, const MeshTargets& targets,
-                   const std::vector<HeldPart>& parts, const View& view, const LightView& light,
-                   MeshStyle style) {
-  glBindFramebuffer(GL_FRAMEBUFFER, targets.sampled);
-  glViewport(0, 0, targets.width, targets.height);
+void draw_surfaces(GlObjects& objects, GLuint program, const SeenSurfaces& seen,
+                   const std::vector<HeldPart>& parts, const View& view, MeshStyle style) {
+  glBindFramebuffer(GL_FRAMEBUFFER, seen.framebuffer);
   glEnable(GL_DEPTH_TEST);
-  glClearColor(0, 0, 0, 0);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  if (style == MeshStyle::kSurface) draw_depths(programs.shadow, parts, view);
-  glDepthFunc(GL_LEQUAL);
-  glUseProgram(programs.surface);
+  constexpr GLuint kNothing[4] = {};
+  for (const GLint target : {0, 1}) glClearBufferuiv(GL_COLOR, target, kNothing);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glUseProgram(program);
   set_uniform("to_clip", camera_matrix(view));
-  set_uniform("to_light", light.matrix);
-  set_uniform("shadow_texel", float(light.width / kShadowSize));
-  set_uniform("right_axis", Vec3(view.frame.right)), set_uniform("back_axis", Vec3(view.frame.back));
   set_uniform("eye", Vec3(view.eye));
-  set_lights(view);
+  set_axes(view);
   set_texture("color_map", 0, new_color_map(objects));
-  set_texture("shadow", 1, targets.shadow_depths);
   draw_parts(parts, style);
-  glDepthFunc(GL_LESS);
-  if (style == MeshStyle::kSurface) draw_through(parts);
 }
 
-void draw_screen(GlObjects& objects) {
-  glDisable(GL_DEPTH_TEST);
+// The whole picture; with a function for depths, only where the level is so.
+void draw_screen(GlObjects& objects, std::optional<GLenum> levels = {}, float level = 0) {
+  if (levels)
+    glEnable(GL_DEPTH_TEST), glDepthFunc(*levels), glDepthMask(*levels == GL_ALWAYS);
+  else
+    glDisable(GL_DEPTH_TEST);
+  set_uniform("level", level);
   glBindVertexArray(objects.new_array());
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDepthFunc(GL_LESS), glDepthMask(GL_TRUE);
+}
+
+void set_surfaces(const MeshTargets& targets, const SeenSurfaces& seen, const View& view) {
+  set_texture("colors", 0, seen.colors, GL_TEXTURE_2D_MULTISAMPLE);
+  set_texture("normals", 1, seen.normals, GL_TEXTURE_2D_MULTISAMPLE);
+  set_texture("depths", 2, seen.depths, GL_TEXTURE_2D_MULTISAMPLE);
+  set_uniform("samples", targets.samples);
+  set_uniform("near_far", float(view.near), float(view.far));
+}
+
+void resolve_samples(GlObjects& objects, GLuint program, const MeshTargets& targets, const View& view) {
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.resolved);
+  glUseProgram(program);
+  set_surfaces(targets, targets.seen, view);
+  set_uniform("smooth_level", kSmoothLevel);
+  set_uniform("edge_level", kEdgeLevel);
+  draw_screen(objects, GL_ALWAYS);
+}
+
+void set_lighting(const MeshTargets& targets, const View& view, const LightView& light) {
+  set_texture("shadow", 3, targets.shadow_depths);
+  set_uniform("to_light", light.matrix);
+  set_uniform("shadow_texel", float(light.width / kShadowSize));
+  set_uniform("tan_half", float(view.frame.tan_half * view.aspect), float(view.frame.tan_half));
+  set_uniform("eye", Vec3(view.eye));
+  set_axes(view);
+  set_lights(view);
+}
+
+void draw_light(GlObjects& objects, const MeshPrograms& programs, const MeshTargets& targets,
+                const View& view, const LightView& light) {
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.lit);
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT);
+  glUseProgram(programs.smooth);
+  set_lighting(targets, view, light);
+  set_texture("resolved_colors", 0, targets.colors);
+  set_texture("resolved_normals", 1, targets.normals);
+  set_texture("resolved_depths", 2, targets.depths);
+  draw_screen(objects, GL_EQUAL, kSmoothLevel);
+  glUseProgram(programs.edge);
+  set_lighting(targets, view, light);
+  set_surfaces(targets, targets.seen, view);
+  draw_screen(objects, GL_EQUAL, kEdgeLevel);
+}
+
+// What other surfaces hide of the parts that are seen through them, over those.
+void draw_inner(GlObjects& objects, GLuint program, const MeshTargets& targets, const View& view,
+                const LightView& light) {
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.lit);
+  glUseProgram(program);
+  set_lighting(targets, view, light);
+  set_surfaces(targets, targets.inner, view);
+  set_texture("nearer", 4, targets.seen.depths, GL_TEXTURE_2D_MULTISAMPLE);
+  set_uniform("through", kThrough);
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+  draw_screen(objects, GL_GREATER, kNoLevel);
+  glDisable(GL_BLEND);
 }
 
 void draw_occlusion(GlObjects& objects, GLuint program, const MeshTargets& targets, const View& view) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.occlusion);
+  glClearColor(1, float(view.far), 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT);
   glUseProgram(program);
   set_texture("depths", 0, targets.depths);
   set_texture("normals", 1, targets.normals);
   set_uniform("tan_half", float(view.frame.tan_half * view.aspect), float(view.frame.tan_half));
-  set_uniform("near_far", float(view.near), float(view.far));
   set_uniform("reach", kOcclusionReach);
-  draw_screen(objects);
+  draw_screen(objects, GL_GREATER, kNoLevel);
 }
 
-void draw_picture(GlObjects& objects, GLuint program, const MeshTargets& targets, const View& view) {
+void draw_picture(GlObjects& objects, GLuint program, const MeshTargets& targets) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.picture);
   glUseProgram(program);
   set_texture("lights", 0, targets.lights);
   set_texture("occlusions", 1, targets.occlusions);
-  set_texture("depths", 2, targets.depths);
-  set_uniform("near_far", float(view.near), float(view.far));
   set_uniform("backdrop_centre", kBackdropCentre), set_uniform("backdrop_edge", kBackdropEdge);
   set_uniform("shoulder", kShoulder);
   draw_screen(objects);
@@ -218,15 +274,27 @@ Status keep_targets(std::unique_ptr<GlObjects>& objects, std::optional<Targets>&
   return Done{};
 }
 
-GLuint draw_fully(GlObjects& objects, const MeshDrawing& drawing, const HeldScene& scene, const View& view,
-                  MeshStyle style) {
-  const MeshTargets& targets = *drawing.targets;
+Result<GLuint> draw_fully(GlObjects& objects, MeshDrawing& drawing, const HeldScene& scene, const View& view,
+                          MeshStyle style) {
+  MeshTargets& targets = *drawing.targets;
+  const MeshPrograms& programs = drawing.programs;
+  const std::vector<HeldPart> through =
+      style == MeshStyle::kSurface ? seen_through(scene.parts) : std::vector<HeldPart>();
+  if (!through.empty() && !targets.inner.framebuffer) {
+    const Result<SeenSurfaces> inner = make_seen_surfaces(*drawing.objects, targets);
+    if (!inner) return inner.error();
+    targets.inner = *inner;
+  }
   const LightView light = make_light_view(scene.boxes, Vec3d(camera_lights(view.frame).key));
-  draw_shadow(drawing.programs.shadow, targets, scene.parts, light);
-  draw_surfaces(objects, drawing.programs, targets, scene.parts, view, light, style);
-  resolve_samples(targets);
-  draw_occlusion(objects, drawing.programs.occlusion, targets, view);
-  draw_picture(objects, drawing.programs.picture, targets, view);
+  draw_shadow(programs.shadow, targets, scene.parts, light);
+  glViewport(0, 0, targets.width, targets.height);
+  draw_surfaces(objects, programs.surface, targets.seen, scene.parts, view, style);
+  if (!through.empty()) draw_surfaces(objects, programs.surface, targets.inner, through, view, style);
+  resolve_samples(objects, programs.resolve, targets, view);
+  draw_light(objects, programs, targets, view, light);
+  if (!through.empty()) draw_inner(objects, programs.inner, targets, view, light);
+  draw_occlusion(objects, programs.occlusion, targets, view);
+  draw_picture(objects, programs.picture, targets);
   return targets.picture;
 }
 
@@ -255,17 +323,27 @@ GLuint draw_quickly(GlObjects& objects, const MeshDrawing& drawing, const HeldSc
 
 Result<MeshPrograms> link_mesh_programs() {
   MeshPrograms programs;
-  const std::array<std::tuple<GLuint*, const char*, const char*>, 5> wanted = {{
+  struct Wanted {
+    GLuint* program;
+    const char* vertex;
+    std::string fragment;
+  };
+  const std::string lighting = kLighting;
+  const Wanted wanted[] = {
       {&programs.shadow, kShadowVertexShader, kShadowFragmentShader},
       {&programs.surface, kSurfaceVertexShader, kSurfaceFragmentShader},
+      {&programs.resolve, kScreenVertexShader, lighting + kResolveMain},
+      {&programs.smooth, kScreenVertexShader, lighting + kKeyShare + kSmoothMain},
+      {&programs.edge, kScreenVertexShader, lighting + kKeyShare + kEdgeMain},
+      {&programs.inner, kScreenVertexShader, lighting + kInnerMain},
       {&programs.occlusion, kScreenVertexShader, kOcclusionFragmentShader},
       {&programs.picture, kScreenVertexShader, kPictureFragmentShader},
       {&programs.quick, kQuickVertexShader, kQuickFragmentShader},
-  }};
-  for (const auto& [program, vertex, fragment] : wanted) {
-    const Result<GLuint> linked = link_program(vertex, fragment);
+  };
+  for (const Wanted& one : wanted) {
+    const Result<GLuint> linked = link_program(one.vertex, one.fragment.c_str());
     if (!linked) return linked.error();
-    *program = *linked;
+    *one.program = *linked;
   }
   return programs;
 }
@@ -283,8 +361,9 @@ Result<GLuint> draw_into_texture(MeshDrawing& drawing, const std::vector<MeshPar
   GlObjects objects;
   const HeldScene scene = hold_scene(objects, parts);
   const View view = make_view(scene.boxes, camera, double(width) / height);
-  const GLuint picture = full ? draw_fully(objects, drawing, scene, view, style)
-                              : draw_quickly(objects, drawing, scene, view, style);
+  const Result<GLuint> picture = full ? draw_fully(objects, drawing, scene, view, style)
+                                      : Result<GLuint>(draw_quickly(objects, drawing, scene, view, style));
+  if (!picture) return picture.error();
   if (const GLenum error = glGetError(); error != GL_NO_ERROR)
     return Error{fmt::format("cannot draw: OpenGL failed with error {:#x} ({})", error,
                              error == GL_OUT_OF_MEMORY ? "out of memory" : "see glGetError")};

@@ -12,7 +12,8 @@
 namespace turgor {
 
 struct MeshPrograms {
-  GLuint shadow = 0, surface = 0, occlusion = 0, picture = 0, quick = 0;
+  GLuint shadow = 0, surface = 0, resolve = 0, smooth = 0, edge = 0, inner = 0;
+  GLuint occlusion = 0, picture = 0, quick = 0;
 };
 /// Error: the compiler's log.
 Result<MeshPrograms> link_mesh_programs();

@@ -1,6 +1,6 @@
-// The GLSL programs of mesh pictures. Three passes: surfaces are lit into a linear picture and their normals
-// kept; the occlusion of each pixel by its surroundings is estimated from the depths [McGuire, Mara, Luebke
-// 2012]; both are put before the backdrop and turned into what screens show.
+// The GLSL programs of mesh pictures. What is seen of surfaces is kept, sample by sample; it is lit into a
+// linear picture; the occlusion of each pixel by its surroundings is estimated from the depths [McGuire,
+// Mara, Luebke 2012]; both are put before the backdrop and turned into what screens show.
 #pragma once
 
 namespace turgor {
@@ -8,7 +8,6 @@ namespace turgor {
 constexpr const char* kShadowVertexShader = R"(#version 330 core
 layout(location = 0) in vec3 position;
 uniform mat4 to_clip;
-invariant gl_Position;
 
 void main() { gl_Position = to_clip * vec4(position, 1); }
 )";
@@ -24,7 +23,7 @@ layout(location = 2) in vec3 color;
 layout(location = 3) in float fraction;
 uniform mat4 to_clip;
 uniform vec3 eye;
-invariant gl_Position;
+invariant gl_Position;  // of what is drawn a second time, because it is seen through others
 out vec3 to_eye;
 out vec3 surface_normal;
 out vec3 surface_color;
@@ -39,6 +38,9 @@ void main() {
 }
 )";
 
+// What a surface is where it is seen, packed: its colour, as the square root of what it reflects, with how it
+// was coloured (1 itself, 2 by the map), and its normal as the camera has it, on an octahedron [Cigolle et
+// al. 2014]. Triangles are small and many: nothing is lit here.
 constexpr const char* kSurfaceFragmentShader = R"(#version 330 core
 in vec3 to_eye;
 in vec3 surface_normal;
@@ -46,17 +48,127 @@ in vec3 surface_color;
 in float map_fraction;
 uniform sampler2D color_map;
 uniform bool use_map;
+uniform vec3 right_axis, up, back_axis;
+layout(location = 0) out uint packed_color;
+layout(location = 1) out uint packed_normal;
+
+void main() {
+  vec3 face = cross(dFdx(to_eye), dFdy(to_eye));
+  if (dot(face, to_eye) < 0.0) face = -face;
+  vec3 n = surface_normal;
+  if (dot(n, face) < 0.0) n = -n;  // the side that is seen
+  n = vec3(dot(right_axis, n), dot(up, n), dot(back_axis, n));
+  n /= abs(n.x) + abs(n.y) + abs(n.z);
+  vec2 folded = (1.0 - abs(n.yx)) * mix(vec2(-1), vec2(1), greaterThanEqual(n.xy, vec2(0)));
+  uvec2 at = uvec2(32767.5 + 32767.0 * (n.z >= 0.0 ? n.xy : folded));
+
+  bool mapped = use_map && !isnan(map_fraction);
+  vec3 albedo = surface_color;
+  if (mapped) {
+    float texel = clamp(map_fraction, 0.0, 1.0) * 255.0 + 0.5;
+    albedo = pow(texture(color_map, vec2(texel / 256.0, 0.5)).rgb, vec3(2.2));
+  }
+  uvec3 c = uvec3(0.5 + 255.0 * sqrt(clamp(albedo, 0.0, 1.0)));
+  packed_color = c.r | c.g << 8 | c.b << 16 | (mapped ? 2u : 1u) << 24;
+  packed_normal = at.x | at.y << 16;
+}
+)";
+
+// The light on what was kept of surfaces; a main function follows.
+constexpr const char* kLighting = R"(#version 330 core
+in vec2 place;
+uniform int samples;
+uniform vec2 tan_half;  // half the view at unit depth
+uniform vec3 right_axis, up, back_axis;
+uniform vec3 key, fill, rim;
+uniform vec3 key_color, fill_color, rim_color, sky_color, floor_color;
+
+vec4 color_of(uint c) { return vec4(uvec4(c, c >> 8, c >> 16, c >> 24) & 255u) / vec4(255, 255, 255, 1); }
+
+// As the camera has it, not unit.
+vec3 normal_of(uint packed_normal) {
+  vec2 at = vec2(uvec2(packed_normal, packed_normal >> 16) & 65535u) / 32767.0 - 1.0;
+  vec3 n = vec3(at, 1.0 - abs(at.x) - abs(at.y));
+  n.xy += mix(vec2(1), vec2(-1), greaterThanEqual(n.xy, vec2(0))) * max(0.0, -n.z);
+  return n;
+}
+
+vec3 world_normal(vec3 seen) {
+  seen = normalize(seen);
+  return seen.x * right_axis + seen.y * up + seen.z * back_axis;
+}
+
+float depth_of(float d, vec2 near_far) {
+  d = d * 2.0 - 1.0;
+  return 2.0 * near_far.x * near_far.y / (near_far.y + near_far.x - d * (near_far.y - near_far.x));
+}
+
+vec3 ray_of_pixel() {
+  vec2 at = (2.0 * place - 1.0) * tan_half;
+  return at.x * right_axis + at.y * up - back_axis;
+}
+
+vec3 lit_surface(vec4 color, vec3 n, vec3 view, float open) {
+  vec3 albedo = color.rgb * color.rgb;
+  bool mapped = color.a > 1.5;
+  // Light that enters skin leaves it beside: the terminator is soft, and softest in red.
+  vec3 wrap = mapped ? vec3(0.25) : vec3(0.32, 0.20, 0.15);
+  float towards = dot(n, key);
+  float share = mix(1.0, 0.12 + 0.88 * open, smoothstep(0.0, 0.3, towards));  // it is soft already
+  vec3 lit = key_color * share * max(vec3(0), (towards + wrap) / (1.0 + wrap));
+  lit += fill_color * max(0.0, dot(n, fill)) + mix(floor_color, sky_color, 0.5 + 0.5 * dot(n, up));
+  float grazing = 1.0 - max(0.0, dot(n, view));
+  grazing *= grazing, grazing *= grazing;
+  vec3 shine = rim_color * (grazing * (0.15 + 0.65 * max(0.0, dot(n, rim))));
+  float half_angle = max(0.0, dot(n, normalize(key + view)));
+  shine += share * key_color * (0.05 * pow(half_angle, 22.0) + 0.035 * pow(half_angle, 90.0));
+  return albedo * lit * (mapped ? 1.12 : 1.0) + shine * (mapped ? 0.35 : 0.6);
+}
+)";
+
+// From several samples a pixel to one, and a level that tells how it is to be lit: where its samples have one
+// normal once, on edges sample by sample, and not at all where nothing is seen. Levels are depths: a test of
+// depths spares software the other pixels, a branch does not.
+constexpr const char* kResolveMain = R"(
+uniform usampler2DMS colors, normals;
+uniform sampler2DMS depths;
+uniform vec2 near_far;
+uniform float smooth_level, edge_level;
+layout(location = 0) out vec4 color;  // and how it was coloured, halved
+layout(location = 1) out vec4 view_normal;
+layout(location = 2) out float view_depth;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 sum = vec4(0);
+  vec3 normal = vec3(0);
+  float covered = 0.0, nearest = 1.0, middle = 0.0;
+  for (int s = 0; s < samples; s++) {
+    uint c = texelFetch(colors, pixel, s).r;
+    float here = c == 0u ? 0.0 : 1.0;
+    sum += here * color_of(c);
+    normal += here * normalize(normal_of(texelFetch(normals, pixel, s).r));
+    covered += here;
+    float depth = texelFetch(depths, pixel, s).r;
+    nearest = min(nearest, depth);
+    middle += depth / float(samples);
+  }
+  bool is_edge = covered < float(samples) || length(normal) < 0.995 * covered;
+  gl_FragDepth = covered == 0.0 ? 1.0 : is_edge ? edge_level : smooth_level;
+  color = vec4(sum.rgb, 0.5 * sum.a) / max(covered, 1.0);
+  view_normal = vec4(0.5 + 0.5 * normalize(normal + vec3(0, 0, 1e-6)), 1);
+  view_depth = depth_of(is_edge ? nearest : middle, near_far);
+}
+)";
+
+// How much of the key light reaches a place: a mean over a disc, so that shadows have soft rims.
+constexpr const char* kKeyShare = R"(
 uniform sampler2DShadow shadow;
 uniform mat4 to_light;
 uniform float shadow_texel;  // [m]
-uniform vec3 eye, right_axis, back_axis;
-uniform bool through;  // inside of another surface, whose shadow does not count
-uniform vec3 key, fill, rim, up;
-uniform vec3 key_color, fill_color, rim_color, sky_color, floor_color;
+uniform vec3 eye;
 layout(location = 0) out vec4 light;
-layout(location = 1) out vec4 view_normal;
 
-// How much of the key light reaches the place: a mean over a disc, so that shadows have soft rims.
 float key_share(vec3 position, vec3 n) {
   vec4 place = to_light * vec4(position + 2.5 * shadow_texel * n, 1);
   vec3 at = 0.5 + 0.5 * place.xyz;
@@ -68,32 +180,63 @@ float key_share(vec3 position, vec3 n) {
   return sum / 8.0;
 }
 
+vec3 lit_place(vec4 color, vec3 seen, vec3 ray, float depth) {
+  vec3 n = world_normal(seen);
+  return lit_surface(color, n, -normalize(ray), key_share(eye + ray * depth, n));
+}
+)";
+
+constexpr const char* kSmoothMain = R"(
+uniform sampler2D resolved_colors, resolved_normals, resolved_depths;
+
 void main() {
-  vec3 view = normalize(to_eye);
-  vec3 face = cross(dFdx(to_eye), dFdy(to_eye));
-  if (dot(face, view) < 0.0) face = -face;
-  vec3 n = normalize(surface_normal);
-  if (dot(n, face) < 0.0) n = -n;  // the side that is seen
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 color = texelFetch(resolved_colors, pixel, 0);
+  vec3 seen = 2.0 * texelFetch(resolved_normals, pixel, 0).rgb - 1.0;
+  float depth = texelFetch(resolved_depths, pixel, 0).r;
+  light = vec4(lit_place(vec4(color.rgb, 2.0 * color.a), seen, ray_of_pixel(), depth), 1);
+}
+)";
 
-  bool mapped = use_map && !isnan(map_fraction);
-  vec3 albedo = surface_color;
-  if (mapped) {
-    float texel = clamp(map_fraction, 0.0, 1.0) * 255.0 + 0.5;
-    albedo = pow(texture(color_map, vec2(texel / 256.0, 0.5)).rgb, vec3(2.2));
+constexpr const char* kEdgeMain = R"(
+uniform usampler2DMS colors, normals;
+uniform sampler2DMS depths;
+uniform vec2 near_far;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec3 ray = ray_of_pixel();
+  vec4 sum = vec4(0);
+  for (int s = 0; s < samples; s++) {
+    uint c = texelFetch(colors, pixel, s).r;
+    float depth = depth_of(texelFetch(depths, pixel, s).r, near_far);
+    vec3 lit = lit_place(color_of(c), normal_of(texelFetch(normals, pixel, s).r), ray, depth);
+    if (c != 0u) sum += vec4(lit, 1);
   }
+  light = sum / float(samples);
+}
+)";
 
-  // Light that enters skin leaves it beside: the terminator is soft, and softest in red.
-  vec3 wrap = mapped ? vec3(0.25) : vec3(0.32, 0.20, 0.15);
-  float towards = dot(n, key), share = through ? 1.0 : key_share(eye - to_eye, n);
-  share = mix(1.0, 0.12 + 0.88 * share, smoothstep(0.0, 0.3, towards));  // the terminator is soft already
-  vec3 lit = key_color * share * max(vec3(0), (towards + wrap) / (1.0 + wrap));
-  lit += fill_color * max(0.0, dot(n, fill)) + mix(floor_color, sky_color, 0.5 + 0.5 * dot(n, up));
-  float grazing = pow(1.0 - max(0.0, dot(n, view)), 4.0);
-  vec3 shine = rim_color * (grazing * (0.15 + 0.65 * max(0.0, dot(n, rim))));
-  float half_angle = max(0.0, dot(n, normalize(key + view)));
-  shine += share * key_color * (0.05 * pow(half_angle, 22.0) + 0.035 * pow(half_angle, 90.0));
-  light = vec4(albedo * lit * (mapped ? 1.12 : 1.0) + shine * (mapped ? 0.35 : 0.6), 1);
-  view_normal = vec4(0.5 + 0.5 * vec3(dot(right_axis, n), dot(up, n), dot(back_axis, n)), 1);
+// What is seen through other surfaces, to be laid over their light.
+constexpr const char* kInnerMain = R"(
+uniform usampler2DMS colors, normals;
+uniform sampler2DMS depths, nearer;
+uniform float through;  // of its own light has a part that is seen through another
+layout(location = 0) out vec4 light;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec3 view = -normalize(ray_of_pixel()), sum = vec3(0);
+  float hidden = 0.0;
+  for (int s = 0; s < samples; s++) {
+    uint c = texelFetch(colors, pixel, s).r;
+    if (c == 0u) continue;
+    if (texelFetch(depths, pixel, s).r <= texelFetch(nearer, pixel, s).r) continue;
+    vec3 n = world_normal(normal_of(texelFetch(normals, pixel, s).r));
+    sum += lit_surface(color_of(c), n, view, 1.0);
+    hidden += 1.0;
+  }
+  light = through * vec4(sum, hidden) / float(samples);
 }
 )";
 
@@ -131,11 +274,12 @@ void main() { picture = vec4(shown, 1); }
 )";
 
 constexpr const char* kScreenVertexShader = R"(#version 330 core
+uniform float level;  // a depth
 out vec2 place;
 
 void main() {
   place = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
-  gl_Position = vec4(2.0 * place - 1.0, 0, 1);
+  gl_Position = vec4(2.0 * place - 1.0, 2.0 * level - 1.0, 1);
 }
 )";
 
@@ -143,23 +287,19 @@ constexpr const char* kOcclusionFragmentShader = R"(#version 330 core
 in vec2 place;
 uniform sampler2D depths, normals;
 uniform vec2 tan_half;   // half the view at unit depth
-uniform vec2 near_far;
 uniform float reach;     // of the surroundings, as a fraction of the picture's height
-layout(location = 0) out vec4 openness;
+layout(location = 0) out vec2 openness;  // and the depth
 
 const int kSamples = 18;
 
 vec3 view_point(vec2 at) {
-  float d = texture(depths, at).r * 2.0 - 1.0;
-  float z = 2.0 * near_far.x * near_far.y / (near_far.y + near_far.x - d * (near_far.y - near_far.x));
+  float z = texture(depths, at).r;
   return vec3((2.0 * at - 1.0) * tan_half * z, -z);
 }
 
 void main() {
-  openness = vec4(1);
   vec4 stored = texture(normals, place);
-  if (stored.a == 0.0) return;
-  vec3 p = view_point(place), n = normalize(2.0 * stored.rgb / stored.a - 1.0);
+  vec3 p = view_point(place), n = normalize(2.0 * stored.rgb - 1.0);
   float radius = reach * 2.0 * tan_half.y * -p.z, radius2 = radius * radius, sum = 0.0;
   ivec2 pixel = ivec2(gl_FragCoord.xy) & 3;
   float phase = 0.3927 * float((pixel.x * 5 + pixel.y * 7) & 15);
@@ -172,32 +312,26 @@ void main() {
     sum += f * f * f * max(0.0, dot(v, n) - 0.002 * -p.z) / (vv + 0.0004 * radius2);
   }
   float occlusion = sum * 4.0 * radius / (radius2 * radius2 * radius2 * float(kSamples));
-  openness = vec4(max(0.0, 1.0 - occlusion), place, 1);
+  openness = vec2(max(0.0, 1.0 - occlusion), -p.z);
 }
 )";
 
 constexpr const char* kPictureFragmentShader = R"(#version 330 core
 in vec2 place;
-uniform sampler2D lights, occlusions, depths;
-uniform vec2 near_far;
+uniform sampler2D lights, occlusions;
 uniform vec3 backdrop_centre, backdrop_edge;
 uniform float shoulder;
 layout(location = 0) out vec4 picture;
 
-float depth_at(ivec2 pixel) {
-  float d = texelFetch(depths, pixel, 0).r * 2.0 - 1.0;
-  return 2.0 * near_far.x * near_far.y / (near_far.y + near_far.x - d * (near_far.y - near_far.x));
-}
-
 // The mean of the 4 x 4 pixels around that lie about as deep: the pattern of the samples repeats every 4 pixels.
 float smooth_openness() {
-  ivec2 size = textureSize(depths, 0), pixel = ivec2(gl_FragCoord.xy);
-  float here = depth_at(pixel), sum = 0.0, weights = 0.0;
+  ivec2 last = textureSize(occlusions, 0) - 1, pixel = ivec2(gl_FragCoord.xy);
+  float here = texelFetch(occlusions, pixel, 0).g, sum = 0.0, weights = 0.0;
   for (int y = -2; y < 2; y++) {
     for (int x = -2; x < 2; x++) {
-      ivec2 at = clamp(pixel + ivec2(x, y), ivec2(0), size - 1);
-      float weight = abs(depth_at(at) - here) < 0.02 * here ? 1.0 : 0.001;
-      sum += weight * texelFetch(occlusions, at, 0).r;
+      vec2 open = texelFetch(occlusions, clamp(pixel + ivec2(x, y), ivec2(0), last), 0).rg;
+      float weight = abs(open.g - here) < 0.02 * here ? 1.0 : 0.001;
+      sum += weight * open.r;
       weights += weight;
     }
   }

@@ -45,29 +45,45 @@ void fill_with_backdrop(int width, int height) {
 
 }  // namespace
 
+Result<SeenSurfaces> make_seen_surfaces(GlObjects& objects, const MeshTargets& targets) {
+  const auto texture = [&](GLenum format) {
+    return new_multisample_texture(objects, format, targets.samples, targets.width, targets.height);
+  };
+  const SeenSurfaces seen{.framebuffer = objects.new_framebuffer(),
+                          .colors = texture(GL_R32UI),
+                          .normals = texture(GL_R32UI),
+                          .depths = texture(GL_DEPTH_COMPONENT24)};
+  if (!attach_textures(seen.framebuffer, GL_TEXTURE_2D_MULTISAMPLE, {seen.colors, seen.normals}, seen.depths))
+    return incomplete();
+  return seen;
+}
+
 Result<MeshTargets> make_mesh_targets(GlObjects& objects, int width, int height) {
   if (const Status size = check_size(width, height); !size) return size.error();
-  GLint most_samples = 0;
-  glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
-  const int samples = std::clamp(most_samples, 1, kSamples);
-  MeshTargets t{.width = width, .height = height};
-  const GLuint light_samples = new_multisample_texture(objects, GL_RGBA16F, samples, width, height);
-  const GLuint normal_samples = new_multisample_texture(objects, GL_RGBA8, samples, width, height);
-  const GLuint depth_samples = new_multisample_texture(objects, GL_DEPTH_COMPONENT24, samples, width, height);
+  GLint of_integers = 0, of_depths = 0;
+  glGetIntegerv(GL_MAX_INTEGER_SAMPLES, &of_integers);
+  glGetIntegerv(GL_MAX_DEPTH_TEXTURE_SAMPLES, &of_depths);
+  MeshTargets t{
+      .samples = std::clamp(std::min(of_integers, of_depths), 1, kSamples), .width = width, .height = height};
+  const Result<SeenSurfaces> seen = make_seen_surfaces(objects, t);
+  if (!seen) return seen.error();
+  t.seen = *seen;
+  t.colors = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+  t.normals = new_texture(objects, GL_RGB10_A2, GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV, width, height);
+  t.depths = new_texture(objects, GL_R32F, GL_RED, GL_FLOAT, width, height);
   t.lights = new_texture(objects, GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, width, height);
-  t.normals = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
-  t.depths = new_texture(objects, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, width, height);
-  t.occlusions = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+  t.occlusions = new_texture(objects, GL_RG32F, GL_RG, GL_FLOAT, width, height);
   const GLuint picture = new_texture(objects, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+  const GLuint levels =  // of floats: levels are compared
+      new_texture(objects, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, width, height);
   t.shadow_depths = new_shadow_texture(objects);
-  for (GLuint* framebuffer : {&t.shadow, &t.sampled, &t.resolved, &t.occlusion, &t.picture})
+  for (GLuint* framebuffer : {&t.shadow, &t.resolved, &t.lit, &t.occlusion, &t.picture})
     *framebuffer = objects.new_framebuffer();
-  const bool complete =
-      attach_textures(t.shadow, GL_TEXTURE_2D, {}, t.shadow_depths) &&
-      attach_textures(t.sampled, GL_TEXTURE_2D_MULTISAMPLE, {light_samples, normal_samples}, depth_samples) &&
-      attach_textures(t.resolved, GL_TEXTURE_2D, {t.lights, t.normals}, t.depths) &&
-      attach_textures(t.occlusion, GL_TEXTURE_2D, {t.occlusions}, 0) &&
-      attach_textures(t.picture, GL_TEXTURE_2D, {picture}, 0);
+  const bool complete = attach_textures(t.shadow, GL_TEXTURE_2D, {}, t.shadow_depths) &&
+                        attach_textures(t.resolved, GL_TEXTURE_2D, {t.colors, t.normals, t.depths}, levels) &&
+                        attach_textures(t.lit, GL_TEXTURE_2D, {t.lights}, levels) &&
+                        attach_textures(t.occlusion, GL_TEXTURE_2D, {t.occlusions}, levels) &&
+                        attach_textures(t.picture, GL_TEXTURE_2D, {picture}, 0);
   if (!complete) return incomplete();
   return t;
 }
@@ -85,20 +101,6 @@ Result<QuickTargets> make_quick_targets(GlObjects& objects, int width, int heigh
       !attach_textures(t.backdrop, GL_TEXTURE_2D, {behind}, 0))
     return incomplete();
   return t;
-}
-
-void resolve_samples(const MeshTargets& targets) {
-  const int width = targets.width, height = targets.height;
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, targets.sampled);
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets.resolved);
-  for (const GLenum attachment : {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1}) {
-    glReadBuffer(attachment);
-    const GLenum buffers[] = {attachment == GL_COLOR_ATTACHMENT0 ? attachment : GL_NONE,
-                              attachment == GL_COLOR_ATTACHMENT1 ? attachment : GL_NONE};
-    glDrawBuffers(2, buffers);
-    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  }
-  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
 }
 
 }  // namespace turgor

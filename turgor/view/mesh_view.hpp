@@ -22,6 +22,7 @@ struct MeshPart {
   const ColorScale* scale = nullptr;         // colour by mesh->scalars, with a legend
   const std::vector<Rgb>* colors = nullptr;  // one a vertex, instead of `color`
   bool through = false;                      // paler, but seen also through what lies before it
+  bool closed = false;  // triangles are counter-clockwise seen from outside, and nobody looks at their backs
 };
 
 /// Both sides of every triangle are seen; normals are computed where the mesh has none; scalars that are no

@@ -79,8 +79,7 @@ FeltRun saved_run(Session& session, const fs::path& file) {
 
 /// Hands on three models, wind on the fourth, at two paces, with a frame by itself, a cut, and more tension.
 FeltRun felt_by_hand(const fs::path& folder) {
-  // Springs: solid tissue under this hand is thrown off its bone in one of two runs (docs/validation.md).
-  Session session(four_kinds_file(folder), {"body.block.tissue={ law = \"springs\" }"}, kParams);
+  Session session(four_kinds_file(folder), {}, kParams);
   EXPECT_TRUE(wait_until(session, [](const SessionNow& now) { return now.shown.frame > 2; }));
   press_all(session, -0.2, 1);
   go_on(session, 0.4);

@@ -72,6 +72,88 @@ TEST(LedTicks, AreTheSameBitsOnAnyNumberOfThreads) {
   EXPECT_GT(one.world.sfem_bodies[0].rebuilds.size(), 0u) << "the patch did not follow";
 }
 
+/// A block, and a sheet that is held all around, each beside a ball on its left.
+World beside_tools(const std::filesystem::path& folder, const Exec& exec) {
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  const Result<Scene> scene = parse_scene(R"(
+[world]
+frame_rate = 50
+[body.block]
+model = "lattice"
+ct = "block.nii"
+block = 2
+fixed = "bone"
+[body.sheet]
+model = "cloth"
+sheet = { corner = [0.2, 0, -0.05], side = [0, 0.1, 0], up = [0, 0, 0.1], columns = 12, rows = 12 }
+fabric = { law = "sheet" }
+solver = { method = "blocks" }
+hold.left = { box = [[-1, -1, -1], [1, 0.001, 1]] }
+hold.right = { box = [[-1, 0.099, -1], [1, 1, 1]] }
+[tool.ball]
+body = "block"
+shape = { sphere = 0.014 }
+path = [[0, -0.09, 0, 0]]
+[tool.other]
+body = "sheet"
+shape = { sphere = 0.014 }
+path = [[0, 0.17, 0.05, 0]]
+)",
+                                          folder / "scene.toml");
+  EXPECT_TRUE(scene) << scene.error().message;
+  Result<World> world = load_world(exec, *scene);
+  EXPECT_TRUE(world) << world.error().message;
+  return std::move(*world);
+}
+/// How far anything of either body has moved [m].
+double farthest(const World& world) {
+  double farthest = 0;
+  const lattice::State& block = world.lattice_bodies[0].state;
+  for (std::size_t s = 0; s < block.u.x.size(); s++) farthest = std::max(farthest, norm(Vec3d(block.u[s])));
+  const cloth::Model& sheet = world.cloth_bodies[0].model;
+  for (std::size_t v = 0; v < sheet.x_rest.size(); v++)
+    farthest = std::max(farthest, norm(Vec3d(world.cloth_bodies[0].state.x[v]) - Vec3d(sheet.x_rest[v])));
+  return farthest;
+}
+
+TEST(LedTicks, AToolThatIsPutElsewhereTakesNothingAlongOnItsWay) {
+  const Exec exec(2);
+  World world = beside_tools(test::fresh_folder(), exec);
+  LedTicks led = begin_led(world);
+  std::vector<contact::ToolReading> readings(2);
+  double felt = 0;
+  for (int tick = 0; tick < 200; tick++) {
+    std::vector<contact::ToolCommand> commands(2);  // to and fro, every 36 ms, through the middles of both
+    const double side = tick / 36 % 2 == 0 ? -1 : 1;
+    commands[0].pose.position = {0.09 * side, 0, 0};
+    commands[1].pose.position = {0.2 + 0.03 * side, 0.05, 0};
+    ASSERT_TRUE(tick_led(exec, world, led, commands, readings));
+    for (const contact::ToolReading& reading : readings) felt = std::max(felt, norm(reading.force));
+  }
+  EXPECT_EQ(felt, 0);
+  EXPECT_LT(farthest(world), 1e-3) << "what the skin's tension does alone";
+}
+
+TEST(LedTicks, AToolThatRacesThroughABodyLeavesItWhole) {
+  const Exec exec(2);
+  for (const double speed : {1.0, 5.0, 20.0}) {  // [m/s]
+    World world = beside_tools(test::fresh_folder(), exec);
+    LedTicks led = begin_led(world);
+    std::vector<contact::ToolReading> readings(2);
+    double worst = 0;
+    for (int tick = 0; tick < 2000; tick++) {
+      std::vector<contact::ToolCommand> commands(2);
+      const double way = std::min(speed * kTick * tick, 0.2);
+      commands[0].pose.position = {-0.09 + way, 0, 0};
+      commands[1].pose.position = {0.17, 0.05, 0};
+      ASSERT_TRUE(tick_led(exec, world, led, commands, readings));
+      worst = std::max(worst, farthest(world));
+    }
+    EXPECT_LT(worst, 0.24) << speed << " m/s: no farther than the ball, and its size";
+    EXPECT_LT(farthest(world), 4e-3) << speed << " m/s: half a step, two seconds later";
+  }
+}
+
 TEST(WorldState, ACopyGoesOnToTheSameBitsWhileAPatchIsBuilt) {
   Led led(test::four_kinds_scene(test::fresh_folder()));
   int building = 0;

@@ -219,6 +219,7 @@ constexpr std::uint8_t kParted = 1u << kFamilyCount;
 struct State {
   double time = 0;                       // [s]
   VecField u, u_before, v;               // displacement now and a step ago [m], velocity [m/s]
+  Real fastest = 0;                      // largest |v| [m/s]
   aligned_vector<std::uint8_t> cut;      // by slot: bit f = the edge of family f that starts here is cut;
                                          // kParted = the cell that starts here is in `parts` instead
   aligned_vector<std::uint8_t> removed;  // by slot: 1 = left the body (the paper's static incision)

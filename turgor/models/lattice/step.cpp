@@ -6,6 +6,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/models/lattice/fields.hpp"
+#include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/sleep.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
@@ -25,20 +26,62 @@ void for_each_run(const Model& model, const State& state, int k, const Body& bod
   }
 }
 
+/// How far neighbours may go apart or together in a step by their velocities, in lattice steps, if descent is
+/// to begin where those lead: from farther off few sweeps do not come back, and what they leave of the way
+/// moves the body on.
+constexpr Real kTameWay = 0.5;
+
+struct FindWild {
+  const Model& model;
+  const State& state;
+  Real most;  // difference of velocities [m/s]
+  std::atomic<bool>& found;
+
+  /// Seen from the faster end.
+  bool is_wild(int slot, const Neighbours& around) const {
+    const Vec3 v = state.v[std::size_t(slot)];
+    if (!(4 * dot(v, v) > most * most) || !is_solid(model, state, slot)) return false;
+    for (int n = 0; n < kNeighbourCount; n++) {
+      const int other = slot + around.offset[n], lower = n % 2 == 0 ? slot : other;
+      if (state.cut[std::size_t(lower)] >> n / 2 & 1 || !is_solid(model, state, other)) continue;
+      if (const Vec3 apart = state.v[std::size_t(other)] - v; dot(apart, apart) > most * most) return true;
+    }
+    return false;
+  }
+  void operator()(std::size_t k) const {
+    const Neighbours neighbours[2] = {neighbours_of(model, 0), neighbours_of(model, 1)};
+    for_each_run(model, state, int(k), [&](Run run) {
+      for (int s = run.begin; s < run.begin + run.count && !found; s++)
+        if (is_wild(s, neighbours[s / model.lattice.half & 1])) found = true;
+    });
+  }
+};
+/// Do velocities lead neighbours that no blade parted farther than that?
+bool is_wild(const Exec& exec, const Model& model, const State& state, Real dt) {
+  const Vec3 step = model.lattice.step;
+  const Real most = kTameWay * std::min({step.x, step.y, step.z}) / dt;
+  std::atomic<bool> found = false;
+  if (2 * state.fastest > most)
+    parallel_for(exec, std::size_t(model.lattice.size.z), FindWild{model, state, most, found});
+  return found;
+}
+
 struct PredictLayer {
   const Model& model;
   State& state;
   Vec3 gravity;
   Real dt;
+  bool goes_on;  // as fast as it was
 
   void operator()(std::size_t k) const {
+    const Real way = goes_on ? dt : 0;
     const auto advance = [&](Run run, Real* __restrict u, Real* __restrict before, const Real* __restrict v,
                              Real g) {
       const Real* w = model.inverse_mass.data();
       const std::uint8_t* removed = state.removed.data();
       for (int s = run.begin; s < run.begin + run.count; s++) {
         before[s] = u[s];
-        u[s] += w[s] > 0 && !removed[s] ? dt * v[s] + g : 0;
+        u[s] += w[s] > 0 && !removed[s] ? way * v[s] + g : 0;
       }
     };
     for_each_run(model, state, int(k), [&](Run run) {
@@ -104,6 +147,7 @@ void go_back(const Model& model, State& state) {
       state.v.set(s, {});
     }
   state.copies = state.copies_before;
+  state.fastest = 0;
   state.sleep.still.clear();  // everybody is awake
 }
 
@@ -132,7 +176,8 @@ void predict(const Exec& exec, const Model& model, State& state, const Inputs& i
   state.copies_before = state.copies;
   if (pbd) add_loads(model, state, inputs.loads, Real(dt));
   const Vec3 fall = pbd || !held ? lattice_gravity(model, inputs) : Vec3{};
-  parallel_for(exec, std::size_t(model.lattice.size.z), PredictLayer{model, state, fall, Real(dt)});
+  const bool goes_on = pbd || !held || !is_wild(exec, model, state, Real(dt));
+  parallel_for(exec, std::size_t(model.lattice.size.z), PredictLayer{model, state, fall, Real(dt), goes_on});
   if (!pbd) add_loads(model, state, inputs.loads, Real(dt));
 }
 
@@ -143,7 +188,8 @@ StepReport finish(const Exec& exec, const Model& model, State& state, double dt)
   const Real speed2 = std::bit_cast<Real>(largest.load());
   if (std::isfinite(speed2)) {
     state.time += dt;
-    return {.finite = true, .largest_speed = std::sqrt(speed2)};
+    state.fastest = std::sqrt(speed2);
+    return {.finite = true, .largest_speed = state.fastest};
   }
   go_back(model, state);
   return {.finite = false};

@@ -13,6 +13,7 @@ namespace turgor::lattice {
 namespace {
 
 using detail::kFirstCap;
+using detail::KnownPoints;
 using detail::kSkin;
 using detail::kWall;
 using detail::Points;
@@ -41,12 +42,11 @@ struct Builder {
   const Model& model;
   const State& state;
   const SkinLevel& level;
-  BodySurface& surface;
-  KeyIndex index;
-  Points points;
+  const Pieces& pieces;
+  KnownPoints known;
   CellInHand in_hand;
 
-  const FineLattice& fine() const { return surface.pieces.fine; }
+  const FineLattice& fine() const { return pieces.fine; }
 };
 
 std::uint8_t border_of(const FineLattice& f, Int3 p) {
@@ -80,7 +80,7 @@ double skin_fraction(const Builder& builder, const Tet& tet, int solid, int othe
 
 Crossing crossing_of(const Builder& builder, const Tet& tet, int a, int b) {
   Crossing found =
-      crossing(builder.surface.pieces, builder.state, tet.nodes[std::size_t(a)], tet.nodes[std::size_t(b)]);
+      crossing(builder.pieces, builder.state, tet.nodes[std::size_t(a)], tet.nodes[std::size_t(b)]);
   found.fraction = std::clamp(found.fraction, Real(0.01), Real(0.99));
   return found;
 }
@@ -203,19 +203,20 @@ Vec3d place_of(const Builder& builder, const Tet& tet, TetPoint p) {
 }
 
 int point_index(Builder& builder, const Tet& tet, TetPoint p) {
-  const int point = builder.index.find_or_add(key_of(tet, p));
-  if (std::size_t(point) == builder.points.all.size()) {
+  const std::uint64_t key = key_of(tet, p);
+  const int point = builder.known.index.find_or_add(key);
+  if (std::size_t(point) == builder.known.keys.size()) {
+    builder.known.keys.push_back(key);
     const CellInHand& c = builder.in_hand;
     const auto i = std::size_t(p.i), b = std::size_t(p.b);
     SurfacePoint made;
     made.place = place_of(builder, tet, p);
-    made.carrier = {c.slot,
-                    c.cut ? builder.surface.pieces.label[c.cut->places + std::size_t(tet.place[i])] : -1};
+    made.carrier = {c.slot, c.cut ? builder.pieces.label[c.cut->places + std::size_t(tet.place[i])] : -1};
     made.border = border_of(builder.fine(), tet.nodes[i]) & border_of(builder.fine(), tet.nodes[b]);
     made.is_skin = is_skin_point(p);
-    builder.points.all.push_back(made);
+    builder.known.points.all.push_back(made);
   }
-  builder.points.all[std::size_t(point)].kept |= builder.in_hand.cut != nullptr;
+  builder.known.points.all[std::size_t(point)].kept |= builder.in_hand.cut != nullptr;
   return point;
 }
 
@@ -224,11 +225,12 @@ void add_polygon(Builder& builder, const Tet& tet, const TetPolygon& polygon, in
   std::array<int, 16> p;
   for (int n = 0; n < polygon.count; n++) p[std::size_t(n)] = point_index(builder, tet, polygon.at(n));
   const auto distance = [&](std::size_t a, std::size_t b) {
-    return norm(builder.points.all[std::size_t(p[a])].place - builder.points.all[std::size_t(p[b])].place);
+    return norm(builder.known.points.all[std::size_t(p[a])].place -
+                builder.known.points.all[std::size_t(p[b])].place);
   };
   if (polygon.count == 4 && distance(1, 3) < distance(0, 2))
     std::rotate(p.begin(), p.begin() + 1, p.begin() + 4);
-  auto& triangles = builder.points.triangles[std::size_t(part)];
+  auto& triangles = builder.known.points.triangles[std::size_t(part)];
   for (int n = 2; n < polygon.count; n++)
     triangles.push_back({p[0], p[std::size_t(n - 1)], p[std::size_t(n)]});
 }
@@ -245,10 +247,10 @@ void add_lips(Builder& builder, const Tet& tet, const TetPolygon& outline) {
     const int here = point_index(builder, tet, clip_point(from.i, to.i, from.b)),
               there = point_index(builder, tet, clip_point(to.i, from.i, from.b));
     const Clip clip = clip_between(builder, tet, from.i, to.i, from.b);
-    builder.points.lips.push_back({.left = clip.rightward ? here : there,
-                                   .right = clip.rightward ? there : here,
-                                   .incision = clip.incision,
-                                   .along = Real(clip.along)});
+    builder.known.points.lips.push_back({.left = clip.rightward ? here : there,
+                                         .right = clip.rightward ? there : here,
+                                         .incision = clip.incision,
+                                         .along = Real(clip.along)});
   }
 }
 
@@ -269,7 +271,7 @@ bool is_cut(const Builder& builder, const Tet& tet, std::size_t a, std::size_t b
   const int family = family_of(tet.nodes[b] - tet.nodes[a]);
   const std::size_t lower = family >= 0 ? a : b;
   const int bit = family >= 0 ? family : family_of(tet.nodes[a] - tet.nodes[b]);
-  return builder.surface.pieces.cut[cell->places + std::size_t(tet.place[lower])] >> bit & 1;
+  return builder.pieces.cut[cell->places + std::size_t(tet.place[lower])] >> bit & 1;
 }
 
 /// Is the lattice's node nearest to a fine node a removed one?
@@ -316,7 +318,7 @@ void add_tet(Builder& builder, Int3 local, int kind) {
 void add_cell(Builder& builder, bool border) {
   const FineLattice& f = builder.fine();
   const CellInHand& c = builder.in_hand;
-  const std::uint8_t* cut = c.cut && c.cut->is_cut ? &builder.surface.pieces.cut[c.cut->places] : nullptr;
+  const std::uint8_t* cut = c.cut && c.cut->is_cut ? &builder.pieces.cut[c.cut->places] : nullptr;
   for (int z = 0; z < f.parts.z; z++)
     for (int y = 0; y < f.parts.y; y++)
       for (int x = 0; x < f.parts.x; x++) {
@@ -346,34 +348,50 @@ void look_at_cell(Builder& builder, Int3 cell) {
   }
   const bool border = cell.x == 0 || cell.y == 0 || cell.z == 0 || cell.x + 2 == l.size.x ||
                       cell.y + 2 == l.size.y || cell.z + 2 == l.size.z;
-  c.cut = find_cell(builder.surface.pieces, c.slot);
+  c.cut = find_cell(builder.pieces, c.slot);
   if (solids == 0 || (solids == 8 && !border && !(c.cut && c.cut->is_cut))) return;
   c.level = builder.level(c.slot);
   add_cell(builder, border);
 }
 
+/// Layers of cells that one thread looks at: thin, so that what it must find again stays near.
+constexpr int kSlab = 4;
+
+void look_at_slab(Builder& builder, int slab) {
+  const Int3 size = builder.model.lattice.size;
+  for (int k = slab * kSlab; k < std::min((slab + 1) * kSlab, size.z - 1); k++)
+    for (int j = 0; j + 1 < size.y; j++)
+      for (int i = 0; i + 1 < size.x; i++) look_at_cell(builder, {i, j, k});
+}
+
+/// The same numbers in the same order for any number of threads.
+Points look_at_all(const Exec& exec, const Builder& nothing) {
+  const int layers = nothing.model.lattice.size.z - 1;
+  std::vector<KnownPoints> slabs(std::size_t((layers + kSlab - 1) / kSlab));
+  parallel_for(exec, slabs.size(), [&](std::size_t s) {
+    Builder builder = nothing;
+    look_at_slab(builder, int(s));
+    slabs[s] = std::move(builder.known);
+  });
+  return detail::joined(slabs);
+}
+
 }  // namespace
 
-BodySurface build_surface(const Model& model, const State& state, const CtVolume* ct, Extent extent) {
+BodySurface build_surface(const Model& model, const State& state, const CtVolume* ct, Extent extent,
+                          const Exec& exec) {
   BodySurface surface;
   surface.pieces = make_pieces(model, state);
   const SkinLevel level(model, state, surface.pieces.fine, ct);
-  Builder builder{.model = model,
-                  .state = state,
-                  .level = level,
-                  .surface = surface,
-                  .index = {},
-                  .points = {},
-                  .in_hand = {}};
-  const Int3 size = model.lattice.size;
-  if (extent == Extent::kCuts)
+  Builder builder{
+      .model = model, .state = state, .level = level, .pieces = surface.pieces, .known = {}, .in_hand = {}};
+  if (extent == Extent::kAll) {
+    builder.known.points = look_at_all(exec, builder);
+  } else {
     for (const CutCell& cell : surface.pieces.cells)
       look_at_cell(builder, slot_node(model.lattice, cell.slot));
-  else
-    for (int k = 0; k + 1 < size.z; k++)
-      for (int j = 0; j + 1 < size.y; j++)
-        for (int i = 0; i + 1 < size.x; i++) look_at_cell(builder, {i, j, k});
-  detail::take_points(model, state, builder.points, surface);
+  }
+  detail::take_points(model, state, builder.known.points, surface);
   return surface;
 }
 

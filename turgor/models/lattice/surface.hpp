@@ -41,7 +41,7 @@ enum class Extent : std::uint8_t { kAll, kCuts };
 /// The surface of the body in the CT, with the state's cuts and removed nodes; to be made again when those
 /// change. `ct`: what the body was built from; without it, the surface is that of the nodes' values.
 BodySurface build_surface(const Model& model, const State& state, const CtVolume* ct = nullptr,
-                          Extent extent = Extent::kAll);
+                          Extent extent = Extent::kAll, const Exec& exec = Exec(1));
 /// The surface where the body is now, in the patient frame [m], with smooth normals (walls, caps and skin
 /// apart) and a scalar a vertex: displacement [m], or the skin's area ratio A / A_CT − 1.
 TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown);

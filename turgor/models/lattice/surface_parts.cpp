@@ -97,6 +97,33 @@ int nearest_node(const Model& model, const State& state, const Pieces& pieces, c
 
 }  // namespace
 
+Points joined(const std::vector<KnownPoints>& slabs) {
+  Points all;
+  std::vector<int> below, number;  // those of a slab's points in all
+  for (std::size_t s = 0; s < slabs.size(); s++) {
+    const KnownPoints& slab = slabs[s];
+    number.resize(slab.keys.size());
+    for (std::size_t p = 0; p < number.size(); p++) {
+      const int there = s > 0 ? slabs[s - 1].index.find(slab.keys[p]) : -1;
+      number[p] = there >= 0 ? below[std::size_t(there)] : int(all.all.size());
+      if (there < 0)
+        all.all.push_back(slab.points.all[p]);
+      else
+        all.all[std::size_t(number[p])].kept |= slab.points.all[p].kept;
+    }
+    const auto in_all = [&number](int p) { return number[std::size_t(p)]; };
+    for (std::size_t part = 0; part < all.triangles.size(); part++)
+      for (const Int3 t : slab.points.triangles[part])
+        all.triangles[part].push_back({in_all(t.x), in_all(t.y), in_all(t.z)});
+    for (Lip lip : slab.points.lips) {
+      lip.left = in_all(lip.left), lip.right = in_all(lip.right);
+      all.lips.push_back(lip);
+    }
+    below.swap(number);
+  }
+  return all;
+}
+
 void take_points(const Model& model, const State& state, const Points& points, BodySurface& surface) {
   const Merged merged = merge_points(model, points.all);
   std::vector<int> vertex(merged.sum.size());

@@ -3,6 +3,7 @@
 // own skin.
 #pragma once
 
+#include "turgor/models/lattice/key_index.hpp"
 #include "turgor/models/lattice/surface.hpp"
 
 namespace turgor::lattice::detail {
@@ -23,6 +24,16 @@ struct Points {
   std::array<std::vector<Int3>, kParts> triangles;
   std::vector<Lip> lips;  // between points
 };
+
+/// What was found in some cells, in the order in which it was found.
+struct KnownPoints {
+  KeyIndex index;
+  std::vector<std::uint64_t> keys;  // of the points
+  Points points;
+};
+/// Of slabs of cells that lie on each other, as if they had been looked at one after the other: a point that
+/// a slab shares with the one below it is the one found there.
+Points joined(const std::vector<KnownPoints>& slabs);
 
 /// Fills in everything but the pieces. Points are merged by where they are alone, so that what was closed
 /// stays closed.

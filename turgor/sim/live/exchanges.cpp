@@ -1,13 +1,38 @@
 #include "turgor/sim/live/exchanges.hpp"
 
+#include "turgor/haptics/safety.hpp"
+
 namespace turgor {
+
+namespace {
+
+/// A tick later. What is farther than a hand moves in a tick is no way: a mouse, or a program, put the tool
+/// there, where nothing is known yet.
+void go_on(LocalExchange& exchange, const contact::ToolCommand& now) {
+  NumberedCommand& last = exchange.latest_tick;
+  const double longest = haptics::SafetyParams().jump;
+  if (norm(now.pose.position - last.command.pose.position) > longest) {
+    last.puts++, last.put = now.pose;
+    exchange.touch = {.params = exchange.touch.params};
+  }
+  last.command = now, last.number++;
+}
+
+/// Not one of where the tool was before it was put elsewhere.
+void take_plane(LocalExchange& exchange) {
+  const contact::LocalContact& plane = exchange.plane.read();
+  if (plane.puts == exchange.latest_tick.puts) contact::take(exchange.touch, plane), exchange.age = 0;
+}
+
+}  // namespace
 
 void begin_felt(FrameTouchedBody& body, const std::vector<TouchingTool>& tools) {
   body.felt = std::vector<LocalExchange>(body.tool_indices.size());
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
     LocalExchange& exchange = body.felt[t];
     exchange.before = command_at(tools[std::size_t(body.tool_indices[t])], 0);
-    exchange.command.write({exchange.before, 0});
+    exchange.latest_tick.command = exchange.before;
+    exchange.command.write(exchange.latest_tick);
   }
 }
 
@@ -15,9 +40,10 @@ void tick_felt(FrameTouchedBody& body, std::span<const contact::ToolCommand> com
                std::span<contact::ToolReading> readings) {
   for (std::size_t t = 0; t < commands.size(); t++) {
     LocalExchange& exchange = body.felt[t];
-    exchange.command.write({commands[t], ++exchange.done});
+    go_on(exchange, commands[t]);
+    exchange.command.write(exchange.latest_tick);
     exchange.age += dt;
-    if (exchange.plane.has_news()) contact::take(exchange.touch, exchange.plane.read()), exchange.age = 0;
+    if (exchange.plane.has_news()) take_plane(exchange);
     contact::tick(exchange.touch, commands[t], dt, readings[t]);
     readings[t].age = exchange.age;
   }
@@ -37,6 +63,8 @@ void take_commands(FrameTouchedBody& body, double from, double to, std::vector<T
   for (std::size_t t = 0; t < body.felt.size(); t++) {
     LocalExchange& exchange = body.felt[t];
     const NumberedCommand newest = exchange.command.read();
+    exchange.was_put = newest.puts != exchange.puts;
+    if (exchange.was_put) exchange.before.pose = newest.put, exchange.memory = {};
     const contact::ToolCommand before = exchange.before, now = newest.command;
     std::vector<HandRow>& hand = tools[std::size_t(body.tool_indices[t])].hand;
     hand.resize(kRows + 1);
@@ -46,13 +74,13 @@ void take_commands(FrameTouchedBody& body, double from, double to, std::vector<T
       hand[std::size_t(row)].command.pose.position =
           before.pose.position * (1 - part) + now.pose.position * part;
     }
-    exchange.before = now, exchange.ticks = newest.number;
+    exchange.before = now, exchange.ticks = newest.number, exchange.puts = newest.puts;
   }
 }
 
 void leave_plane(FrameTouchedBody& body, std::size_t t, contact::LocalContact plane) {
   LocalExchange& exchange = body.felt[t];
-  plane.number = ++exchange.planes;
+  plane.number = ++exchange.planes, plane.puts = exchange.puts;
   exchange.plane.write(plane);
 }
 

@@ -23,6 +23,8 @@ namespace turgor {
 struct NumberedCommand {
   contact::ToolCommand command;
   std::int32_t number = 0;  // of the ticks so far
+  std::int32_t puts = 0;    // how often it was put elsewhere so far: farther than a hand moves in a tick
+  contact::Pose put;        // where, the last time
 };
 
 /// Of one tool.
@@ -33,14 +35,16 @@ struct LocalExchange {
   // The frame's:
   contact::ToolCommand before;  // where the tool was a frame ago
   std::int32_t ticks = 0;       // NumberedCommand::number of that
+  std::int32_t puts = 0;        // and its puts
+  bool was_put = false;         // since the frame before: to `before`, and nothing lay on its way there
   contact::LocalMemory memory;
   long planes = 0;  // so far
   Awaiting<contact::LocalContact> awaiting;
 
   // The haptic thread's:
   contact::LocalTouch touch;
-  std::int32_t done = 0;  // ticks
-  double age = 0;         // of the newest plane [s]
+  NumberedCommand latest_tick;
+  double age = 0;  // of the newest plane [s]
 };
 
 /// A body whose forces are known once a frame. `felt`: one for each of tool_indices while a hand feels it,
@@ -64,8 +68,8 @@ void keep_frame(FrameTouchedBody& body);
 void give_frame(FrameTouchedBody& body, std::size_t t, TickKnew knew);
 inline void expect_patch(FrameTouchedBody&, bool) {}
 
-/// Of the frame: the way of the tools of a body from one time to another, from where they were to where the
-/// haptic thread has them now.
+/// Of the frame: the way of the tools of a body from one time to another, from where they were, or were put
+/// since, to where the haptic thread has them now.
 void take_commands(FrameTouchedBody& body, double from, double to, std::vector<TouchingTool>& tools);
 /// Of the frame: what ticks feel of tool `t` of tool_indices from now on.
 void leave_plane(FrameTouchedBody& body, std::size_t t, contact::LocalContact plane);

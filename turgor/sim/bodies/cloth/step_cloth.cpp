@@ -96,9 +96,10 @@ cloth::Obstacle made(const Exec& exec, ClothObstacle& obstacle, World& world) {
 }
 
 /// The tools on their way through this frame, behind the scene's obstacles.
-void add_tools(const ClothBody& body, const World& world, const FrameInput& input, cloth::Inputs& inputs) {
+void add_tools(ClothBody& body, const World& world, const FrameInput& input, cloth::Inputs& inputs) {
   for (std::size_t t = 0; t < body.tools.size(); t++) {
     const TouchingTool& tool = world.tools[std::size_t(body.tool_indices[t])];
+    if (!body.felt.empty() && body.felt[t].was_put) body.poses[t] = command_at(tool, input.from).pose;
     const contact::Pose to = command_at(tool, input.to).pose;
     inputs.obstacles.push_back(contact::cloth_tool(body.tools[t].shape, body.poses[t], to, world.dt));
     inputs.obstacles.back().friction = body.tools[t].friction;

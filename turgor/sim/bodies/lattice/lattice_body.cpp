@@ -124,6 +124,13 @@ void set_poses(LatticeBody& body, const std::vector<TouchingTool>& tools, double
   }
 }
 
+/// Those that a hand put elsewhere, to where they begin this step.
+void put_tools(LatticeBody& body, const std::vector<TouchingTool>& tools, double from) {
+  set_poses(body, tools, from);
+  for (std::size_t t = 0; t < body.felt.size(); t++)
+    if (body.felt[t].was_put) contact::put_tool(body.touch, body.model, int(t), body.poses[t]);
+}
+
 /// Parts of a step in each of which no tool moves farther than half of its tip.
 int part_count(LatticeBody& body, const std::vector<TouchingTool>& tools, double from, double to) {
   constexpr double kWay = 0.5;
@@ -216,6 +223,7 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
   if (body.tools.empty()) return lattice::step(exec, body.model, body.state, inputs, to - from);
   const Timer timer;
   keep_surface(body);
+  put_tools(body, tools, from);
   const int parts = part_count(body, tools, from, to);
   lattice::StepReport report;
   for (int part = 1; part <= parts && report.finite; part++) {

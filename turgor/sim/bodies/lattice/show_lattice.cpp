@@ -19,13 +19,13 @@ struct Skin {
 };
 
 /// With the cuts that the body has now.
-Skin skin_of(const LatticeBody& body, std::any& kept) {
+Skin skin_of(const Exec& exec, const LatticeBody& body, std::any& kept) {
   const std::size_t cuts = cut_version(body.state);
   if (!body.rest.empty() && body.surface_cuts == cuts) return {body.surface, body.rest};
   if (!std::any_cast<KeptSkin>(&kept)) kept = KeptSkin();
   KeptSkin& skin = *std::any_cast<KeptSkin>(&kept);
   if (skin.model != &body.model || skin.cuts != cuts) {
-    skin.surface = lattice::build_surface(body.model, body.state, &body.ct);
+    skin.surface = lattice::build_surface(body.model, body.state, &body.ct, lattice::Extent::kAll, exec);
     skin.rest = lattice::rest_points(body.model, skin.surface);
     skin.model = &body.model, skin.cuts = cuts;
   }
@@ -34,8 +34,8 @@ Skin skin_of(const LatticeBody& body, std::any& kept) {
 
 }  // namespace
 
-void show(const Exec&, const LatticeBody& body, ShownBody& out) {
-  const Skin skin = skin_of(body, out.kept);
+void show(const Exec& exec, const LatticeBody& body, ShownBody& out) {
+  const Skin skin = skin_of(exec, body, out.kept);
   const TriMesh now =
       lattice::deformed_surface(body.model, body.state, skin.surface, lattice::Shown::kStretch);
   out.x = now.vertices, out.normals = now.normals;
