@@ -10,6 +10,7 @@
 #include "turgor/sim/live/felt_replay.hpp"
 #include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/report/doubts.hpp"
+#include "turgor/sim/report/force_error.hpp"
 #include "turgor/sim/report/lattice_warnings.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/report/report_touch.hpp"
@@ -160,6 +161,7 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   append(facts.warnings, cloth_warnings(run.world));
   append(facts.warnings, overstretched(run.stretch));
   append(facts.warnings, touch_warnings(run.world));
+  append(facts.warnings, coarse_presses(run.world));
   append(facts.warnings, overpressed(run.world, done.measures.pressed));
   append(facts.warnings, lattice_warnings(run.exec, run.world));
   if (run.live) append(facts.warnings, haptics_warnings(*run.live));

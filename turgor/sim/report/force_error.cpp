@@ -32,6 +32,23 @@ int enough(sfem::TouchedElements touched) {
   return 0;
 }
 
+/// Empty when its force is near enough, or nothing is known of it.
+std::string coarse_below(const World& world, const TouchingTool& tool) {
+  const auto touched = touched_elements(world, tool);
+  if (!touched) return {};
+  const double error = sfem::expected_error(*touched);
+  if (error <= kMuch) return {};
+  const int finer = enough(*touched);
+  const std::string advice = finer > 0 ? fmt::format("patch.refinement = {} brings that below", finer)
+                                       : std::string("a finer mesh brings that below");
+  return fmt::format(
+      "{}: its force may be off by up to {:.0f} %, since elements there have edges of {:.3g} mm, in {} "
+      "parts, and "
+      "what it covers a radius of {:.3g} mm: {} {:.0f} %",
+      tool.name, 100 * error, 1e3 * touched->edge, touched->refinement, 1e3 * touched->contact, advice,
+      100 * kMuch);
+}
+
 }  // namespace
 
 std::optional<sfem::TouchedElements> touched_elements(const World& world, const TouchingTool& tool) {
@@ -51,20 +68,12 @@ std::optional<sfem::TouchedElements> touched_elements(const World& world, const 
                                .contact = std::sqrt(radius * depth)};
 }
 
-std::string coarse_below(const World& world, const TouchingTool& tool) {
-  const auto touched = touched_elements(world, tool);
-  if (!touched) return {};
-  const double error = sfem::expected_error(*touched);
-  if (error <= kMuch) return {};
-  const int finer = enough(*touched);
-  const std::string advice = finer > 0 ? fmt::format("patch.refinement = {} brings that below", finer)
-                                       : std::string("a finer mesh brings that below");
-  return fmt::format(
-      "{}: its force may be off by up to {:.0f} %, since elements there have edges of {:.3g} mm, in {} "
-      "parts, and "
-      "what it covers a radius of {:.3g} mm: {} {:.0f} %",
-      tool.name, 100 * error, 1e3 * touched->edge, touched->refinement, 1e3 * touched->contact, advice,
-      100 * kMuch);
+std::vector<std::string> coarse_presses(const World& world) {
+  std::vector<std::string> sentences;
+  for (const TouchingTool& tool : world.tools)
+    if (std::string coarse = coarse_below(world, tool); !coarse.empty())
+      sentences.push_back(std::move(coarse));
+  return sentences;
 }
 
 }  // namespace turgor

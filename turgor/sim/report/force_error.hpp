@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "turgor/models/sfem/expected_error.hpp"
 #include "turgor/sim/world.hpp"
@@ -14,7 +15,7 @@ namespace turgor {
 /// did not touch.
 std::optional<sfem::TouchedElements> touched_elements(const World& world, const TouchingTool& tool);
 
-/// Empty when its force is within 10 % or nothing is known of it; else a sentence.
-std::string coarse_below(const World& world, const TouchingTool& tool);
+/// A sentence for every tool whose force may be more than 10 % off.
+std::vector<std::string> coarse_presses(const World& world);
 
 }  // namespace turgor

@@ -323,7 +323,6 @@ std::vector<std::string> touch_warnings(const World& world) {
     for (const std::string& note : tool.notes) warnings.push_back(tool.name + ": " + note);
     if (const std::string off = off_the_body(world, tool); !off.empty()) warnings.push_back(off);
     add_limits(tool, warnings);
-    if (const std::string coarse = coarse_below(world, tool); !coarse.empty()) warnings.push_back(coarse);
   }
   for (const TouchingTool& tool : world.tools)
     if (tool.samples.missed() > 0)

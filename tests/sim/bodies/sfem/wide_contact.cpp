@@ -5,6 +5,7 @@
 
 #include "sim/sfem_scene_text.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/sim/report/force_error.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 
 namespace turgor {
@@ -115,9 +116,8 @@ TEST(WideContact, WhatFindsNoRoomIsCountedAndWarnedOf) {
 /// A ball of 8 mm that is pressed 1 mm covers 2.8 mm, of cells of 4.2 mm.
 TEST(WideContact, elements_that_are_too_large_for_what_a_tool_covers_are_told_with_what_would_do) {
   const auto told = [](int refinement, double depth) {
-    for (const std::string& warning : touch_warnings(pressed_world(kBlock, refinement, depth, 64)))
-      if (warning.find("its force may be off by up to") != std::string::npos) return warning;
-    return std::string();
+    const std::vector<std::string> sentences = coarse_presses(pressed_world(kBlock, refinement, depth, 64));
+    return sentences.empty() ? std::string() : sentences[0];
   };
   const std::string coarse = told(1, 0.001);
   EXPECT_NE(coarse.find("in 1 parts"), std::string::npos) << coarse;
