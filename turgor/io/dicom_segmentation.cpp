@@ -52,8 +52,8 @@ Error refusal(const fs::path& file, const std::string& what) {
   return {fmt::format("{}: {}", file.string(), what)};
 }
 
-/// What is no DICOM segmentation that is read, said so. Compressed bits are not read; whole files of them that
-/// are deflated are. [PS3.5, 8.2, A.4, A.5]
+/// What is no DICOM segmentation that is read, said so. Compressed bits are not read; whole files of them
+/// that are deflated are. [PS3.5, 8.2, A.4, A.5]
 Status check_kind(const fs::path& file, Segmentation& seg) {
   const DicomElements& set = seg.elements;
   const DicomSlice& image = seg.image;
