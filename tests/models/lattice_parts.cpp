@@ -268,5 +268,20 @@ TEST(lattice_parts, a_wound_has_equal_bits_on_1_2_and_8_threads) {
   EXPECT_EQ(hashes[0], hashes[2]);
 }
 
+TEST(lattice_parts, a_space_is_made_for_a_cut_and_not_for_rounded_times_or_parts_of_frames) {
+  Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
+  const auto space_after = [&](double dt) {
+    step(kOne, wounded.model, wounded.state, {}, dt);
+    return wounded.state.coarse.get();
+  };
+  const CoarseSpace* first = space_after(1.0 / 60);
+  EXPECT_NE(first, nullptr);
+  EXPECT_EQ(space_after(8.0 / 60 - 7.0 / 60), first);
+  EXPECT_EQ(space_after(1.0 / 180), first) << "a third of a frame";
+  EXPECT_EQ(space_after(1.0 / 60), first);
+  const std::shared_ptr<const CoarseSpace> kept = wounded.state.coarse;
+  EXPECT_NE(space_after(1.0 / 30), first);
+}
+
 }  // namespace
 }  // namespace turgor::lattice

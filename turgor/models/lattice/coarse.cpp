@@ -278,7 +278,10 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
   const std::size_t cuts = cut_version(state);
   const bool cut_now = cuts != state.cuts_before, goes_on = cut_now && state.was_cut;
   state.cuts_before = cuts, state.was_cut = cut_now;
-  if (!state.coarse || state.coarse->version != cuts || state.coarse->dt != dt) {
+  // Times of frames are rounded; and a frame that is done in parts, while a tool is fast, is not worth a
+  // space of its own.
+  if (state.coarse && dt < 0.99 * state.coarse->dt) return false;
+  if (!state.coarse || state.coarse->version != cuts || dt > 1.01 * state.coarse->dt) {
     if (goes_on) return false;
     state.coarse = make_coarse_space(model, state, dt);
   }
