@@ -56,8 +56,7 @@ std::vector<Source> sources_of(const Model& model, std::span<const Load> loads, 
   sources.reserve(loads.size());
   for (const Load& load : loads) {
     const auto v = std::size_t(load.vertex);
-    const Vec3d x = model.surface.vertices[v] - middle,
-                f = load.force * (compliance * softness_at(model, v));
+    const Vec3d x = model.surface.vertices[v] - middle, f = load.force * (compliance * softness_at(model, v));
     sources.push_back({{float(x.x), float(x.y), float(x.z)},
                        {float(f.x), float(f.y), float(f.z)},
                        float(norm(f)),

@@ -1,8 +1,9 @@
-// Loads that are spread over the surface, such as cloth that lies on it. A chain answers one tool; but what it
-// stands for under a small push is a half space that keeps its volume (tip.hpp), and that answers any load:
-// a force f on its surface moves the place r from it by (f + r̂ (r̂·f)) / (π E* r), twice what it does far inside
-// [Kelvin; Mindlin 1936], however the surface lies. Each vertex bears its force over its own area [de Goes,
-// James 2017]. Linear: a load that is spread presses no place far. Equations: docs/models/rhombus.md.
+// Loads that are spread over the surface, such as cloth that lies on it. A chain answers one tool; but what
+// it stands for under a small push is a half space that keeps its volume (tip.hpp), and that answers any
+// load: a force f on its surface moves the place r from it by (f + r̂ (r̂·f)) / (π E* r), twice what it does
+// far inside [Kelvin; Mindlin 1936], however the surface lies. Each vertex bears its force over its own area
+// [de Goes, James 2017]. Linear: a load that is spread presses no place far. Equations:
+// docs/models/rhombus.md.
 #pragma once
 
 #include <span>

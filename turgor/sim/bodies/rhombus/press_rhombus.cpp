@@ -8,8 +8,8 @@ namespace turgor {
 
 namespace {
 
-// Between a tool and chains a sheet's force may come back 1.4 times as large a frame later, whatever the sheet
-// weighs: a part p of it stays bounded while p (1 + 1.4) < 2.
+// Between a tool and chains a sheet's force may come back 1.4 times as large a frame later, whatever the
+// sheet weighs: a part p of it stays bounded while p (1 + 1.4) < 2.
 constexpr double kMostTaken = 0.25;
 
 std::vector<rhombus::Load> loads_of(std::span<const contact::VertexForce> forces) {
