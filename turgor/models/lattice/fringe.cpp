@@ -135,9 +135,18 @@ struct FringeOfBody {
   const FringeInputs& inputs;
   std::int16_t dense;  // from here on it is no air [HU]
 
-  /// Of a place that is no body: does it go with the skin? Air does, and a crumb of skin that is less than half
-  /// of a block; the table does not.
+  /// Of a place that is no body: does it go with the skin? Air does, and a crumb of skin that is less than
+  /// half of a block; the table does not.
   bool operator()(Vec3d at, float value) const { return value < float(dense) || is_crumb(at); }
+
+  /// Tissue is where its cells are, and nowhere else; its blur may begin within them, by a voxel.
+  bool is_tissue(Vec3d at, float value) const {
+    if (!inputs.rest.holds(at)) return false;
+    if (value >= float(dense)) return true;
+    for (const Vec3d way : {Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}})
+      if (!inputs.rest.holds(at + way) || !inputs.rest.holds(at - way)) return false;
+    return true;
+  }
 
  private:
   bool is_crumb(Vec3d at) const {
@@ -246,7 +255,7 @@ void fill_beside_body(const FringeInputs& inputs, int slab, CtVolume& out) {
       if (near_rest[n]) value = kAirHu;
       const Vec3d before = at + (source < 0 ? Vec3d{} : Vec3d(fringe.shifts[std::size_t(source)]));
       const float moved = sample(Vec3(before));
-      if (source >= 0 && !inputs.rest.holds(before) && is_fringe(before, moved)) value = moved;
+      if (source >= 0 && is_fringe(before, moved) && !is_fringe.is_tissue(before, moved)) value = moved;
     }
     out.samples[voxel] = std::int16_t(std::lrint(value));
   }

@@ -37,8 +37,8 @@ struct PlaceInCt {
   Vec3d operator()(Int3 voxel) const { return first + step * Vec3d(voxel); }
 };
 
-/// A voxel of the output that tissue near the CT's air covers, and how far from there in the CT it lay [voxels
-/// of the CT].
+/// A voxel of the output that tissue near the CT's air covers, and how far from there in the CT it lay
+/// [voxels of the CT].
 struct RimVoxel {
   Int3 voxel;
   Vec3 shift;
@@ -56,8 +56,8 @@ struct FringeInputs {
   std::span<const std::vector<RimVoxel>> rim;  // by slab of kSlabLayers
 };
 
-/// Fills the voxels of a slab that no tissue covers. Air within three voxels of the skin goes with the nearest
-/// skin; what that air and the body have left is air; all else is as it was.
+/// Fills the voxels of a slab that no tissue covers. Air within three voxels of the skin goes with the
+/// nearest skin; what that air and the body have left is air; all else is as it was.
 void fill_beside_body(const FringeInputs& inputs, int slab, CtVolume& out);
 
 }  // namespace turgor::lattice
