@@ -24,25 +24,22 @@ int reach_in(const Grid& out, const Grid& ct) {
   return int(std::min(reach, double(kSlabLayers)));
 }
 
-/// mask(p) = any of the voxels within `reach` of p along one axis.
+/// mask(p) = any of the voxels within `reach` of p along one axis, row by row.
 void widen(Mask& mask, Int3 size, int axis, int reach) {
-  const std::ptrdiff_t stride = axis == 0 ? 1 : axis == 1 ? size.x : std::ptrdiff_t(size.x) * size.y;
-  const Int3 lines{axis == 0 ? 1 : size.x, axis == 1 ? 1 : size.y, axis == 2 ? 1 : size.z};
-  for (int k = 0; k < lines.z; k++)
-    for (int j = 0; j < lines.y; j++)
-      for (int i = 0; i < lines.x; i++) {
-        std::uint8_t* line = mask.data() + (std::ptrdiff_t(k) * size.y + j) * size.x + i;
-        int until = -1, marked = 0;  // the first place that is not known yet to be near
-        for (int n = 0; n < size[axis]; n++) {
-          if (line[n * stride] == 1) {
-            for (marked = std::max(marked, n - reach); marked < n; marked++)
-              if (line[marked * stride] == 0) line[marked * stride] = 2;
-            until = n + reach;
-          } else if (n <= until) {
-            line[n * stride] = 2;
-          }
-        }
-        for (int n = 0; n < size[axis]; n++) line[n * stride] = line[n * stride] != 0;
+  const Mask from = mask;
+  const auto row_at = [&](Int3 p) { return (std::ptrdiff_t(p.z) * size.y + p.y) * size.x; };
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int d = -reach; d <= reach; d++) {
+        Int3 other{0, j, k};
+        if (axis > 0) other[axis] += d;
+        if (other[axis] < 0 || other[axis] >= size[axis]) continue;
+        const int shift = axis == 0 ? d : 0;
+        const int begin = std::max(0, -shift), end = std::min(size.x, size.x - shift);
+        std::uint8_t* out = mask.data() + row_at({0, j, k});
+        const std::uint8_t* in = from.data() + row_at(other) + shift;
+        TURGOR_LANES
+        for (int i = begin; i < end; i++) out[i] |= in[i];
       }
 }
 
@@ -130,6 +127,19 @@ struct Fringe {
   }
 };
 
+/// Which voxels of a window showed body in the CT.
+Mask body_at_rest(const RestBody& body, const PlaceInCt& place, const Window& window) {
+  Mask rest(window.count());
+  std::size_t n = 0;
+  for (int k = window.low; k < window.low + window.size.z; k++)
+    for (int j = 0; j < window.size.y; j++) {
+      const Vec3d first = place({0, j, k});
+      for (int i = 0; i < window.size.x; i++)
+        rest[n++] = body.holds(first + place.step.column[0] * double(i));
+    }
+  return rest;
+}
+
 /// Tells the body's fringe from what lies beside the body.
 struct FringeOfBody {
   const FringeInputs& inputs;
@@ -176,26 +186,26 @@ RestBody::RestBody(const Exec& exec, const Model& model, Vec3d first_node, Vec3d
       near_air_(model.tissue.size()) {
   const Lattice& l = model.lattice;
   const Int3 last = l.size - Int3{2, 2, 2};  // cell
-  const auto for_cells = [&](const auto& see) {
-    parallel_for(exec, std::size_t(std::max(0, last.z + 1)), [&](std::size_t k) {
-      for (int j = 0; j <= last.y; j++)
-        for (int i = 0; i <= last.x; i++) see(Int3{i, j, int(k)}, std::size_t(node_slot(l, i, j, int(k))));
-    });
-  };
-  for_cells([&](Int3 cell, std::size_t slot) {
-    int count = 0;
-    for (int c = 0; c < 8; c++) {
-      const Int3 corner{c & 1, c >> 1 & 1, c >> 2};
-      count += is_body(model.tissue[slot + std::size_t(slot_offset(l, corner, cell.x & 1))]);
-    }
-    cells_[slot] = count == 0 ? Cell::kAir : count == 8 ? Cell::kBody : Cell::kRim;
+  parallel_for(exec, std::size_t(std::max(0, last.z + 1)), [&](std::size_t k) {
+    for (int j = 0; j <= last.y; j++)
+      for (int i = 0; i <= last.x; i++) {
+        const auto slot = std::size_t(node_slot(l, i, j, int(k)));
+        int count = 0;
+        for (int c = 0; c < 8; c++)
+          count +=
+              is_body(model.tissue[slot + std::size_t(slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, i & 1))]);
+        cells_[slot] = count == 0 ? Cell::kAir : count == 8 ? Cell::kBody : Cell::kRim;
+      }
   });
-  for_cells([&](Int3 cell, std::size_t slot) {
-    for (int n = 0; n < 27; n++) {
-      const Int3 other = min(max(cell + Int3{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1}, Int3{0, 0, 0}), last);
-      if (cells_[std::size_t(node_slot(l, other))] != Cell::kBody) near_air_[slot] = 1;
-    }
-  });
+  for (int k = 0; k <= last.z; k++)
+    for (int j = 0; j <= last.y; j++)
+      for (int i = 0; i <= last.x; i++) {
+        if (cells_[std::size_t(node_slot(l, i, j, k))] != Cell::kRim) continue;
+        for (int n = 0; n < 27; n++) {
+          const Int3 other = Int3{i, j, k} + Int3{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+          near_air_[std::size_t(node_slot(l, min(max(other, Int3{0, 0, 0}), last)))] = 1;
+        }
+      }
 }
 
 bool RestBody::holds(Vec3d at) const {
@@ -236,20 +246,23 @@ void fill_beside_body(const FringeInputs& inputs, int slab, CtVolume& out) {
   const Window window(out.grid, slab, reach);
   const PlaceInCt place(out.grid, inputs.ct.grid);
   const Fringe fringe(inputs, out.grid, slab, window, reach);
-  Mask rest(window.count());
-  for (std::size_t n = 0; n < rest.size(); n++) rest[n] = inputs.rest.holds(place(window.voxel(n)));
+  const Mask rest = body_at_rest(inputs.rest, place, window);
   Mask near_rest = rest;
   for (int axis = 0; axis < 3; axis++) widen(near_rest, window.size, axis, reach);
 
   const Sampler sample(inputs.ct);
   const FringeOfBody is_fringe{inputs, std::int16_t(std::ceil(inputs.model.params.tissue.air_max))};
+  const bool same = same_grid(out.grid, inputs.ct.grid);
   for (std::size_t n = window.index({0, 0, window.begin}); n < window.index({0, 0, window.end}); n++) {
-    const Int3 p = window.voxel(n);
-    const std::size_t voxel = sample_index(out.grid, p.x, p.y, p.z);
+    const std::size_t voxel = n + sample_index(out.grid, 0, 0, window.low);
     if (inputs.covered[voxel]) continue;
-    const Vec3d at = place(p);
-    const float here = sample(Vec3(at));
     const int source = fringe.source[n];
+    if (same && !near_rest[n] && source < 0) {
+      out.samples[voxel] = inputs.ct.samples[voxel];
+      continue;
+    }
+    const Vec3d at = place(window.voxel(n));
+    const float here = sample(Vec3(at));
     float value = here;
     if ((near_rest[n] || source >= 0) && (rest[n] || is_fringe(at, here))) {
       if (near_rest[n]) value = kAirHu;

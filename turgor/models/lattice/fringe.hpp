@@ -17,7 +17,7 @@ class RestBody {
   RestBody(const Exec& exec, const Model& model, Vec3d first_node, Vec3d cell_size);
 
   bool holds(Vec3d at) const;
-  /// In a cell with a node that is no body, or in one beside such a cell?
+  /// In a cell with a node that is no body and one that is, or in one beside such a cell?
   bool is_near_air(Vec3d at) const;
 
  private:
