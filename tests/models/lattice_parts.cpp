@@ -292,10 +292,10 @@ struct Makings {
     wounded.state = make_state(wounded.model);
     steps(3);
   }
-  int steps(int count) {
+  int steps(int count, Vec3d gravity = {}) {
     int made = 0;
     for (int n = 0; n < count; n++) {
-      step(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
+      step(kOne, wounded.model, wounded.state, {.gravity = gravity}, 1.0 / 60);
       made += wounded.state.coarse != last;
       last = wounded.state.coarse;
     }
@@ -306,6 +306,14 @@ struct Makings {
     return steps(count);
   }
 };
+
+TEST(lattice_parts, a_body_at_rest_makes_no_space_before_something_moves_it) {
+  Makings makings;
+  EXPECT_EQ(makings.steps(3), 0);
+  EXPECT_EQ(makings.last, nullptr);
+  EXPECT_EQ(makings.steps(1, {0, 0, -9}), 1) << "gravity";
+  EXPECT_EQ(makings.steps(3), 0) << "and it goes on to move";
+}
 
 TEST(lattice_parts, a_moving_blade_makes_one_space_when_it_is_through_and_none_on_its_way) {
   for (const int steps_a_cut : {1, 3}) {

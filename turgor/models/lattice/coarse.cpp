@@ -263,6 +263,14 @@ bool blade_goes_on(State& state, std::size_t cuts) {
   return state.blades_on.any() && state.steps_since_cut < kStopped;
 }
 
+/// As the CT shows it, and nothing moves it: then there is nothing to solve for.
+bool is_at_rest(const Model& model, const State& state, const Inputs& inputs, double dt) {
+  constexpr double kStill = 1e-6;  // steps of the lattice a frame: rounding
+  const Vec3 h = model.lattice.step;
+  return cut_version(state) == 0 && inputs.loads.empty() && norm(inputs.gravity) == 0 &&
+         double(state.fastest) * dt < kStill * double(std::min({h.x, h.y, h.z}));
+}
+
 }  // namespace
 
 void find_left_over(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
@@ -290,6 +298,7 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
   if (params.tissue.law != TissueLaw::kSolid || can_sleep(model) || !inputs.contacts.empty()) return false;
   const std::size_t cuts = cut_version(state);
   const bool goes_on = blade_goes_on(state, cuts);
+  if (is_at_rest(model, state, inputs, dt)) return false;
   // Times of frames are rounded; and a frame that is done in parts, while a tool is fast, is not worth a
   // space of its own.
   if (state.coarse && dt < 0.99 * state.coarse->dt) return false;
