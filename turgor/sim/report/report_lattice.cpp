@@ -45,6 +45,12 @@ const Quantity<LatticePart> kLattice[] = {
      [](const LatticePart& l) -> Json {
        return l.scene.params.solver.method == lattice::Method::kPbd ? "pbd" : "descent";
      }},
+    {"schedule", kNone, "order of a sweep",
+     [](const LatticePart& l) -> Json {
+       return l.scene.params.solver.schedule == lattice::Schedule::kColours ? "colours" : "slabs";
+     }},
+    {"device", kNone, "",
+     [](const LatticePart& l) -> Json { return l.scene.device == Device::kGpu ? "gpu" : "cpu"; }, kInReport},
     {"sweeps", kCount, "sweeps", [](const LatticePart& l) -> Json { return l.scene.params.solver.sweeps; }},
     {"rows_asleep", kNone, "rows asleep (of 1, over the run)",
      [](const LatticePart& l) -> Json {
