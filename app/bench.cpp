@@ -23,6 +23,8 @@ ordered_json to_json(const SkinTensionTimes& t) {
           {"frame_with_ms", t.frame_with}};
 }
 
+ordered_json to_json(const ScheduleTimes& t) { return {{"slabs_ms", t.slabs}, {"colours_ms", t.colours}}; }
+
 ordered_json to_json(const SkinTensionBench& bench) {
   ordered_json rows = ordered_json::array();
   for (const SkinTensionRow& r : bench.rows)
@@ -41,6 +43,8 @@ ordered_json to_json(const SkinTensionBench& bench) {
                     {"descent_sweep_fraction_of_arithmetic", r.descent_arithmetic_fraction},
                     {"descent_frame_one_thread_ms", r.descent_frame_one},
                     {"descent_frame_ms", r.descent_frame},
+                    {"pbd_frame_by_schedule", to_json(r.pbd_frames)},
+                    {"descent_frame_by_schedule", to_json(r.descent_frames)},
                     {"residual_pbd_n", r.residual_pbd},
                     {"residual_descent_n", r.residual_descent},
                     {"resample_half_ms", r.resample_half},
@@ -87,6 +91,12 @@ void print(const SkinTensionBench& bench) {
     fmt::print("{:<11}{:>40}{:>40}\n", r.name,
                fmt::format("{:.2f}, {:.2f}", r.bandwidth_fraction, r.arithmetic_fraction),
                fmt::format("{:.2f}, {:.2f}", r.descent_bandwidth_fraction, r.descent_arithmetic_fraction));
+  fmt::print("\n{:<11}{:>40}{:>40}\n", "frame [ms]", "paper's: by slabs, by colours",
+             "descent: by slabs, by colours");
+  for (const SkinTensionRow& r : bench.rows)
+    fmt::print("{:<11}{:>40}{:>40}\n", r.name,
+               fmt::format("{:.1f}, {:.1f}", r.pbd_frames.slabs, r.pbd_frames.colours),
+               fmt::format("{:.1f}, {:.1f}", r.descent_frames.slabs, r.descent_frames.colours));
   fmt::print("\n{:<11}{:>24}{:>26}{:>26}{:>28}\n", "", "descent frame 1T/all[ms]", "residual pbd/descent[N]",
              "resample half/full[ms]", "growth: ns a node, pbd/desc");
   for (const SkinTensionRow& r : bench.rows) {

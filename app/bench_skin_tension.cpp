@@ -68,6 +68,15 @@ void frames_by_turns(const Exec& exec, const Model& a, const Model& b, double& m
   ms_a = median(times_a), ms_b = median(times_b);
 }
 
+ScheduleTimes measure_schedules(const Exec& exec, const BodyNodes& nodes, Params params) {
+  ScheduleTimes times;
+  const Model slabs = lattice::assemble(exec, nodes, nullptr, params).value();
+  params.solver.schedule = lattice::Schedule::kColours;
+  const Model colours = lattice::assemble(exec, nodes, nullptr, params).value();
+  frames_by_turns(exec, slabs, colours, times.slabs, times.colours);
+  return times;
+}
+
 SkinTensionTimes measure_pbd(const Exec& exec, const BodyNodes& nodes, const Model& without,
                              const Model& with) {
   SkinTensionTimes times;
@@ -131,6 +140,8 @@ SkinTensionRow measure(const Exec& exec, const SkinTensionBench& limits, const D
     set_fractions(limits, slots_in(without.joining), sweep_ms, kPbdBytes, kPbdFlops, row.bandwidth_fraction,
                   row.arithmetic_fraction);
   }
+  row.pbd_frames = measure_schedules(exec, nodes, pbd);
+  row.descent_frames = measure_schedules(exec, nodes, descent);
   progress(0.7);
   const Model model = lattice::assemble(exec, nodes, nullptr, descent).value();
   row.descent_frame_one = frame_ms(one, model);

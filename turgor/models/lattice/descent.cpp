@@ -8,6 +8,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/cells.hpp"
+#include "turgor/models/lattice/colours.hpp"
 #include "turgor/models/lattice/kernels.hpp"
 #include "turgor/models/lattice/moving.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
@@ -131,7 +132,8 @@ struct GatherRow {
   }
 };
 
-struct DescendLayer {
+/// Moves the nodes of a layer, or of half a row, and their copies.
+struct Descend {
   const GatherRow& gather;
   const Inertia& inertia;
   std::span<NodeContact> contacts;
@@ -139,30 +141,42 @@ struct DescendLayer {
   Sleep& sleep;
   Real way2;  // square of how far a node goes in a step without waking others [m²]; negative: none sleeps
 
+  bool sleeps() const { return way2 >= 0; }
+
   void operator()(int k) const {
     SystemBuffer buffer;
-    const bool sleeps = way2 >= 0;
-    if (order == Order::kBackward) solve_copies(k);
+    const std::span<const PartNode> copies = gather.parts.copies_of(k);
+    if (order == Order::kBackward) solve_copies(copies);
     for_each_piece(
-        gather.model, sleeps ? sleep.awake.data() : nullptr, k,
-        [&](int parity, int slot, int count) {
-          gather(parity, slot, count, buffer);
-          const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
-          if (!touched.empty()) press(touched, slot, buffer);
-          solve(slot, count, buffer);
-          for (NodeContact& c : touched) c.force = contact_force(c, displacement(c)).force;
-          if (sleeps && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
-        },
-        order);
-    if (order == Order::kForward) solve_copies(k);
+        gather.model, sleeps() ? sleep.awake.data() : nullptr, k,
+        [&](int parity, int slot, int count) { move_nodes(parity, slot, count, buffer); }, order);
+    if (order == Order::kForward) solve_copies(copies);
+  }
+
+  void operator()(HalfRow row) const {
+    const Lattice& l = gather.model.lattice;
+    const int first = row_slot(l, row.j, row.k) + row.parity * l.half;
+    if (sleeps() && !sleep.awake[std::size_t(row_of(gather.model, first))]) return;
+    SystemBuffer buffer;
+    for_each_piece_of(gather.model, row.parity, row.j, row.k,
+                      [&](int parity, int slot, int count) { move_nodes(parity, slot, count, buffer); });
+    solve_copies(gather.parts.copies_of(first, l.half));
+  }
+
+  void move_nodes(int parity, int slot, int count, SystemBuffer& buffer) const {
+    gather(parity, slot, count, buffer);
+    const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
+    if (!touched.empty()) press(touched, slot, buffer);
+    solve(slot, count, buffer);
+    for (NodeContact& c : touched) c.force = contact_force(c, displacement(c)).force;
+    if (sleeps() && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
   }
 
   /// After the nodes of their layer, or before them backward: those of other slabs stand still then.
-  void solve_copies(int k) const {
-    const std::span<const PartNode> copies = gather.parts.copies_of(k);
+  void solve_copies(std::span<const PartNode> copies) const {
     for (std::size_t n = 0; n < copies.size(); n++) {
       const PartNode& copy = copies[order == Order::kForward ? n : copies.size() - 1 - n];
-      if (way2 < 0 || sleep.awake[std::size_t(row_of(gather.model, copy.slot))]) gather.parts.solve(copy);
+      if (!sleeps() || sleep.awake[std::size_t(row_of(gather.model, copy.slot))]) gather.parts.solve(copy);
     }
   }
 
@@ -243,21 +257,41 @@ struct LayerResidual {
   double largest2 = 0, sum2 = 0;
 };
 
-}  // namespace
-
-void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
-                   Order order) {
+/// Calls sweep(descend).
+template <class Sweep>
+void prepare_descent(const Model& model, State& state, const Inputs& inputs, double dt, Order order,
+                     const Sweep& sweep) {
   const GatherRow gather(model, state);
   const Inertia inertia(model, state, inputs, dt);
   // Tests and benches sweep outside of steps, where nobody has been woken.
   const bool sleeps = can_sleep(model) && !state.sleep.awake.empty();
   const Real way = Real(model.params.solver.sleep * dt);
   if (sleeps) std::fill(state.sleep.moved.begin(), state.sleep.moved.end(), std::uint8_t(0));
-  sweep_slabs(
-      exec, model.lattice.size.z,
-      DescendLayer{gather, inertia, inputs.contacts, order, state.sleep, sleeps ? way * way : Real(-1)},
-      order);
+  sweep(Descend{gather, inertia, inputs.contacts, order, state.sleep, sleeps ? way * way : Real(-1)});
   if (sleeps) spread_motion(model, state);
+}
+
+}  // namespace
+
+template <class Run>
+void sweep_descent_by_colours(const Run& run, const Model& model, State& state, const Inputs& inputs,
+                              double dt, Order order) {
+  prepare_descent(model, state, inputs, dt, order, [&](const Descend& descend) {
+    for (int turn = 0; turn < kColourCount; turn++)
+      run_half_rows(run, model.lattice.size, order == Order::kBackward ? kColourCount - 1 - turn : turn,
+                    descend);
+  });
+}
+template void sweep_descent_by_colours(const CpuRun&, const Model&, State&, const Inputs&, double, Order);
+template void sweep_descent_by_colours(const ShuffledRun&, const Model&, State&, const Inputs&, double,
+                                       Order);
+
+void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
+                   Order order) {
+  if (model.params.solver.schedule == Schedule::kColours)
+    return sweep_descent_by_colours(CpuRun{exec}, model, state, inputs, dt, order);
+  prepare_descent(model, state, inputs, dt, order,
+                  [&](const Descend& descend) { sweep_slabs(exec, model.lattice.size.z, descend, order); });
 }
 
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,

@@ -27,6 +27,8 @@
 namespace turgor::lattice {
 
 enum class Method : std::uint8_t { kPbd, kDescent };
+/// The order of a sweep: slab by slab of layers, or colour by colour (colours.hpp).
+enum class Schedule : std::uint8_t { kSlabs, kColours };
 enum class SkinLaw : std::uint8_t { kArea, kFibre };
 /// Springs along the edges, as in the paper, or solid cells that answer alike in every direction.
 enum class TissueLaw : std::uint8_t { kSprings, kSolid };
@@ -57,6 +59,7 @@ struct TissueParams {
 
 struct SolverParams {
   Method method = Method::kDescent;
+  Schedule schedule = Schedule::kSlabs;
   int sweeps = 5;
   double damping = 1.2;      // velocities lose exp(-damping·t) [1/s]
   double pbd_stiffness = 1;  // pbd only: scales the density-based stiffness in [0, 1] [1]
@@ -117,7 +120,8 @@ struct SkinCorners {
 
 /// All skin, sorted by cell layer, and within a layer in batches whose triangles share no node. Batch b is
 /// triangles [batch_begin[b], batch_begin[b + 1]); the batches of layer k are [layer_begin[k], layer_begin[k
-/// + 1]).
+/// + 1]). Where pbd goes by colours, each layer is four groups, by the parities of i and j of the cells, p =
+/// 0 to 3: those of group 4 k + p.
 struct Skin {
   std::vector<SkinTriangle> triangles;
   std::vector<Vec3> lines;  // at each triangle, lattice frame; empty: SkinParams::direction everywhere

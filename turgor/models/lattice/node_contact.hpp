@@ -24,7 +24,7 @@ struct ContactForce {
 /// Never pulling, and friction inside its cone: the trial force of a penalty, projected. With `touches` the
 /// normal part stays linear, for the node's own system: there it may pull, so that what was pushed too far
 /// comes back.
-inline ContactForce contact_force(const NodeContact& c, Vec3 u, bool touches = false) {
+TURGOR_HD inline ContactForce contact_force(const NodeContact& c, Vec3 u, bool touches = false) {
   const Vec3 trial = c.force + (c.target - u) * c.stiffness;
   if (c.is_held) return {trial, c.stiffness, c.stiffness};
   const Real pressing = dot(trial, c.normal);
@@ -36,10 +36,10 @@ inline ContactForce contact_force(const NodeContact& c, Vec3 u, bool touches = f
 }
 
 /// Did it push in the last sweep?
-inline bool bears(const NodeContact& c) { return dot(c.force, c.normal) > 0; }
+TURGOR_HD inline bool bears(const NodeContact& c) { return dot(c.force, c.normal) > 0; }
 /// Does the node touch in this sweep: because it did in the last one, or because it would go in without the
 /// contact?
-inline bool touches(const NodeContact& c, Vec3 u_without) {
+TURGOR_HD inline bool touches(const NodeContact& c, Vec3 u_without) {
   return bears(c) || dot(c.target - u_without, c.normal) > 0;
 }
 

@@ -316,10 +316,20 @@ NodeSystem PartForces::skin_part(const SkinPart& part, int at) const {
   return s;
 }
 
-std::span<const PartNode> PartForces::nodes_of(int slot, int count) const {
+namespace {
+std::span<const PartNode> between(const std::vector<PartNode>& nodes, int slot, int count) {
   const auto before = [](const PartNode& n, int s) { return n.slot < s; };
-  const auto begin = std::lower_bound(parts.nodes.begin(), parts.nodes.end(), slot, before);
-  return {begin, std::lower_bound(begin, parts.nodes.end(), slot + count, before)};
+  const auto begin = std::lower_bound(nodes.begin(), nodes.end(), slot, before);
+  return {begin, std::lower_bound(begin, nodes.end(), slot + count, before)};
+}
+}  // namespace
+
+std::span<const PartNode> PartForces::nodes_of(int slot, int count) const {
+  return between(parts.nodes, slot, count);
+}
+
+std::span<const PartNode> PartForces::copies_of(int slot, int count) const {
+  return between(parts.copies, slot, count);
 }
 
 std::span<const PartNode> PartForces::copies_of(int k) const {

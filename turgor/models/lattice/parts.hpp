@@ -39,8 +39,9 @@ struct PartForces {
     return {c.x, c.y, c.z};
   }
   NodeSystem gather(const PartNode& node) const;
-  /// The nodes among [slot, slot + count); the copies of layer k.
+  /// The nodes among [slot, slot + count), the copies of these; the copies of layer k.
   std::span<const PartNode> nodes_of(int slot, int count) const;
+  std::span<const PartNode> copies_of(int slot, int count) const;
   std::span<const PartNode> copies_of(int k) const;
   /// Moves a copy to the minimum of what its parts ask. It weighs nothing.
   void solve(const PartNode& copy) const;
