@@ -304,11 +304,12 @@ TEST(lattice_parts, forces_left_over_cell_by_cell_are_those_node_by_node) {
   const Inputs inputs{.gravity = {1, 2, -9}};
   predict(kOne, model, state, inputs, 1.0 / 60);
   ASSERT_TRUE(prepare_coarse_space(model, state, inputs, 1.0 / 60));
-  find_left_over(kOne, model, state, *state.coarse, inputs, 1.0 / 60, state.left_over);
   double sum2 = 0;
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-    if (model.inverse_mass[s] > 0)
-      sum2 += dot(Vec3d(state.left_over.nodes[s]), Vec3d(state.left_over.nodes[s]));
+  const auto see = [&](int, int k, LayerForces forces) {
+    for (int s = row_slot(model.lattice, 0, k); s < row_slot(model.lattice, Wounded::kN, k); s++)
+      if (model.inverse_mass[std::size_t(s)] > 0) sum2 += dot(Vec3d(forces[s]), Vec3d(forces[s]));
+  };
+  find_left_over(kOne, model, state, *state.coarse, inputs, 1.0 / 60, state.left_over, see);
   for (const PartNode& copy : state.parts.copies) {
     if (model.inverse_mass[std::size_t(copy.slot)] == 0) continue;
     const CopyShift& f = state.left_over.copies[std::size_t(copy.corner - slot_count(model.lattice))];

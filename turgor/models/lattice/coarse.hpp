@@ -6,6 +6,7 @@
 // energy by more than what is not linear in it. [Galerkin; Dick, Georgii and Westermann 2011 for cuts]
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -73,9 +74,20 @@ struct CoarseSpace {
 /// Of the body as it is cut now; for a body that nothing can move, without unknowns.
 std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const State& state, double dt);
 
-/// The forces that are left over at all nodes and copies, along the lattice's axes.
+/// The forces that are left over at the nodes of a layer, along the lattice's axes, by slot [N].
+struct LayerForces {
+  const VecField& field;
+  int shift = 0;
+
+  Vec3 operator[](int slot) const { return field[std::size_t(slot + shift)]; }
+};
+/// Layers are looked at in so many stretches, side by side, whatever the threads.
+constexpr int kStretches = 8;
+/// Calls see(stretch, layer, forces) for every layer of nodes, those of a stretch in order; afterwards
+/// room.copies holds the forces at copies.
 void find_left_over(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
-                    const Inputs& inputs, double dt, LeftOver& out);
+                    const Inputs& inputs, double dt, LeftOver& room,
+                    const std::function<void(int, int, LayerForces)>& see);
 
 /// Makes the space anew when cuts or longer steps ask for it; while a blade is on its way, or nothing moves,
 /// there is none. Is there one that this step can use? Not where contacts press, rows sleep, tissue is

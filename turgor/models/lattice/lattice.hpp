@@ -223,9 +223,10 @@ struct Sleep {
 /// What solves for the smooth part of a step's motion (coarse.hpp).
 struct CoarseSpace;
 
-/// The forces that are left over at all nodes and copies, along the lattice's axes [N].
+/// Room for the forces that a step leaves over, along the lattice's axes: of nodes, two layers at a time of
+/// every stretch of layers; of copies, all.
 struct LeftOver {
-  VecField nodes;                 // by slot
+  std::vector<VecField> layers;   // by stretch [N]
   std::vector<CopyShift> copies;  // [N]
 };
 

@@ -215,10 +215,16 @@ void set_lane(const Skin& skin, const Corner& corner, int i, SkinCorners& lanes)
 
 /// The corners of each half row side by side.
 void lay_out_corners(const std::vector<Corner>& corners, Skin& skin) {
+  const auto begin_of = [&](std::size_t row) {
+    return std::size_t(skin.corner_begin[std::size_t(skin.row_begin[row])]);
+  };
+  std::size_t count = 0;
+  for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++)
+    count += (begin_of(row + 1) - begin_of(row) + kSkinLanes - 1) / kSkinLanes;
+  skin.corners.reserve(count);
   skin.lanes_begin = {0};
   for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++) {
-    const auto begin = std::size_t(skin.corner_begin[std::size_t(skin.row_begin[row])]),
-               end = std::size_t(skin.corner_begin[std::size_t(skin.row_begin[row + 1])]);
+    const std::size_t begin = begin_of(row), end = begin_of(row + 1);
     for (std::size_t first = begin; first < end; first += kSkinLanes) {
       SkinCorners& lanes = skin.corners.emplace_back();
       for (int i = 0; i < kSkinLanes; i++)
@@ -286,6 +292,7 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
     for (const int size : sizes[k]) skin.batch_begin.push_back(skin.batch_begin.back() + size);
     for (const Int3 vertex : layers[k]) skin.triangles.push_back({.vertex = vertex});
   }
+  skin.triangles.shrink_to_fit();
   skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
   if (lines != nullptr) skin.lines.resize(skin.triangles.size());
   parallel_for(exec, skin.triangles.size(),
