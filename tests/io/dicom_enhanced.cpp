@@ -1,5 +1,8 @@
 // Enhanced images and rare transfer syntaxes, written by GDCM.
 #include <algorithm>
+#include <fstream>
+#include <numeric>
+#include <optional>
 
 #include <gdcmImageChangeTransferSyntax.h>
 #include <gdcmImageReader.h>
@@ -220,6 +223,34 @@ TEST(DicomEnhanced, FramesInAnyOrderMakeTheVolumeWithEachFramesScale) {
       EXPECT_EQ(read->files, 1);
     }
   }
+}
+
+/// That this process has read so far, from files and elsewhere; nothing where the system does not say.
+std::optional<std::size_t> bytes_read() {
+  std::ifstream io("/proc/self/io");
+  std::string word;
+  std::size_t bytes = 0;
+  if (!(io >> word >> bytes) || word != "rchar:") return std::nullopt;
+  return bytes;
+}
+
+TEST(DicomEnhanced, ADeflatedFileIsReadOnceForItsHeaderAndOnceForAllOfItsFrames) {
+  Enhanced enhanced;
+  enhanced.ct = test::make_ct(40);
+  enhanced.order.resize(40);
+  std::iota(enhanced.order.rbegin(), enhanced.order.rend(), 0);
+  enhanced.said_frames = 40;
+  enhanced.syntax = gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian;
+  const fs::path folder = fresh_folder(), file = folder / "enhanced.dcm";
+  enhanced.write(file);
+  const std::optional<std::size_t> before = bytes_read();
+  if (!before) GTEST_SKIP() << "the system does not say how much was read";
+  const auto read = read_ct(Exec(1), file);
+  const std::size_t after = *bytes_read();
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->ct.samples, enhanced.ct.samples);
+  const auto size = fs::file_size(file);
+  EXPECT_LT(after - *before, 8 * size) << "bytes, of a file of " << size;
 }
 
 TEST(DicomEnhanced, AGapOrADoubledFrameIsNamedByItsNumber) {

@@ -38,6 +38,34 @@ TEST(Hdf5File, ArraysAndTextsComeBackAsTheyWere) {
   EXPECT_EQ(file->read_text("/few").error().message, path + ": /few: expected a text, found something else");
 }
 
+TEST(Hdf5File, DatasetsGrowAndGroupsSayWhatTheyAre) {
+  const std::string path = test::fresh_folder() / "growing.h5";
+  std::vector<std::int64_t> expected;
+  {
+    Result<Hdf5File> file = Hdf5File::create(path);
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(file->make_group("/a/b"));
+    for (std::int64_t n = 0; n < 50; n++) {
+      const std::vector<std::int64_t> rows(std::size_t(3 * n), (n << 33) + 1);
+      ASSERT_TRUE(file->append<std::int64_t>("/a/rows", rows, 3));
+      expected.insert(expected.end(), rows.begin(), rows.end());
+      ASSERT_TRUE(file->append<std::int64_t>("/a/numbers", {&n, 1}));
+    }
+    EXPECT_TRUE(file->write_ascii_attribute("/a", "Type", "Grid"));
+    EXPECT_TRUE(
+        file->write_attribute("/a/b", "Version", std::span<const std::int64_t>(expected.data() + 9, 2)));
+    EXPECT_FALSE(file->append<std::int64_t>("/a/numbers", expected, 3)) << "it has one column";
+    EXPECT_TRUE(file->close());
+  }
+  const Result<Hdf5File> file = Hdf5File::open(path);
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->read<std::int64_t>("/a/rows", expected.size()).value(), expected);
+  EXPECT_EQ(file->read<std::int64_t>("/a/numbers", 50).value()[49], 49);
+  EXPECT_EQ(file->read_attribute("/a", "Type"), "Grid");
+  EXPECT_EQ(file->read_numbers("/a/b", "Version"), (std::vector<std::int64_t>{expected[9], expected[10]}));
+  EXPECT_TRUE(file->read_numbers("/a", "Type").empty()) << "a text";
+}
+
 // Found by mutating a recording: HDF5 1.10 goes round in the list of free space of a heap, for ever and with
 // all the memory there is.
 TEST(Hdf5File, AFileThatLeadsTheLibraryRoundInCirclesIsRefused) {

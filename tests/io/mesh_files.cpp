@@ -1,5 +1,6 @@
 #include "turgor/io/mesh_files.hpp"
 
+#include <cmath>
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -7,6 +8,7 @@
 #include "folders.hpp"
 #include "turgor/io/file.hpp"
 #include "turgor/io/surface_files.hpp"
+#include "turgor/io/vtkhdf.hpp"
 
 namespace turgor {
 namespace {
@@ -160,6 +162,94 @@ TEST(MeshFiles, PvdListsTimesAndFiles) {
   });
   EXPECT_NE(text.find("<!-- Turgor: millimetres, patient frame LPS"), std::string::npos);
   EXPECT_NE(text.find("timestep=\"0.5\" part=\"0\" name=\"torso\" file=\"b.vtu\""), std::string::npos);
+}
+
+// ------------------------------------------------------------ VTKHDF
+
+/// What VTK's reader makes of a step, as the format's description says.
+struct ReadStep {
+  std::vector<float> points;
+  std::vector<std::int64_t> corners;
+};
+ReadStep read_step(const Hdf5File& file, std::size_t step) {
+  const auto all = [&file]<class T>(const std::string& name, T) {
+    const std::string path = "/VTKHDF/" + name;
+    return file.read<T>(path, file.count(path, 1000).value()).value();
+  };
+  const auto number = [&](const std::string& name, std::int64_t at) {
+    return all(name, std::int64_t()).at(std::size_t(at));
+  };
+  const auto of_step = [&](const std::string& name) { return number("Steps/" + name, std::int64_t(step)); };
+  const std::int64_t part = of_step("PartOffsets"), points = number("NumberOfPoints", part),
+                     cells = number("NumberOfCells", part), ids = number("NumberOfConnectivityIds", part);
+  const auto places = all("Points", float());
+  const auto corners = all("Connectivity", std::int64_t()), ends = all("Offsets", std::int64_t());
+  const std::int64_t point = 3 * of_step("PointOffsets"), id = of_step("ConnectivityIdOffsets");
+  EXPECT_EQ(of_step("NumberOfParts"), 1);
+  EXPECT_EQ(ends.at(std::size_t(of_step("CellOffsets") + part)), 0) << "each part begins anew";
+  EXPECT_EQ(ends.at(std::size_t(of_step("CellOffsets") + part + cells)), ids);
+  return {{places.begin() + point, places.begin() + point + 3 * points},
+          {corners.begin() + id, corners.begin() + id + ids}};
+}
+
+TEST(VtkHdf, ASeriesOfSurfacesIsOneFileWhoseTrianglesStandThereOnceUntilTheyChange) {
+  const std::filesystem::path path = test::fresh_folder() / "sheet.vtkhdf";
+  TriMesh mesh = two_triangles(), cut = mesh;
+  cut.vertices.push_back({2, 2, 2}), cut.triangles.push_back({1, 3, 4});
+  const std::vector<TriMesh> steps{mesh, mesh, cut, cut};
+  Result<VtkHdfSeries> series = VtkHdfSeries::create(path, {.is_mm = true, .is_ras = true});
+  ASSERT_TRUE(series) << series.error().message;
+  for (std::size_t n = 0; n < steps.size(); n++) {
+    std::vector<Vec3> moved(steps[n].vertices.size(), Vec3{Real(n), 1, 2});
+    std::vector<float> warmth(moved.size(), float(n));
+    std::vector<VertexField> fields{length_field("displacement", moved), vertex_field("rub [1/s]", warmth)};
+    if (n == 3) fields.pop_back();
+    ASSERT_TRUE(series->add(0.25 * double(n), steps[n], fields));
+  }
+  ASSERT_TRUE(series->close());
+
+  const Result<Hdf5File> file = Hdf5File::open(path);
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->read_attribute("/VTKHDF", "Type"), "UnstructuredGrid");
+  EXPECT_EQ(file->read_attribute("/VTKHDF", "SPACE"), "RAS");
+  EXPECT_EQ(file->read_numbers("/VTKHDF", "Version"), (std::vector<std::int64_t>{2, 0}));
+  EXPECT_EQ(file->read_numbers("/VTKHDF/Steps", "NSteps"), std::vector<std::int64_t>{4});
+  EXPECT_EQ(file->read<double>("/VTKHDF/Steps/Values", 4).value(), (std::vector<double>{0, 0.25, 0.5, 0.75}));
+  EXPECT_EQ(file->count("/VTKHDF/NumberOfCells", 9).value(), 2u) << "two meshes in four steps";
+  EXPECT_EQ(file->count("/VTKHDF/Types", 9).value(), 5u);
+  for (std::size_t n = 0; n < steps.size(); n++) {
+    const ReadStep step = read_step(*file, n);
+    ASSERT_EQ(step.points.size(), 3 * steps[n].vertices.size());
+    EXPECT_EQ(step.points[3], -1000) << "mm, RAS";
+    EXPECT_EQ(step.points.back(), 1000 * steps[n].vertices.back().z);
+    std::vector<std::int64_t> corners;
+    for (const Int3 t : steps[n].triangles) corners.insert(corners.end(), {t.x, t.y, t.z});
+    EXPECT_EQ(step.corners, corners) << n;
+  }
+  const auto moved = file->read<float>("/VTKHDF/PointData/displacement [mm]", 3 * 18).value();
+  EXPECT_EQ(std::vector<float>(moved.end() - 3, moved.end()), (std::vector<float>{-3000, -1000, 2000}));
+  const auto warmth = file->read<float>("/VTKHDF/PointData/rub [1|s]", 18).value();
+  EXPECT_EQ(warmth[8], 2);
+  EXPECT_TRUE(std::isnan(warmth.back())) << "the last step has none";
+  EXPECT_EQ(file->read<std::int64_t>("/VTKHDF/Steps/PointDataOffsets/rub [1|s]", 4).value(),
+            (std::vector<std::int64_t>{0, 4, 8, 13}));
+}
+
+TEST(VtkHdf, PointsWithForcesAreStepsOfVertexCells) {
+  const std::filesystem::path path = test::fresh_folder() / "forces.vtkhdf";
+  Result<VtkHdfSeries> series = VtkHdfSeries::create(path);
+  ASSERT_TRUE(series);
+  const std::vector<Vec3> places{{1, 2, 3}, {4, 5, 6}};
+  for (const double time : {0.0, 0.5})
+    ASSERT_TRUE(series->add_points(time, places, {vertex_field("force [N]", places)}));
+  ASSERT_TRUE(series->close());
+  const Result<Hdf5File> file = Hdf5File::open(path);
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file->read<std::uint8_t>("/VTKHDF/Types", 2).value(), (std::vector<std::uint8_t>{1, 1}));
+  EXPECT_EQ(read_step(*file, 1).corners, (std::vector<std::int64_t>{0, 1}));
+  EXPECT_EQ(read_step(*file, 1).points, (std::vector<float>{1, 2, 3, 4, 5, 6}));
+  const auto nowhere = VtkHdfSeries::create("/nowhere/forces.vtkhdf");
+  EXPECT_EQ(nowhere.error().message, "/nowhere/forces.vtkhdf: cannot make the file");
 }
 
 TEST(MeshFiles, AFolderThatIsNotThereIsNamed) {

@@ -363,5 +363,61 @@ TEST(lattice_parts, a_space_is_made_for_a_cut_and_not_for_rounded_times_or_parts
   EXPECT_NE(space_after(1.0 / 30), first);
 }
 
+/// How many spaces are made in some steps that begin when a part of a path is cut.
+struct Makings {
+  Wounded wounded;
+  std::shared_ptr<const CoarseSpace> last;  // kept, so that no other has its address
+
+  Makings() : wounded(0.3, 0.5, 20, solid_params(5, 4, 45)) {
+    wounded.state = make_state(wounded.model);
+    steps(3);
+  }
+  int steps(int count, Vec3d gravity = {}) {
+    int made = 0;
+    for (int n = 0; n < count; n++) {
+      step(kOne, wounded.model, wounded.state, {.gravity = gravity}, 1.0 / 60);
+      made += wounded.state.coarse != last;
+      last = wounded.state.coarse;
+    }
+    return made;
+  }
+  int cut(double begin, double end, int count) {
+    cut_edges(wounded.model, wounded.state, wounded.path, begin, end, 0);
+    return steps(count);
+  }
+};
+
+TEST(lattice_parts, a_body_at_rest_makes_no_space_before_something_moves_it) {
+  Makings makings;
+  EXPECT_EQ(makings.steps(3), 0);
+  EXPECT_EQ(makings.last, nullptr);
+  EXPECT_EQ(makings.steps(1, {0, 0, -9}), 1) << "gravity";
+  EXPECT_EQ(makings.steps(3), 0) << "and it goes on to move";
+}
+
+TEST(lattice_parts, a_moving_blade_makes_one_space_when_it_is_through_and_none_on_its_way) {
+  for (const int steps_a_cut : {1, 3}) {
+    Makings moving;
+    int on_its_way = 0;
+    for (int n = 0; n < 9; n++) on_its_way += moving.cut(n / 10.0, (n + 1) / 10.0, steps_a_cut);
+    EXPECT_EQ(on_its_way, 0);
+    EXPECT_EQ(moving.cut(0.9, 1, 1), 1) << "in the step in which it is through";
+    EXPECT_EQ(moving.steps(12), 0);
+  }
+}
+
+TEST(lattice_parts, a_wound_cut_at_once_has_a_space_in_its_first_step) {
+  Makings at_once;
+  EXPECT_EQ(at_once.cut(0, 1, 1), 1);
+  EXPECT_EQ(at_once.steps(12), 0);
+}
+
+TEST(lattice_parts, a_blade_that_stops_halfway_has_a_space_soon) {
+  Makings stopped;
+  EXPECT_EQ(stopped.cut(0, 0.5, 4), 0);
+  EXPECT_EQ(stopped.steps(8), 1);
+  EXPECT_EQ(stopped.cut(0.5, 1, 1), 1) << "and one when it goes on to the end";
+}
+
 }  // namespace
 }  // namespace turgor::lattice

@@ -6,6 +6,8 @@
 
 #include "tests/models/rhombus_bodies.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
+#include "turgor/models/rhombus/spread.hpp"
+#include "turgor/models/rhombus/tissues.hpp"
 
 namespace turgor::rhombus {
 namespace {
@@ -251,6 +253,89 @@ TEST(RhombusStep, surfaces_and_numbers_that_make_no_organ_are_refused_with_a_sen
   EXPECT_EQ(message(body, {.bulge = 1.5}), "bulge: expected a fraction from 0 to 1, found 1.5");
   EXPECT_EQ(message(body, {.viscosity = {1, 0}}), "relaxation time: expected more than 0 s, found 0");
   EXPECT_NE(message(body, {.chain = {.angle = 2}}), "built");
+}
+
+// ------------------------------------------------------------ loads that are spread
+
+constexpr double kYoung = 4e3, kContactModulus = kYoung / 0.75;  // of what keeps its volume [Pa]
+
+/// A load of 1 kPa on a circle of the top, by the area of each vertex, and what it does at a place.
+struct Pressed {
+  Model model;
+  std::vector<Load> loads;
+  double radius = 0;  // of a circle of the loaded area [m]
+  std::vector<Vec3d> moved;
+};
+Pressed press_circle(int cells, double radius, Vec3d direction, double stiffness = 1) {
+  constexpr double kPressure = 1e3;
+  Surface surface = test::slab(0.3, cells, 0.3);
+  std::vector<double> map(stiffness == 1 ? 0 : surface.vertices.size(), stiffness);
+  Params params;
+  params.chain = chain_of_modulus(kYoung);
+  Pressed made{
+      *build({std::move(surface.vertices), std::move(surface.triangles), std::move(map)}, params), {}, 0, {}};
+  double area = 0;
+  for (std::size_t v = 0; v < made.model.surface.vertices.size(); v++) {
+    const Vec3d x = made.model.surface.vertices[v];
+    if (x.z < -1e-9 || std::hypot(x.x, x.y) > radius) continue;
+    made.loads.push_back({int(v), direction * (kPressure * made.model.area[v])});
+    area += made.model.area[v];
+  }
+  made.radius = std::sqrt(area / std::numbers::pi);
+  displacements_of(Exec(2), made.model, made.loads, made.moved);
+  return made;
+}
+
+Vec3d moved_at(const Pressed& pressed, Vec3d place) {
+  const TrianglePoint at = nearest_point(pressed.model.tree, place);
+  const Int3 t = pressed.model.surface.triangles[std::size_t(at.triangle)];
+  Vec3d sum;
+  for (int k = 0; k < 3; k++) sum += pressed.moved[std::size_t(t[k])] * at.weights[k];
+  return sum;
+}
+
+TEST(RhombusSpread, even_pressure_on_a_circle_sinks_as_love_s_half_space_on_any_mesh) {
+  for (const auto& [cells, radius] : {std::pair{60, 0.03}, {100, 0.03}, {100, 0.02}}) {
+    const Pressed pressed = press_circle(cells, radius, {0, 0, -1});
+    const double a = pressed.radius, middle = 2 * 1e3 * a / kContactModulus;
+    EXPECT_NEAR(-moved_at(pressed, {}).z, middle, 0.03 * middle) << cells << ": 2 p a / E*";
+    double edge = 0;
+    for (int k = 0; k < 16; k++)
+      edge -= moved_at(pressed, {a * std::cos(k * 0.3927), a * std::sin(k * 0.3927), 0}).z / 16;
+    EXPECT_NEAR(edge, middle * 2 / std::numbers::pi, 0.03 * middle) << cells << ": 4 p a / (pi E*)";
+    EXPECT_NEAR(-moved_at(pressed, {3 * a, 0, 0}).z, middle / 6 * 1.014, 0.01 * middle)
+        << cells << ": P / (pi E* r), and a little more, for the circle is wide";
+    EXPECT_NEAR(moved_at(pressed, {0, 2 * a, 0}).y, 0, 0.01 * middle) << "what keeps its volume";
+  }
+}
+
+TEST(RhombusSpread,
+     even_shear_moves_the_middle_of_a_circle_by_3_q_a_over_e_less_what_each_vertex_is_softened_by) {
+  for (const int cells : {60, 100, 150}) {
+    const Pressed pressed = press_circle(cells, 0.03, {0.6, 0.8, 0});
+    const double expected = 3 * 1e3 * pressed.radius / kContactModulus, cell = 0.3 / cells;
+    const double softened = 3 * std::numbers::pi / 8 * std::sqrt(cell * cell / std::numbers::pi);
+    const Vec3d middle = moved_at(pressed, {}), way{0.6, 0.8, 0};
+    EXPECT_NEAR(dot(middle, way) / expected, 1 - 2 * softened / (3 * pressed.radius), 0.01) << cells;
+    EXPECT_NEAR(norm(middle - way * dot(middle, way)), 0, 0.01 * expected) << cells;
+  }
+}
+
+TEST(RhombusSpread, twice_as_stiff_it_gives_way_half_as_far_and_work_is_mutual_where_stiffness_varies) {
+  const Pressed soft = press_circle(40, 0.03, {0, 0, -1}), hard = press_circle(40, 0.03, {0, 0, -1}, 2);
+  EXPECT_NEAR(moved_at(hard, {}).z, 0.5 * moved_at(soft, {}).z, 1e-6 * norm(moved_at(soft, {})));
+  Surface ball = test::sphere(0.05, 3);
+  std::vector<double> map;
+  for (const Vec3d x : ball.vertices) map.push_back(1 + 10 * std::abs(x.x));
+  const Model model = *build({std::move(ball.vertices), std::move(ball.triangles), std::move(map)}, Params());
+  const Load here{7, {0.1, 0.2, -0.3}}, there{401, {-0.2, 0.05, 0.1}};
+  std::vector<Vec3d> by_here, by_there;
+  displacements_of(Exec(1), model, {&here, 1}, by_here);
+  displacements_of(Exec(1), model, {&there, 1}, by_there);
+  const double work = dot(by_here[401], there.force);
+  EXPECT_NEAR(dot(by_there[7], here.force), work, 1e-5 * std::abs(work)) << "J, Betti";
+  const double most = farthest_move(Exec(1), model, {&here, 1});
+  EXPECT_NEAR(most, norm(by_here[7]), 1e-5 * most);
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 #include "turgor/pictures/run_scene.hpp"
 
+#include <cstdlib>
+
 #include "sim/four_kinds.hpp"
+#include "turgor/io/hdf5_file.hpp"
 #include "turgor/view/video.hpp"
 
 namespace turgor {
@@ -82,6 +85,38 @@ TEST(RunScene, AReplayDrawsTheSamePicturesAndMeshes) {
       compared++;
     }
   EXPECT_GT(compared, 25);
+}
+
+/// How many steps are in a file of VTKHDF, and their times.
+std::vector<double> times_of(const fs::path& vtkhdf) {
+  const Result<Hdf5File> file = Hdf5File::open(vtkhdf);
+  EXPECT_TRUE(file) << (file ? "" : file.error().message);
+  const std::vector<std::int64_t> steps = file->read_numbers("/VTKHDF/Steps", "NSteps");
+  EXPECT_EQ(steps.size(), 1u);
+  return file->read<double>("/VTKHDF/Steps/Values", std::size_t(steps.at(0))).value();
+}
+
+TEST(RunScene, OneFileABodyHoldsWhatTheManyHoldAndCanStandForThem) {
+  const fs::path folder = test::fresh_folder(), out = folder / "ran";
+  must_run(test::four_kinds_scene(folder, {"output.video=false", "output.vtkhdf=true",
+                                           "output.snapshots={ every = 0.1, size = [64, 64] }"}),
+           out);
+  for (const char* name : {"pad", "liver", "block", "sheet", "tools/finger", "forces/on-tools"}) {
+    const std::vector<double> times = times_of(out / "meshes" / (std::string(name) + ".vtkhdf"));
+    ASSERT_EQ(times.size(), 4u) << name;
+    EXPECT_NEAR(times[2], 0.2, 1e-9);
+  }
+  const Result<Json> again =
+      replay_recording(Exec(2), out / "recording.h5", {"output.meshes=false"}, {.out = folder / "again"});
+  ASSERT_TRUE(again) << again.error().message;
+  for (const std::string& name : test::names_in(folder / "again" / "meshes"))
+    EXPECT_FALSE(name.ends_with(".vtu")) << name;
+  EXPECT_FALSE(fs::exists(folder / "again" / "meshes.pvd"));
+  EXPECT_EQ(times_of(folder / "again/meshes/block.vtkhdf").size(), 4u);
+  if (std::system("python3 -c 'import vtk; vtk.vtkHDFReader().GetNumberOfSteps()' >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "no VTK 9.3 for python3: it was not read by it";
+  const std::string read = "python3 '" TURGOR_SOURCE_DIR "/tests/pictures/read_vtkhdf.py' '";
+  EXPECT_EQ(std::system((read + (out / "meshes").string() + "'").c_str()), 0);
 }
 
 TEST(RunScene, AVideoRunsAtThePaceOfTheRunAlsoInAReplay) {

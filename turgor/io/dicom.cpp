@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -62,13 +63,33 @@ Result<ChosenSlices> slices_in(const Exec& exec, const fs::path& folder, const R
   return chosen;
 }
 
+/// Which slices are read one after the other: the frames of a deflated file, which is inflated once; else
+/// each alone.
+std::vector<std::vector<std::size_t>> read_together(std::span<const DicomSlice* const> slices) {
+  std::vector<std::vector<std::size_t>> together;
+  std::map<fs::path, std::size_t> deflated;
+  for (std::size_t k = 0; k < slices.size(); k++) {
+    const bool is_new = !slices[k]->is_deflated || deflated.emplace(slices[k]->file, together.size()).second;
+    if (is_new) together.emplace_back();
+    together[is_new ? together.size() - 1 : deflated[slices[k]->file]].push_back(k);
+  }
+  return together;
+}
+
 Result<ChangedSamples> read_plain(const Exec& exec, std::span<const DicomSlice* const> slices,
                                   std::span<const std::span<std::int16_t>> hu, const Progress& progress) {
   std::vector<Result<ChangedSamples>> read(slices.size(), ChangedSamples{});
   std::atomic<std::size_t> done{0};
-  parallel_for(exec, slices.size(), [&](std::size_t k) {
-    read[k] = read_plain_samples(*slices[k], hu[k]);
-    if (progress) progress(double(++done) / double(slices.size()));
+  const std::vector<std::vector<std::size_t>> together = read_together(slices);
+  parallel_for(exec, together.size(), [&](std::size_t n) {
+    const DicomSlice& first = *slices[together[n].front()];
+    Result<std::string> inflated{std::string()};
+    if (first.is_deflated) inflated = inflate_dataset(first.file, first.dataset_offset);
+    for (const std::size_t k : together[n]) {
+      read[k] = inflated ? read_plain_samples(*slices[k], *inflated, hu[k])
+                         : Error{fmt::format("{}: {}", first.file.string(), inflated.error().message)};
+      if (progress) progress(double(++done) / double(slices.size()));
+    }
   });
   ChangedSamples changed;
   for (const auto& slice : read) {

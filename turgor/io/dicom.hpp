@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "turgor/io/ct.hpp"
@@ -103,8 +104,10 @@ struct ChangedSamples {
 
   void operator+=(const ChangedSamples& other) { padding += other.padding, clamped += other.clamped; }
 };
-/// The Hounsfield units of one uncompressed slice, columns fastest, into rows · columns samples.
-Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, std::span<std::int16_t> hu);
+/// The Hounsfield units of one uncompressed slice, columns fastest, into rows · columns samples. `inflated`:
+/// what its file inflates to, if that is deflated.
+Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, std::string_view inflated,
+                                          std::span<std::int16_t> hu);
 /// The same for compressed slices of one size.
 Result<ChangedSamples> decode_dicom_samples(const Exec& exec, std::span<const DicomSlice* const> slices,
                                             std::span<const std::span<std::int16_t>> hu,

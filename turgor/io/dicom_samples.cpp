@@ -58,13 +58,11 @@ ChangedSamples convert_to_hu(const DicomSlice& slice, const char* stored, std::s
 namespace {
 
 /// The stored bytes of a slice, as many as are there.
-Result<std::vector<char>> stored_bytes(const DicomSlice& slice, std::size_t wanted) {
+std::vector<char> stored_bytes(const DicomSlice& slice, std::string_view inflated, std::size_t wanted) {
   std::vector<char> stored(wanted);
   if (slice.is_deflated) {
-    const Result<std::string> all = inflate_dataset(slice.file, slice.dataset_offset);
-    if (!all) return Error{fmt::format("{}: {}", slice.file.string(), all.error().message)};
-    const std::size_t at = std::min<std::size_t>(slice.pixel_offset, all->size());
-    stored.resize(all->copy(stored.data(), wanted, at));
+    const std::size_t at = std::min<std::size_t>(slice.pixel_offset, inflated.size());
+    stored.resize(inflated.copy(stored.data(), wanted, at));
     return stored;
   }
   std::ifstream stream(slice.file, std::ios::binary);
@@ -83,16 +81,16 @@ void swap_bytes(std::vector<char>& stored, int bits_allocated) {
 
 }  // namespace
 
-Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, std::span<std::int16_t> hu) {
+Result<ChangedSamples> read_plain_samples(const DicomSlice& slice, std::string_view inflated,
+                                          std::span<std::int16_t> hu) {
   const std::size_t wanted = hu.size() * std::size_t(slice.bits_allocated) / 8;
-  Result<std::vector<char>> stored = stored_bytes(slice, wanted);
-  if (!stored) return stored.error();
-  const std::size_t found = stored->size();
+  std::vector<char> stored = stored_bytes(slice, inflated, wanted);
+  const std::size_t found = stored.size();
   if (found < wanted || slice.pixel_length < wanted)
     return Error{fmt::format("{}: truncated or corrupt: {} bytes of pixels, expected {} ({} x {})",
                              slice.file.string(), found, wanted, slice.columns, slice.rows)};
-  if (slice.is_big_endian) swap_bytes(*stored, slice.bits_allocated);
-  return convert_to_hu(slice, stored->data(), hu);
+  if (slice.is_big_endian) swap_bytes(stored, slice.bits_allocated);
+  return convert_to_hu(slice, stored.data(), hu);
 }
 
 }  // namespace turgor::io

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/io/child.hpp"
 #include "turgor/io/input_file.hpp"
 
@@ -47,6 +48,10 @@ hid_t type_of<std::uint8_t>() {
 template <>
 hid_t type_of<std::int32_t>() {
   return H5T_NATIVE_INT32;
+}
+template <>
+hid_t type_of<std::int64_t>() {
+  return H5T_NATIVE_INT64;
 }
 template <>
 hid_t type_of<std::uint64_t>() {
@@ -163,6 +168,52 @@ Status Hdf5File::write(const std::string& name, std::span<const T> values, std::
   return Done{};
 }
 
+namespace {
+
+/// Of a dataset that grows; chunks are as large as what comes first, within bounds.
+hid_t make_growing(hid_t file, const std::string& name, hid_t type, hsize_t rows, hsize_t columns, int axes) {
+  constexpr hsize_t kFewest = 64, kChunkBytes = 1 << 20;
+  const hsize_t most = std::max<hsize_t>(kChunkBytes / (columns * H5Tget_size(type)), kFewest);
+  const hsize_t chunk[2] = {std::clamp(rows, kFewest, most), columns}, none[2] = {0, columns},
+                any[2] = {H5S_UNLIMITED, columns};
+  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose), layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose),
+      space(H5Screate_simple(axes, none, any), H5Sclose);
+  H5Pset_create_intermediate_group(links, 1);
+  H5Pset_chunk(layout, axes, chunk);
+  H5Pset_shuffle(layout);
+  H5Pset_deflate(layout, 3);
+  H5Pset_fletcher32(layout);
+  return H5Dcreate2(file, name.c_str(), type, space, links, layout, H5P_DEFAULT);
+}
+
+/// Rows behind those that are there.
+bool add_rows(hid_t set, hid_t type, hsize_t rows, hsize_t columns, int axes, const void* values) {
+  hsize_t begin[2] = {0, 0};
+  const Handle before(H5Dget_space(set), H5Sclose);
+  if (!before.valid() || H5Sget_simple_extent_dims(before, begin, nullptr) != axes) return false;
+  begin[1] = 0;
+  const hsize_t size[2] = {rows, columns}, whole[2] = {begin[0] + rows, columns};
+  if (H5Dset_extent(set, whole) < 0) return false;
+  const Handle there(H5Dget_space(set), H5Sclose), here(H5Screate_simple(axes, size, nullptr), H5Sclose);
+  return H5Sselect_hyperslab(there, H5S_SELECT_SET, begin, nullptr, size, nullptr) >= 0 &&
+         H5Dwrite(set, type, here, there, H5P_DEFAULT, values) >= 0;
+}
+
+}  // namespace
+
+template <class T>
+Status Hdf5File::append(const std::string& name, std::span<const T> values, std::size_t columns) {
+  const hsize_t rows = values.size() / columns;
+  const int axes = columns == 1 ? 1 : 2;
+  Handle set(has(name) ? H5Dopen2(id_, name.c_str(), H5P_DEFAULT)
+                       : make_growing(id_, name, type_of<T>(), rows, columns, axes),
+             H5Dclose);
+  const bool written =
+      set.valid() && (rows == 0 || add_rows(set, type_of<T>(), rows, columns, axes, values.data()));
+  if (!set.give_back() || !written) return error(name, "cannot write (is the disk full?)");
+  return Done{};
+}
+
 Status Hdf5File::write_text(const std::string& name, const std::string& text) {
   const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose), type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Pset_create_intermediate_group(links, 1);
@@ -175,17 +226,46 @@ Status Hdf5File::write_text(const std::string& name, const std::string& text) {
   return Done{};
 }
 
+Status Hdf5File::make_group(const std::string& name) {
+  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  H5Pset_create_intermediate_group(links, 1);
+  Handle group(H5Gcreate2(id_, name.c_str(), links, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  if (!group.valid() || !group.give_back()) return error(name, "cannot write (is the disk full?)");
+  return Done{};
+}
+
+Status Hdf5File::write_attribute(const std::string& name, const std::string& attribute, std::int64_t type,
+                                 std::int64_t space, const void* value) {
+  Handle object(H5Oopen(id_, name.c_str(), H5P_DEFAULT), H5Oclose);
+  Handle made(H5Acreate2(object, attribute.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const bool written = made.valid() && H5Awrite(made, type, value) >= 0;
+  if (!made.give_back() || !object.give_back() || !written)
+    return error(name, "cannot write (is the disk full?)");
+  return Done{};
+}
+
 Status Hdf5File::write_attribute(const std::string& name, const std::string& attribute,
                                  const std::string& text) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
   H5Tset_size(type, text.size() + 1);
   H5Tset_cset(type, H5T_CSET_UTF8);
-  Handle set(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
-  Handle made(H5Acreate2(set, attribute.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  const bool written = made.valid() && H5Awrite(made, type, text.c_str()) >= 0;
-  if (!made.give_back() || !set.give_back() || !written)
-    return error(name, "cannot write (is the disk full?)");
-  return Done{};
+  return write_attribute(name, attribute, type, space, text.c_str());
+}
+
+Status Hdf5File::write_ascii_attribute(const std::string& name, const std::string& attribute,
+                                       const std::string& text) {
+  TURGOR_ASSERT(!text.empty(), "HDF5 knows no empty text");
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+  H5Tset_size(type, text.size());
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  return write_attribute(name, attribute, type, space, text.data());
+}
+
+Status Hdf5File::write_attribute(const std::string& name, const std::string& attribute,
+                                 std::span<const std::int64_t> numbers) {
+  const hsize_t count = numbers.size();
+  const Handle space(count == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, nullptr), H5Sclose);
+  return write_attribute(name, attribute, H5T_NATIVE_INT64, space, numbers.data());
 }
 
 Status Hdf5File::flush() {
@@ -259,6 +339,20 @@ std::string Hdf5File::read_attribute(const std::string& name, const std::string&
   return text;
 }
 
+std::vector<std::int64_t> Hdf5File::read_numbers(const std::string& name,
+                                                 const std::string& attribute) const {
+  constexpr hssize_t kMost = 1024;
+  const Handle made(H5Aopen_by_name(id_, name.c_str(), attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+                    H5Aclose);
+  if (!made.valid()) return {};
+  const Handle type(H5Aget_type(made), H5Tclose), space(H5Aget_space(made), H5Sclose);
+  const hssize_t count = space.valid() ? H5Sget_simple_extent_npoints(space) : -1;
+  if (!type.valid() || H5Tget_class(type) != H5T_INTEGER || count < 0 || count > kMost) return {};
+  std::vector<std::int64_t> numbers(std::size_t(count), 0);
+  if (H5Aread(made, H5T_NATIVE_INT64, numbers.data()) < 0) return {};
+  return numbers;
+}
+
 std::vector<std::string> Hdf5File::datasets() const {
   std::vector<std::string> names;
   const H5O_iterate_t add = [](hid_t, const char* name, const H5O_info_t* object, void* all) {
@@ -272,11 +366,13 @@ std::vector<std::string> Hdf5File::datasets() const {
 
 #define TURGOR_HDF5_TYPE(T)                                                                             \
   template Status Hdf5File::write<T>(const std::string&, std::span<const T>, std::size_t, Hdf5Packing); \
+  template Status Hdf5File::append<T>(const std::string&, std::span<const T>, std::size_t);             \
   template Result<std::vector<T>> Hdf5File::read<T>(const std::string&, std::size_t) const;
 TURGOR_HDF5_TYPE(float)
 TURGOR_HDF5_TYPE(double)
 TURGOR_HDF5_TYPE(std::uint8_t)
 TURGOR_HDF5_TYPE(std::int32_t)
+TURGOR_HDF5_TYPE(std::int64_t)
 TURGOR_HDF5_TYPE(std::uint64_t)
 #undef TURGOR_HDF5_TYPE
 

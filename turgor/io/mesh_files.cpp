@@ -9,6 +9,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/io/file.hpp"
+#include "turgor/io/mesh_space.hpp"
 #include "turgor/io/xml_text.hpp"
 
 namespace turgor {
@@ -43,41 +44,14 @@ std::string field_array(Appended& appended, const VertexField& field) {
                     field.values.size_bytes());
 }
 
-const char* frame_name(MeshSpace space) { return space.is_ras ? "RAS" : "LPS"; }
-std::string space_text(MeshSpace space) {
-  return fmt::format("{}, patient frame {} ({}, z to the head)", space.is_mm ? "millimetres" : "metres",
-                     frame_name(space),
-                     space.is_ras ? "x to the right, y to the front" : "x to the left, y to the back");
-}
-
-/// Along the axes of the file; zero keeps no sign.
-Vec3 turned(Vec3 v, MeshSpace space) { return space.is_ras ? Vec3{-v.x, -v.y, v.z} + Vec3{} : v; }
-std::vector<Vec3> turned(std::vector<Vec3> vectors, MeshSpace space) {
-  for (Vec3& v : vectors) v = turned(v, space);
-  return vectors;
-}
-Vec3 placed(Vec3 x, MeshSpace space) { return turned(space.is_mm ? x * 1000.0f : x, space); }
-
-/// A length in the file's unit, a vector along its axes.
-std::string placed_array(Appended& appended, VertexField field, MeshSpace space) {
-  std::vector<float> values(field.values.begin(), field.values.end());
-  for (std::size_t i = 0; i < values.size(); i++) {
-    if (space.is_mm && field.is_length) values[i] *= 1000;
-    if (space.is_ras && field.components == 3 && i % 3 < 2) values[i] = 0 - values[i];
-  }
-  field.values = values;
-  if (field.is_length) field.name += fmt::format(" [{}]", unit_name(space));
-  return field_array(appended, field);
-}
-
 std::string field_arrays(Appended& appended, const std::vector<VertexField>& fields, std::size_t count,
                          MeshSpace space) {
   std::string text;
   for (const VertexField& field : fields) {
     TURGOR_ASSERT(field.values.size() == count * std::size_t(field.components),
                   "a field has one value a vertex, or an element");
-    text += field.is_length || field.is_direction ? placed_array(appended, field, space)
-                                                  : field_array(appended, field);
+    const std::vector<float> values = io::placed_values(field, space);
+    text += field_array(appended, {io::placed_name(field, space), field.components, values});
   }
   return text;
 }
@@ -111,7 +85,7 @@ std::string vtu_begin(std::size_t points, std::size_t cells, MeshSpace space) {
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\" "
       "header_type=\"UInt64\">\n<UnstructuredGrid>\n<FieldData>\n{}{}</FieldData>\n"
       "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
-      space_text(space), byte_order(), text_array("SPACE", frame_name(space)),
+      io::space_text(space), byte_order(), text_array("SPACE", io::frame_name(space)),
       text_array("unit", unit_name(space)), points, cells);
 }
 
@@ -124,15 +98,13 @@ std::string vtu_end(const Appended& appended) {
 
 Status write_obj(const std::filesystem::path& path, const TriMesh& mesh, MeshSpace space,
                  std::span<const MeshGroup> groups) {
-  std::string text = fmt::format("# Turgor: {}\n# SPACE={}\n", space_text(space), frame_name(space));
+  std::string text = fmt::format("# Turgor: {}\n# SPACE={}\n", io::space_text(space), io::frame_name(space));
   const auto out = std::back_inserter(text);
   const bool normals = mesh.normals.size() == mesh.vertices.size();
-  for (const Vec3 x : mesh.vertices) {
-    const Vec3 v = placed(x, space);
+  for (const Vec3 v : io::placed(mesh.vertices, space))
     fmt::format_to(out, "v {0:.{3}f} {1:.{3}f} {2:.{3}f}\n", v.x, v.y, v.z, space.is_mm ? 4 : 6);
-  }
   if (normals)
-    for (const Vec3 n : turned(mesh.normals, space))
+    for (const Vec3 n : io::turned(mesh.normals, space))
       fmt::format_to(out, "vn {:.4f} {:.4f} {:.4f}\n", n.x, n.y, n.z);
   for (std::size_t t = 0; t < mesh.triangles.size(); t++) {
     const auto [a, b, c] = mesh.triangles[t];
@@ -153,10 +125,9 @@ Status write_vtu(const std::filesystem::path& path, const TriMesh& mesh,
   Appended appended;
   std::string text = vtu_begin(vertices, mesh.triangles.size(), space) + "<PointData>\n";
   if (mesh.normals.size() == vertices)
-    text += field_array(appended, vertex_field("normal", turned(mesh.normals, space)));
+    text += field_array(appended, vertex_field("normal", io::turned(mesh.normals, space)));
   text += field_arrays(appended, fields, vertices, space);
-  std::vector<Vec3> places = mesh.vertices;
-  for (Vec3& x : places) x = placed(x, space);
+  const std::vector<Vec3> places = io::placed(mesh.vertices, space);
   text += "</PointData>\n<Points>\n" + field_array(appended, vertex_field("points", places));
   std::vector<std::int32_t> corners;
   for (const auto [a, b, c] : mesh.triangles) corners.insert(corners.end(), {a, b, c});
@@ -170,8 +141,7 @@ Status write_points(const std::filesystem::path& path, const std::vector<Vec3>& 
   Appended appended;
   std::string text = vtu_begin(points.size(), points.size(), space) + "<PointData>\n";
   text += field_arrays(appended, fields, points.size(), space);
-  std::vector<Vec3> places = points;
-  for (Vec3& x : places) x = placed(x, space);
+  const std::vector<Vec3> places = io::placed(points, space);
   text += "</PointData>\n<Points>\n" + field_array(appended, vertex_field("points", places));
   std::vector<std::int32_t> corners(points.size());
   std::iota(corners.begin(), corners.end(), 0);
@@ -201,7 +171,7 @@ Status write_pvd(const std::filesystem::path& path, const std::vector<PvdEntry>&
   std::string text = fmt::format(
       "<?xml version=\"1.0\"?>\n<!-- Turgor: {} -->\n<VTKFile type=\"Collection\" version=\"0.1\" "
       "byte_order=\"{}\">\n<Collection>\n",
-      space_text(space), byte_order());
+      io::space_text(space), byte_order());
   for (const PvdEntry& entry : entries)
     text += fmt::format("<DataSet timestep=\"{}\" part=\"0\" name=\"{}\" file=\"{}\"/>\n", entry.time,
                         xml_text(entry.part), xml_text(entry.file));

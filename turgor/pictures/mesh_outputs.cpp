@@ -30,39 +30,82 @@ std::vector<MeshGroup> groups_of(const ShownBody& body) {
   return {{"skin", 0}, {"wound", body.wall_begin}};
 }
 
-/// Tools where they are, and a point for each with the force on it.
+/// The file of that name among those of VTKHDF.
+Result<VtkHdfSeries*> series_of(const std::string& name, Outputs& outputs) {
+  const std::string file = "meshes/" + name + ".vtkhdf";
+  const auto found = outputs.vtkhdf.find(file);
+  if (found != outputs.vtkhdf.end()) return &found->second;
+  Result<VtkHdfSeries> made = VtkHdfSeries::create(outputs.folder / file, outputs.scene->output.mesh_space);
+  if (!made) return made.error();
+  return &outputs.vtkhdf.emplace(file, std::move(*made)).first->second;
+}
+
+/// A mesh at a moment, into the files that the scene asks for; `part` is what ParaView calls it.
+Status write_mesh(const ShownWorld& shown, const std::string& name, const std::string& part,
+                  const TriMesh& mesh, const std::vector<VertexField>& fields, Outputs& outputs) {
+  const OutputScene& output = outputs.scene->output;
+  if (output.meshes) {
+    const std::string file = fmt::format("meshes/{}-{:04}.vtu", name, shown.frame);
+    const Status status = write_vtu(outputs.folder / file, mesh, fields, output.mesh_space);
+    if (!status) return status;
+    outputs.series.push_back({shown.time, file, part});
+  }
+  if (!output.vtkhdf) return Done{};
+  const Result<VtkHdfSeries*> series = series_of(name, outputs);
+  return series ? (*series)->add(shown.time, mesh, fields) : series.error();
+}
+
+/// A point for each tool with the force on it.
+Status write_forces(const ShownWorld& shown, const std::vector<Vec3>& places, const std::vector<Vec3>& forces,
+                    Outputs& outputs) {
+  const OutputScene& output = outputs.scene->output;
+  VertexField force = vertex_field("force on the tool [N]", forces);
+  force.is_direction = true;
+  if (output.meshes) {
+    const std::string file = fmt::format("meshes/forces/on-tools-{:04}.vtu", shown.frame);
+    outputs.series.push_back({shown.time, file, "forces on tools"});
+    const Status status = write_points(outputs.folder / file, places, {force}, output.mesh_space);
+    if (!status) return status;
+  }
+  if (!output.vtkhdf) return Done{};
+  const Result<VtkHdfSeries*> series = series_of("forces/on-tools", outputs);
+  return series ? (*series)->add_points(shown.time, places, {force}) : series.error();
+}
+
+/// Tools where they are, and the forces on them.
 Status write_tools(const ShownWorld& shown, Outputs& outputs) {
-  const MeshSpace space = outputs.scene->output.mesh_space;
   std::vector<Vec3> places, forces;
   for (const ShownTool& tool : shown.tools) {
-    const std::string file = fmt::format("meshes/tools/{}-{:04}.vtu", tool.name, shown.frame);
-    if (const Status status = write_vtu(outputs.folder / file, placed_mesh(tool), {}, space); !status)
-      return status;
-    outputs.series.push_back({shown.time, file, tool.name});
+    const Status status = write_mesh(shown, "tools/" + tool.name, tool.name, placed_mesh(tool), {}, outputs);
+    if (!status) return status;
     places.push_back(Vec3(tool.pose.position));
     forces.push_back(Vec3(tool.force));
   }
-  if (places.empty()) return Done{};
-  VertexField force = vertex_field("force on the tool [N]", forces);
-  force.is_direction = true;
-  const std::string file = fmt::format("meshes/forces/on-tools-{:04}.vtu", shown.frame);
-  outputs.series.push_back({shown.time, file, "forces on tools"});
-  return write_points(outputs.folder / file, places, {force}, space);
+  return places.empty() ? Done{} : write_forces(shown, places, forces, outputs);
 }
 
 }  // namespace
 
 Status write_meshes(const ShownWorld& shown, Outputs& outputs) {
+  if (!outputs.scene->output.meshes && !outputs.scene->output.vtkhdf) return Done{};
   const AddTime time(outputs.facts.file_seconds);
   for (const ShownBody& body : shown.bodies) {
-    const std::string file = fmt::format("meshes/{}-{:04}.vtu", body.name, shown.frame);
     std::vector<float> numbers;
-    const Status status = write_vtu(outputs.folder / file, shown_mesh(body), fields_of(body, numbers),
-                                    outputs.scene->output.mesh_space);
+    const std::vector<VertexField> fields = fields_of(body, numbers);
+    const Status status = write_mesh(shown, body.name, body.name, shown_mesh(body), fields, outputs);
     if (!status) return status;
-    outputs.series.push_back({shown.time, file, body.name});
   }
   return write_tools(shown, outputs);
+}
+
+Status finish_meshes(Outputs& outputs) {
+  for (auto& [file, series] : outputs.vtkhdf) {
+    if (const Status status = series.close(); !status) return status;
+    outputs.facts.files.push_back(file);
+  }
+  if (!outputs.scene->output.meshes) return Done{};
+  outputs.facts.files.push_back("meshes.pvd");
+  return write_pvd(outputs.folder / "meshes.pvd", outputs.series, outputs.scene->output.mesh_space);
 }
 
 Status write_objs(const ShownWorld& shown, const std::vector<Pressed>& pressed, Outputs& outputs) {

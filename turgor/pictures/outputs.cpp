@@ -191,7 +191,7 @@ Status add_snapshot(const ShownWorld& shown, Outputs& outputs) {
       view.first = view.colored ? draw_world(shown, outputs, view.camera, false).value_or(*image) : *image;
     view.last = std::move(*image);
   }
-  return outputs.scene->output.meshes ? write_meshes(shown, outputs) : Done{};
+  return write_meshes(shown, outputs);
 }
 
 int moment_interval(const Outputs& outputs) {
@@ -232,9 +232,7 @@ Status finish_tables(const World& world, Outputs& outputs) {
       return status;
     outputs.facts.files.push_back("forces.csv");
   }
-  if (!outputs.scene->output.meshes) return Done{};
-  outputs.facts.files.push_back("meshes.pvd");
-  return write_pvd(outputs.folder / "meshes.pvd", outputs.series, outputs.scene->output.mesh_space);
+  return finish_meshes(outputs);
 }
 
 }  // namespace

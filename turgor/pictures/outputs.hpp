@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "turgor/core/exec.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/io/mesh_files.hpp"
+#include "turgor/io/vtkhdf.hpp"
 #include "turgor/pictures/motion.hpp"
 #include "turgor/pictures/picture_parts.hpp"
 #include "turgor/sim/pressed.hpp"
@@ -42,12 +44,13 @@ struct Outputs {
   std::filesystem::path folder;
   RunFacts facts;
   std::vector<SurfaceView> views;
-  std::vector<lattice::State> at_rest;    // lattices as in the CT, for pictures of before
-  std::vector<PvdEntry> series;           // of meshes
-  std::vector<Film> films;                // none, unless the scene asks for a video and ffmpeg is there
-  double video_begin = 0, video_end = 0;  // when their first and their latest frame were [s]
-  Motion motion;                          // for the page
-  bool can_draw = true;                   // OpenGL works
+  std::vector<lattice::State> at_rest;         // lattices as in the CT, for pictures of before
+  std::vector<PvdEntry> series;                // of meshes
+  std::map<std::string, VtkHdfSeries> vtkhdf;  // by file
+  std::vector<Film> films;                     // none, unless the scene asks for a video and ffmpeg is there
+  double video_begin = 0, video_end = 0;       // when their first and their latest frame were [s]
+  Motion motion;                               // for the page
+  bool can_draw = true;                        // OpenGL works
 };
 
 /// Adds the wall time of its life to a sum [s].
@@ -95,8 +98,10 @@ ColorScale color_scale(const Scene& scene, SkinColor color);
 
 /// pressed_pictures.cpp: every body under the largest force of its tools.
 Status add_pressed_pictures(const std::vector<Pressed>& pressed, Outputs& outputs);
-/// mesh_outputs.cpp: surfaces for ParaView, one file a body and snapshot, and as OBJ at the end.
+/// mesh_outputs.cpp: surfaces for ParaView, one file a body and snapshot or a body alone, as the scene asks,
+/// and as OBJ at the end.
 Status write_meshes(const ShownWorld& shown, Outputs& outputs);
+Status finish_meshes(Outputs& outputs);
 Status write_objs(const ShownWorld& shown, const std::vector<Pressed>& pressed, Outputs& outputs);
 /// ct_outputs.cpp: the CT as it would be scanned now, in sections, volume rendering and files.
 Status finish_ct_outputs(const World& world, Outputs& outputs);

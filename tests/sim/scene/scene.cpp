@@ -7,9 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "folders.hpp"
+#include "sim/scene/scene_error.hpp"
 
 namespace turgor {
 namespace {
+
+using test::error_of;
 
 const std::string kScene = R"(
 [world]
@@ -54,11 +57,6 @@ obj = false
 /// The smallest scene, with lines added to its body and at its end.
 std::string small_scene(const std::string& body = "", const std::string& rest = "") {
   return "[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"torso\" }\n" + body + "\n" + rest;
-}
-
-std::string error_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  const Result<Scene> scene = parse_scene(text, "s.toml", overrides);
-  return scene ? "no error" : scene.error().message;
 }
 
 lattice::TissueLaw law_of(const std::string& body) {

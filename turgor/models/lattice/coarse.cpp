@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "turgor/models/lattice/cells.hpp"
 #include "turgor/models/lattice/coarse_levels.hpp"
@@ -174,8 +175,8 @@ void for_copies(const Model& model, const State& state, const CoarseSpace& space
 }
 
 /// What forces at the nodes do to the unknowns.
-Eigen::VectorXd gather_unknowns(const Exec& exec, const Model& model, const State& state,
-                                const CoarseSpace& space, const LeftOver& forces) {
+std::vector<double> gather_unknowns(const Exec& exec, const Model& model, const State& state,
+                                    const CoarseSpace& space, const LeftOver& forces) {
   const std::size_t rows = space.row_begin.size() - 1;
   const int layers = model.lattice.size.z;
   std::vector<Vec3d> sums(kStretches * rows);
@@ -202,13 +203,13 @@ Eigen::VectorXd gather_unknowns(const Exec& exec, const Model& model, const Stat
         add(sums.data(), block, w, of_copy(c));
       },
       [&](int row, int c) { sums[std::size_t(row)] += of_copy(c); });
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(3 * space.unknowns);
+  std::vector<double> out(3 * std::size_t(space.unknowns));
   for (std::size_t row = 0; row < rows; row++) {
     Vec3d sum;
     for (std::size_t stretch = 0; stretch < kStretches; stretch++) sum += sums[stretch * rows + row];
     for (int t = space.row_begin[row]; t < space.row_begin[row + 1]; t++)
       for (int axis = 0; axis < 3; axis++)
-        out[3 * space.terms[std::size_t(t)].unknown + axis] +=
+        out[std::size_t(3 * space.terms[std::size_t(t)].unknown + axis)] +=
             double(space.terms[std::size_t(t)].weight) * sum[axis];
   }
   return out;
@@ -216,14 +217,14 @@ Eigen::VectorXd gather_unknowns(const Exec& exec, const Model& model, const Stat
 
 /// Moves nodes and copies by `part` of what the unknowns say.
 void move_nodes(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
-                const Eigen::VectorXd& unknowns, double part) {
+                std::span<const double> unknowns, double part) {
   std::vector<Vec3> by_row(space.row_begin.size() - 1);
   for (std::size_t row = 0; row < by_row.size(); row++) {
     Vec3d sum;
     for (int t = space.row_begin[row]; t < space.row_begin[row + 1]; t++)
       for (int axis = 0; axis < 3; axis++)
         sum[axis] += double(space.terms[std::size_t(t)].weight) *
-                     unknowns[3 * space.terms[std::size_t(t)].unknown + axis];
+                     unknowns[std::size_t(3 * space.terms[std::size_t(t)].unknown + axis)];
     by_row[row] = Vec3(sum * part);
   }
   const auto at = [&](const CoarseBlock& block, const std::array<float, 8>& w) {
@@ -248,6 +249,26 @@ void move_nodes(const Exec& exec, const Model& model, State& state, const Coarse
       model, state, space,
       [&](const CoarseBlock& block, const std::array<float, 8>& w, int c) { move_copy(c, at(block, w)); },
       [&](int row, int c) { move_copy(c, by_row[std::size_t(row)]); });
+}
+
+double work(std::span<const double> forces, std::span<const double> way) {
+  return std::inner_product(forces.begin(), forces.end(), way.begin(), 0.0);
+}
+
+/// Does a blade cut more in the steps to come? Not when it has stopped for some.
+bool blade_goes_on(State& state, std::size_t cuts) {
+  constexpr int kStopped = 8;
+  state.steps_since_cut = cuts != state.cuts_before ? 0 : state.steps_since_cut + 1;
+  state.cuts_before = cuts;
+  return state.blades_on.any() && state.steps_since_cut < kStopped;
+}
+
+/// As the CT shows it, and nothing moves it: then there is nothing to solve for.
+bool is_at_rest(const Model& model, const State& state, const Inputs& inputs, double dt) {
+  constexpr double kStill = 1e-6;  // steps of the lattice a frame: rounding
+  const Vec3 h = model.lattice.step;
+  return cut_version(state) == 0 && inputs.loads.empty() && norm(inputs.gravity) == 0 &&
+         double(state.fastest) * dt < kStill * double(std::min({h.x, h.y, h.z}));
 }
 
 }  // namespace
@@ -276,8 +297,8 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
   if (!params.solver.coarse || params.solver.method != Method::kDescent) return false;
   if (params.tissue.law != TissueLaw::kSolid || can_sleep(model) || !inputs.contacts.empty()) return false;
   const std::size_t cuts = cut_version(state);
-  const bool cut_now = cuts != state.cuts_before, goes_on = cut_now && state.was_cut;
-  state.cuts_before = cuts, state.was_cut = cut_now;
+  const bool goes_on = blade_goes_on(state, cuts);
+  if (is_at_rest(model, state, inputs, dt)) return false;
   // Times of frames are rounded; and a frame that is done in parts, while a tool is fast, is not worth a
   // space of its own.
   if (state.coarse && dt < 0.99 * state.coarse->dt) return false;
@@ -296,11 +317,11 @@ void correct_smooth_part(const Exec& exec, const Model& model, State& state, con
     find_left_over(exec, model, state, space, inputs, dt, state.left_over);
     return gather_unknowns(exec, model, state, space, state.left_over);
   };
-  const Eigen::VectorXd before = forces(), way = space.stiffness.solve(before);
-  const double slope = before.dot(way);
+  const std::vector<double> before = forces(), way = space.stiffness.solve(before);
+  const double slope = work(before, way);
   if (!(slope > 0)) return;
   move_nodes(exec, model, state, space, way, 1);
-  const double after = forces().dot(way);
+  const double after = work(forces(), way);
   const double part = slope > after ? std::min(kFarthest, slope / (slope - after)) : kFarthest;
   move_nodes(exec, model, state, space, way, (std::isfinite(after) ? part : 0) - 1);
 }
@@ -309,8 +330,8 @@ std::size_t memory_bytes(const CoarseSpace& space) {
   const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   return bytes(space.blocks) + bytes(space.row_begin) + bytes(space.terms) + bytes(space.follows) +
          bytes(space.outside) + bytes(space.loose) + bytes(space.cells.all) + bytes(space.cells.row_begin) +
-         std::size_t(space.stiffness.matrixL().nestedExpression().nonZeros()) *
-             (sizeof(double) + sizeof(int));
+         bytes(space.stiffness.order) + bytes(space.stiffness.mobility) + bytes(space.stiffness.column) +
+         bytes(space.stiffness.row) + bytes(space.stiffness.value);
 }
 
 }  // namespace turgor::lattice

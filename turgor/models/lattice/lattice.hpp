@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -70,7 +71,7 @@ struct SolverParams {
 struct Params {
   Int3 block{4, 4, 4};  // voxels per lattice step
   bool fix_bone = true;
-  bool fix_ends = false;  // the first and last layer along k, where a scan ends
+  bool fix_ends = false;  // the layers nearest to head and feet, where a scan ends
   TissueParams tissue;
   SkinParams skin;
   SolverParams solver;
@@ -248,7 +249,8 @@ struct State {
   std::shared_ptr<const CoarseSpace> coarse;  // follows from the cuts and the length of steps
   LeftOver left_over;                         // room to work in
   std::size_t cuts_before = 0;                // cut_version a step ago
-  bool was_cut = false;                       // in the step before
+  int steps_since_cut = 0;
+  std::bitset<256> blades_on;  // by incision: its blade is on its way
 };
 
 /// A force from outside on one node, for the length of a step. Fixed and removed nodes do not feel it.

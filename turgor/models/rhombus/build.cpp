@@ -48,6 +48,16 @@ std::vector<Vec3d> surface_gradient(const Surface& s, const std::vector<double>&
   return gradient;
 }
 
+std::vector<double> vertex_areas(const Surface& s) {
+  std::vector<double> area(s.vertices.size());
+  for (std::size_t t = 0; t < s.triangles.size(); t++) {
+    const auto x = [&](int corner) { return corner_place(s, int(t), corner); };
+    const double third = norm(cross(x(1) - x(0), x(2) - x(0))) / 6;
+    for (int i = 0; i < 3; i++) area[std::size_t(s.triangles[t][i])] += third;
+  }
+  return area;
+}
+
 }  // namespace
 
 Result<Model> build(Body body, const Params& params) {
@@ -58,6 +68,7 @@ Result<Model> build(Body body, const Params& params) {
   if (!surface) return surface.error();
   Model model{.params = params, .chain = *chain, .surface = std::move(*surface)};
   model.tree = build_triangle_tree(model.surface.vertices, model.surface.triangles);
+  model.area = vertex_areas(model.surface);
   model.stiffness = std::move(body.stiffness);
   if (!model.stiffness.empty()) model.stiffness_gradient = surface_gradient(model.surface, model.stiffness);
   return model;

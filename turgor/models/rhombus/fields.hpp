@@ -13,6 +13,7 @@ void visit_fields(S& s, const Visit& visit) {
   visit(Field{"touches", ""}, s.touches);
   visit(Field{"moved", ""}, s.moved);
   visit(Field{"distances", "m"}, s.distances);
+  visit(Field{"carried", "m", Axis::kVertex}, s.carried);
   visit(Field{"ring", "m", Axis::kVertex}, s.ring);
   visit(Field{"listed", "", Axis::kVertex}, s.listed);
 }
@@ -38,6 +39,7 @@ void visit_fields(M& m, const Visit& visit) {
   visit(Field{"tree_triangles", "", Axis::kTriangle}, m.tree.triangles);
   visit(Field{"tree_nodes", "m"}, m.tree.boxes.nodes);
   visit(Field{"tree_items", "", Axis::kTriangle}, m.tree.boxes.items);
+  visit(Field{"area", "m²", Axis::kVertex}, m.area);
   visit(Field{"stiffness", "", Axis::kVertex}, m.stiffness);
   visit(Field{"stiffness_gradient", "1/m", Axis::kVertex}, m.stiffness_gradient);
 }

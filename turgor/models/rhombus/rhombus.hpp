@@ -6,6 +6,7 @@
 //   build        checks the surface                                          (build.cpp)
 //   touch        a haptic tick: where tools touch, their forces              (touch.cpp)
 //   step         a picture: distances along the surface, every vertex's move (step.cpp)
+//   displacements_of  what lies on it, such as cloth                         (spread.hpp)
 #pragma once
 
 #include <cstdint>
@@ -52,6 +53,7 @@ struct Model {
   Chain chain;
   Surface surface;
   TriangleTree tree;
+  std::vector<double> area;               // of each vertex: a third of its triangles [m²]
   std::vector<double> stiffness;          // of each vertex; empty = 1 everywhere
   std::vector<Vec3d> stiffness_gradient;  // along the surface, of each vertex; empty likewise [1/m]
 };
@@ -113,6 +115,7 @@ struct State {
   std::vector<Vec3d> displacement;       // of every vertex, after `step` [m]
   std::vector<int> moved;                // vertices whose displacement is not zero
   std::vector<GeodesicField> distances;  // from each touch
+  std::vector<Vec3d> carried;            // by loads (spread.hpp), of every vertex; empty = none [m]
 
   std::vector<double> ring;          // of use within a step only
   std::vector<std::uint8_t> listed;  // likewise: 1 for those in `moved`
@@ -135,7 +138,7 @@ struct StepReport {
   double largest_displacement = 0;  // [m]
   double pressed_volume = 0;        // that the organ lost before it bulged; negative when pulled [m³]
 };
-/// Moves the vertices to what the last tick made of them.
+/// Moves the vertices to what the last tick and what they carry made of them.
 StepReport step(const Exec& exec, const Model& model, State& state);
 
 /// Elastic energy of what tools hold and press [J]. Exact for one tool; for several it takes what they share

@@ -182,6 +182,18 @@ void clear_moves(State& state) {
     state.displacement[v] = {}, state.ring[v] = 0, state.listed[v] = 0;
   }
   state.moved.clear();
+  if (!state.carried.empty()) std::fill(state.displacement.begin(), state.displacement.end(), Vec3d{});
+}
+
+/// On top of what tools do: both are small where they meet.
+void add_carried(State& state) {
+  for (std::size_t v = 0; v < state.carried.size(); v++) state.displacement[v] += state.carried[v];
+}
+
+double largest_size(const std::vector<Vec3d>& displacement) {
+  double largest2 = 0;
+  for (const Vec3d u : displacement) largest2 = std::max(largest2, dot(u, u));
+  return std::sqrt(largest2);
 }
 
 /// Lists a touch's vertices that no touch before it has listed.
@@ -207,14 +219,11 @@ StepReport step(const Exec& exec, const Model& model, State& state) {
     list_moved(state, *m.distances);
     parallel_for(exec, m.distances->reached.size(), AddMoves{model, m, state}, kGrain);
   }
-  if (state.moved.empty()) return report;
-  if (model.params.bulge > 0) bulge(exec, model, state, report);
-  double largest2 = 0;
-  for (const int v : state.moved)
-    largest2 =
-        std::max(largest2, dot(state.displacement[std::size_t(v)], state.displacement[std::size_t(v)]));
-  report.largest_displacement = std::sqrt(largest2);
-  report.finite = std::isfinite(largest2);
+  if (state.moved.empty() && state.carried.empty()) return report;
+  if (model.params.bulge > 0 && !state.moved.empty()) bulge(exec, model, state, report);
+  add_carried(state);
+  report.largest_displacement = largest_size(state.displacement);
+  report.finite = std::isfinite(report.largest_displacement);
   return report;
 }
 

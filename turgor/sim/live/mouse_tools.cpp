@@ -17,8 +17,7 @@ bool has_tool(const Scene& scene, BodyId id) {
 /// A lattice that is solved by position-based dynamics knows no contact, nor does cloth that is solved by
 /// sweeps.
 bool can_be_touched(const Scene& scene, BodyId id) {
-  if (id.kind == BodyKind::kCloth)
-    return why_untouched(scene.cloth_bodies[std::size_t(id.index)], scene).empty();
+  if (id.kind == BodyKind::kCloth) return why_untouched(scene.cloth_bodies[std::size_t(id.index)]).empty();
   if (id.kind != BodyKind::kLattice) return true;
   return scene.lattice_bodies[std::size_t(id.index)].params.solver.method == lattice::Method::kDescent;
 }

@@ -66,8 +66,9 @@ struct OutputScene {
   bool conserve_mass = false;
   std::optional<std::pair<double, double>> color_range;  // ends of the colours [m], [1] or [Pa]
   bool meshes = true;                                    // .vtu and .pvd
+  bool vtkhdf = false;                                   // the same in one file a body
   bool obj = true;
-  MeshSpace mesh_space;  // of both
+  MeshSpace mesh_space;  // of all three
   bool recording = true;
   bool video = false;
 };

@@ -187,7 +187,7 @@ ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Sce
   table.require({"plane", "sphere", "capsule", "mesh", "body"}, "what the cloth stays out of");
   table.describe("body", "", "one of `plane`, `sphere`, `capsule`, `mesh`, `body`",
                  "the surface of another body of the scene, wherever it goes (`\"lattice\"`, `\"sfem\"`, "
-                 "`\"rhombus\"`), which feels the cloth, but for `\"rhombus\"`");
+                 "`\"rhombus\"`), which feels the cloth");
   check_one_shape(table);
   if (table.has("sphere")) {
     obstacle.shape = read_ball(table.table("sphere"));

@@ -49,7 +49,8 @@ void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>
   const toml::node* node = body.find("fixed");
   body.describe(
       "fixed", "", "`\"bone\"`",
-      "`\"bone\"`, `\"ends\"` (first and last layer of the scan), `[\"bone\", \"ends\"]`, `\"none\"`; or a "
+      "`\"bone\"`, `\"ends\"` (the layers of the scan nearest to head and feet), `[\"bone\", \"ends\"]`, "
+      "`\"none\"`; or a "
       "table as "
       "of sfem, `{ sides = \"back\", depth = 0.3 }` or `{ box = … }`, of the box around the body's nodes");
   if (!node) return;

@@ -170,14 +170,19 @@ void read_output(SceneTable output, Scene& scene) {
               "ParaView. Vertex i is vertex i of the mesh that the scene names; of sfem bodies the array "
               "`mesh vertex` says which it is");
   output.read(
+      "vtkhdf", out.vtkhdf,
+      "the same in one file a body, `meshes/NAME.vtkhdf`, with every snapshot as a step, for ParaView "
+      "5.12 and VTK 9.3 on; with `meshes = false` instead of the many");
+  output.read(
       "obj", out.obj,
       "the final surface as OBJ, numbered likewise; of bodies that tools touch, under the largest force");
   output.read_choice<bool>("mesh_unit", out.mesh_space.is_mm, {{"m", false}, {"mm", true}},
-                           "of `meshes` and `obj`: `\"m\"` or `\"mm\"`; 3D Slicer wants `\"mm\"`. "
+                           "of `meshes`, `vtkhdf` and `obj`: `\"m\"` or `\"mm\"`; 3D Slicer wants `\"mm\"`. "
                            "Displacements are in the same unit, which is in the array's name");
-  output.read_choice<bool>("mesh_frame", out.mesh_space.is_ras, {{"LPS", false}, {"RAS", true}},
-                           "of `meshes` and `obj`: `\"LPS\"` as DICOM, or `\"RAS\"`. The files say which "
-                           "(`SPACE`), and 3D Slicer heeds that");
+  output.read_choice<bool>(
+      "mesh_frame", out.mesh_space.is_ras, {{"LPS", false}, {"RAS", true}},
+      "of `meshes`, `vtkhdf` and `obj`: `\"LPS\"` as DICOM, or `\"RAS\"`. The files say which "
+      "(`SPACE`), and 3D Slicer heeds that");
   output.read("recording", out.recording,
               "`recording.h5`, for `turgor run --replay` and for Python: see [recording.md](recording.md)");
   output.read("video", out.video,

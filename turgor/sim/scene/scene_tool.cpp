@@ -18,7 +18,7 @@ BodyId read_touched(SceneTable& tool, const Scene& scene) {
                                   "touch lattices with \"descent\"",
                                   scene.lattice_bodies[index].name));
   if (id.kind == BodyKind::kCloth && index < scene.cloth_bodies.size())
-    if (const std::string why = why_untouched(scene.cloth_bodies[index], scene); !why.empty())
+    if (const std::string why = why_untouched(scene.cloth_bodies[index]); !why.empty())
       tool.fail("body", why);
   return id;
 }
@@ -197,21 +197,12 @@ ToolMotion read_motion(SceneTable& tool) {
 
 }  // namespace
 
-std::string why_untouched(const ClothScene& cloth, const Scene& scene) {
+std::string why_untouched(const ClothScene& cloth) {
   if (!cloth::uses_gradients(cloth.params.solver.method))
     return fmt::format(
         "{} is solved by sweeps, which know no force in what is taut; tools touch cloth with "
         "solver.method = \"blocks\"",
         cloth.name);
-  for (const ObstacleScene& obstacle : cloth.obstacles) {
-    const auto* id = std::get_if<BodyId>(&obstacle.shape);
-    if (!id || id->kind != BodyKind::kRhombus || std::size_t(id->index) >= scene.rhombus_bodies.size())
-      continue;
-    return fmt::format(
-        "{0} lies on {1}, whose chains do not feel what lies on them; let the tool touch {1}, or "
-        "take a body of sfem or a lattice",
-        cloth.name, scene.rhombus_bodies[std::size_t(id->index)].name);
-  }
   return {};
 }
 

@@ -7,7 +7,7 @@
 namespace turgor {
 
 /// Why tools cannot touch a cloth: a sentence; empty = they can.
-std::string why_untouched(const ClothScene& cloth, const Scene& scene);
+std::string why_untouched(const ClothScene& cloth);
 
 ToolScene read_tool_scene(SceneTable tool, const std::string& name, const Scene& scene);
 

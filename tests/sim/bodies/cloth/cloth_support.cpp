@@ -347,13 +347,82 @@ TEST(cloth_support, a_tool_meets_the_body_where_the_cloth_has_pressed_it) {
   EXPECT_NEAR(deeper, alone, 0.1 * alone) << "N, the tool as much deeper";
 }
 
+/// On chains with the shape of the pad.
+std::string on_chains() {
+  return std::string(kPad) + "[body.chains]\nmodel = \"rhombus\"\nsurface_of = \"pad\"\n" + kSheet;
+}
+
+TEST(cloth_support, chains_bear_the_sheets_weight_and_sink_as_a_half_space_under_an_even_square) {
+  const std::string finer = "body.pad.block={ size = [0.06, 0.06, 0.03], count = [13, 11, 4] }";
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, {finer}, {"body.sheet.fabric.density=5"}}) {
+    std::vector<std::string> overrides{"body.sheet.obstacle.pad.body=chains"};
+    overrides.insert(overrides.end(), more.begin(), more.end());
+    World world = must_load(on_chains(), overrides);
+    run(world, 180);
+    const RhombusBody& chains = world.rhombus_bodies[0];
+    const ClothBody& sheet = world.cloth_bodies[0];
+    const double weight = sheet.model.total_mass * kGravity, pressure = weight / (0.06 * 0.06);
+    EXPECT_NEAR(mean_of_last(sheet.obstacles[0].force, 60).z, -weight, 0.01 * weight)
+        << "N, the cloth's side";
+    const Vec3d felt = total_force(chains.cloth);
+    EXPECT_NEAR(felt.z, -weight, 0.01 * weight) << "N, the chains' side";
+    EXPECT_LT(std::hypot(felt.x, felt.y), 0.01 * weight);
+    double most = 0;
+    for (const Vec3d u : chains.state.displacement) most = std::max(most, -u.z);
+    const double expected = 1.1222 * pressure * 0.06 / (5.4e3 / 0.75);
+    EXPECT_NEAR(most, expected, 0.05 * expected) << "m: 4 ln(1 + sqrt 2) / pi p B / E*, Boussinesq";
+  }
+}
+
+TEST(cloth_support, a_liver_of_chains_bears_a_drape_however_it_lies) {
+  struct Lie {
+    const char *gravity, *sheet, *tissue;
+    int down;
+  };
+  for (const auto& [gravity, sheet, tissue, down] :
+       {Lie{"[0, 9.81, 0]", "corner = [-0.05, -0.075, -0.04], side = [0, 0, 0.08], up = [0.1, 0, 0]", "liver",
+            1},
+        Lie{"[0, 0, -9.81]", "corner = [-0.04, -0.04, 0.055], side = [0.08, 0, 0], up = [0, 0.08, 0]",
+            "liver-porcine", 2}}) {
+    World world = must_load(fmt::format(R"(
+[world]
+gravity = {}
+[body.liver]
+model = "rhombus"
+surface = {{ phantom = "liver", detail = 0.6 }}
+tissue = "{}"
+[body.sheet]
+model = "cloth"
+sheet = {{ {}, columns = 15, rows = 17 }}
+fabric = {{ density = 1, warp = 100, weft = 100 }}
+solver = {{ method = "blocks" }}
+collision = {{ self = false, thickness = 0.003 }}
+wind = {{ density = 0 }}
+damping = {{ motion = 3 }}
+[body.sheet.obstacle.liver]
+body = "liver"
+friction = 1
+)",
+                                        gravity, tissue, sheet));
+    run(world, 180);
+    Vec3d felt;
+    for (int n = 0; n < 60; n++) run(world, 1), felt += total_force(world.rhombus_bodies[0].cloth) / 60.0;
+    const double weight = world.cloth_bodies[0].model.total_mass * kGravity, sign = down == 1 ? 1 : -1;
+    const Vec3d pushed = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
+    EXPECT_NEAR(sign * pushed[down], weight, 0.01 * weight);
+    EXPECT_NEAR(norm(pushed), weight, 0.01 * weight);
+    EXPECT_NEAR(norm(felt - pushed), 0, 0.01 * weight);
+  }
+}
+
 TEST(cloth_support, cloth_lies_in_the_dent_that_a_tool_makes_in_rhombus_chains) {
   World world = must_load(R"(
 [world]
 gravity = [0, 0, -9.81]
 [body.liver]
 model = "rhombus"
-surface = { phantom = "liver", detail = 3 }
+surface = { phantom = "liver", detail = 1.5 }
 )");
   const Box box = box_around(world.rhombus_bodies[0].model.surface.vertices);
   const std::string text = fmt::format(R"(
@@ -361,7 +430,7 @@ surface = { phantom = "liver", detail = 3 }
 gravity = [0, 9.81, 0]
 [body.liver]
 model = "rhombus"
-surface = {{ phantom = "liver", detail = 3 }}
+surface = {{ phantom = "liver", detail = 1.5 }}
 [tool.finger]
 body = "liver"
 shape = {{ sphere = 0.006 }}

@@ -264,23 +264,26 @@ path = [[0, 0, -0.05, 0], [0.5, 0, -0.037, 0], [1.2, 0, -0.033, 0]]
   EXPECT_LT(longest_edge(world), 1.3);
 }
 
-TEST(ClothTools, a_sheet_on_rhombus_chains_is_no_sheet_for_tools) {
-  const std::string error = error_of(R"(
-[body.liver]
-model = "rhombus"
-surface = { phantom = "liver", detail = 0.3 }
-[body.sheet]
-model = "cloth"
-sheet = { side = [0.1, 0, 0], up = [0, 0.1, 0], columns = 10, rows = 10 }
-solver = { method = "blocks" }
-[body.sheet.obstacle.liver]
-body = "liver"
-[tool.finger]
-body = "sheet"
-shape = { sphere = 0.01 }
-path = [[0, 0, 0, 0.1]]
-)");
-  EXPECT_NE(error.find("lies on liver, whose chains do not feel"), std::string::npos) << error;
+TEST(ClothTools, a_finger_on_a_sheet_presses_the_chains_below_about_as_without_the_sheet) {
+  const std::string chains = std::string(kPad) + "[body.chains]\nmodel = \"rhombus\"\nsurface_of = \"pad\"\n";
+  for (const auto& [at, depth] : {std::pair{0.03, 0.003}, {0.026, 0.005}}) {
+    const std::string path =
+        fmt::format("path = [[0, {0}, 0.03, 0.045], [0.6, {0}, 0.03, {1}]]\n", at, 0.042 - depth);
+    // What a finger presses is 6 mm wide. The gaps of sheet and chains, 2 mm each, make the finger thicker.
+    const std::string fine = "body.pad.block={ size = [0.06, 0.06, 0.03], count = [20, 20, 4] }";
+    World bare =
+        must_load(chains + "[tool.finger]\nbody = \"chains\"\nshape = { sphere = 0.012 }\n" + path, {fine});
+    World world = must_load(
+        chains + kSheetOnPad + "[tool.finger]\nbody = \"sheet\"\nshape = { sphere = 0.008 }\n" + path,
+        {fine, "body.sheet.obstacle.pad.body=chains", "body.sheet.fabric.density=0.1"});
+    run(bare, 40), run(world, 80);
+    const double expected = bare.tools[0].samples.back().force.z, weight = weight_of(world);
+    const Vec3d tool = felt(world, 30), body = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 30);
+    EXPECT_GT(expected, 0.15) << "N";
+    EXPECT_GT(tool.z, 0.9 * expected) << "N";
+    EXPECT_LT(tool.z, 1.3 * expected) << "N: the sheet, and cells of 3 mm, spread the push";
+    EXPECT_NEAR(-body.z, tool.z + weight, 0.02 * tool.z) << "N: the chains bear finger and sheet";
+  }
 }
 
 TEST(ClothTools, forceps_are_refused) {

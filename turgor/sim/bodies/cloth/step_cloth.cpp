@@ -75,6 +75,7 @@ double compliance_of(const World& world, BodyId id) {
   constexpr double kCare = 2;
   const auto largest = [](const Vec3d& a) { return kCare * std::max({a.x, a.y, a.z}); };
   if (id.kind == BodyKind::kLattice) return largest(world.lattice_bodies[std::size_t(id.index)].cloth.answer);
+  if (id.kind == BodyKind::kRhombus) return largest(world.rhombus_bodies[std::size_t(id.index)].cloth.answer);
   if (id.kind != BodyKind::kSfem) return 0;
   const SfemBody& body = world.sfem_bodies[std::size_t(id.index)];
   return body.press ? largest(body.press->load.answer) : 0;

@@ -27,6 +27,7 @@ struct RhombusBody : TouchedBody {
   boxed<latest<contact::RhombusTouchedNow>> felt;  // while a haptic thread ticks: what it leaves
   contact::RhombusTouchedNow now;                  // what it left for the frame; one for each of tool_indices
   rhombus::State state;                            // of the frame: the surface as it was shown last
+  ClothLoad cloth;                                 // what lies on it
   std::vector<int> mesh_vertex;  // in the mesh of the body whose surface it is; empty = its own
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
@@ -50,7 +51,8 @@ Status begin_body(const Exec& exec, RhombusBody& body, const RhombusScene& scene
 /// The ticks of a frame, and where that leaves the surface.
 void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input,
                FrameReport& report);
-inline void press_body(const Exec&, RhombusBody&, const ClothPush&, double) {}  // it feels tools alone
+/// Feels what cloth does to it, from the next frame on.
+void press_body(const Exec& exec, RhombusBody& body, const ClothPush& push, double dt);
 std::uint64_t state_hash(const RhombusBody& body, std::uint64_t seed);
 /// Ticks from one time to another [s], in order; a tick ends at every whole multiple of kTick. Ends with
 /// take_touched, as who ticks and who makes frames are one here.
