@@ -19,12 +19,6 @@ struct CacheOptions {
   bool clear = false;
 };
 
-template <class T>
-T required(Result<T> result) {
-  if (!result) throw Failure{2, result.error().message};
-  return std::move(*result);
-}
-
 std::string day(fs::file_time_type time) {
   const auto system = std::chrono::file_clock::to_sys(time);
   const std::time_t seconds =

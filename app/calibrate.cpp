@@ -42,12 +42,6 @@ struct Given {
   double stiffness = 1;  // of the body there, in multiples of a half space's; the curve is divided by it
 };
 
-template <class T>
-T required(Result<T> result) {
-  if (!result) throw Failure{2, result.error().message};
-  return std::move(*result);
-}
-
 /// What the scene's first tool felt while it went in.
 std::vector<CurvePoint> felt_curve(const World& world, const fs::path& scene) {
   const TouchLog& samples = world.tools[0].samples;

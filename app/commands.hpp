@@ -9,6 +9,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "turgor/core/result.hpp"
+
 namespace turgor {
 
 /// Options that every command shares.
@@ -28,6 +30,13 @@ struct Failure {
   int exit_code = 2;
   std::string message;
 };
+
+/// The value, or the end of the command.
+template <class T>
+T required(Result<T> result) {
+  if (!result) throw Failure{2, result.error().message};
+  return std::move(*result);
+}
 
 /// Of an option: a finite number from `low` to `high`.
 inline CLI::Validator number_within(double low, double high, const std::string& unit) {

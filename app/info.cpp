@@ -36,7 +36,6 @@ std::string orientation(const Grid& grid) {
   return letters;
 }
 
-Json triple(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
 Vec3d to_ras(Vec3d lps) { return {-lps.x, -lps.y, lps.z}; }
 
 Json describe(const std::string& path, const CtFile& file) {

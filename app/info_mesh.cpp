@@ -19,8 +19,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json triple(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
-
 template <class T>
 void add_box(const std::vector<Vec<T>>& vertices, Json& json) {
   Vec<T> low = vertices.front(), high = low;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "turgor/core/exec.hpp"
+#include "turgor/core/vec.hpp"
 
 namespace turgor {
 
@@ -16,5 +17,7 @@ bool is_mesh_file(const std::string& path);
 /// metres. Throws Failure.
 nlohmann::ordered_json describe_mesh(const Exec& exec, const std::string& path, double scale);
 void print_mesh(const nlohmann::ordered_json& json);
+
+inline nlohmann::ordered_json triple(Vec3d v) { return nlohmann::ordered_json::array({v.x, v.y, v.z}); }
 
 }  // namespace turgor

@@ -23,12 +23,6 @@ struct ReplayOptions {
   bool quiet = false, force = false;
 };
 
-template <class T>
-T required(Result<T> result) {
-  if (!result) throw Failure{2, result.error().message};
-  return std::move(*result);
-}
-
 void replay(const Exec& exec, const ReplayOptions& options) {
   std::optional<ProgressBar> bar;
   RunCallbacks callbacks;

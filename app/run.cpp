@@ -29,13 +29,6 @@ struct CommandOptions {
   LiveOptions live;
 };
 
-/// The value, or the end of the command.
-template <class T>
-T required(Result<T> result) {
-  if (!result) throw Failure{2, result.error().message};
-  return std::move(*result);
-}
-
 /// A line a percent on standard error, for programs that read along: "simulating 0.42".
 Progress progress_lines(const std::string& label) {
   return [label, last = std::make_shared<std::atomic<int>>(-1)](double fraction) {

@@ -31,12 +31,6 @@ struct ValidateOptions {
   bool quick = false, force = false;
 };
 
-template <class T>
-T required(Result<T> result) {
-  if (!result) throw Failure{2, result.error().message};
-  return std::move(*result);
-}
-
 double error_percent(double found, double expected) { return 100 * (found / expected - 1); }
 
 void write_plot(const Plot& plot, const fs::path& folder, const std::string& file) {

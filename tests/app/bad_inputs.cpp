@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "app/program.hpp"
+#include "turgor/core/gpu.hpp"
 
 namespace turgor {
 namespace {
@@ -93,6 +94,16 @@ TEST_F(BadInputs, CommandLines) {
       {"run good.toml --out good.toml", "good.toml: expected a folder for the results, found a file"},
       {"run good.toml --out good.toml/out", "good.toml"},
   });
+}
+
+TEST_F(BadInputs, AGpuThatIsNotThere) {
+  if (const Result<Gpu> gpu = open_gpu(); gpu) GTEST_SKIP() << "there is one, " << gpu->name;
+  const std::string run =
+      "run good.toml --out o --set body.torso.skin.law=area --set body.torso.solver.method=pbd --set "
+      "world.device=gpu";
+  expect({{run, "world.device = \"gpu\" knows solver.method = \"pbd\" with"},
+          {run + " --set body.torso.solver.schedule=colours",
+           "body.torso: world.device = \"gpu\": expected a"}});
 }
 
 TEST_F(BadInputs, Scenes) {

@@ -14,9 +14,9 @@ TEST(DevicesCommand, tells_of_every_driver_in_two_seconds_what_it_needs) {
       run_program("devices --address 127.0.0.1:1 --json devices.json", folder, "unset FDSDK FORCEDIM_SDK");
   EXPECT_LT(time.seconds(), 2);
   EXPECT_EQ(ended.code, 0) << ended.printed;
-  const nlohmann::json json = read_json(folder / "devices.json");
-  ASSERT_GE(json["drivers"].size(), 4u);
-  for (const nlohmann::json& driver : json["drivers"]) {
+  const nlohmann::json found = read_json(folder / "devices.json");
+  ASSERT_GE(found["drivers"].size(), 4u);
+  for (const nlohmann::json& driver : found["drivers"]) {
     EXPECT_NE(ended.printed.find(driver["driver"].get<std::string>()), std::string::npos);
     EXPECT_NE(ended.printed.find(driver["note"].get<std::string>()), std::string::npos);
     EXPECT_NE(driver["note"], "");

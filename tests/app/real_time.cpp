@@ -6,7 +6,7 @@ namespace {
 
 using namespace test;
 
-const char* const kPad = R"([world]
+const char* const kPressedPad = R"([world]
 duration = 1.5
 frame_rate = 50
 [body.pad]
@@ -24,7 +24,7 @@ snapshots = { every = 1.0, size = [64, 64] }
 
 TEST(RealTime, a_run_in_a_hand_tells_how_its_loop_went) {
   const fs::path folder = fresh_folder();
-  write(folder / "pad.toml", kPad);
+  write(folder / "pad.toml", kPressedPad);
   const Ended ended = run_program(
       "run pad.toml --real-time --out o --require 'haptics.ticks>500' --require "
       "'tools.finger.force_max_N>0'",
@@ -41,7 +41,7 @@ TEST(RealTime, a_run_in_a_hand_tells_how_its_loop_went) {
 
 TEST(RealTime, a_felt_run_is_done_again_to_the_same_bits_without_the_clock) {
   const fs::path folder = fresh_folder();
-  write(folder / "pad.toml", kPad);
+  write(folder / "pad.toml", kPressedPad);
   const Ended felt = run_program("run pad.toml --real-time -q --out o", folder);
   ASSERT_EQ(felt.code, 0) << felt.printed;
   const Ended again = run_program("--threads 1 replay o/felt.h5 --out again", folder);
@@ -58,7 +58,7 @@ TEST(RealTime, a_felt_run_is_done_again_to_the_same_bits_without_the_clock) {
 
 TEST(RealTime, a_number_out_of_bounds_ends_with_exit_code_3_and_keeps_the_results) {
   const fs::path folder = fresh_folder();
-  write(folder / "pad.toml", kPad);
+  write(folder / "pad.toml", kPressedPad);
   const Ended ended =
       run_program("run pad.toml -q --out o --set world.duration=0.1 --require 'timing.frames<5'", folder);
   EXPECT_EQ(ended.code, 3) << ended.printed;
@@ -68,7 +68,7 @@ TEST(RealTime, a_number_out_of_bounds_ends_with_exit_code_3_and_keeps_the_result
 
 TEST(RealTime, what_is_not_there_is_said_before_anything_is_written) {
   const fs::path folder = fresh_folder();
-  write(folder / "pad.toml", kPad);
+  write(folder / "pad.toml", kPressedPad);
   for (const char* what : {"--real-time --tool hook", "--real-time --device hovercraft", "--device virtual",
                            "--real-time --device replay", "--require haptics"}) {
     const Ended ended = run_program(std::string("run pad.toml -q --out o ") + what, folder);

@@ -9,6 +9,7 @@
 #include "contact/bonded_layer.hpp"
 #include "geometry/shapes.hpp"
 #include "models/block_body.hpp"
+#include "turgor/models/lattice/colours.hpp"
 #include "turgor/models/lattice/incision.hpp"
 
 namespace turgor::contact {
@@ -319,19 +320,36 @@ TEST(lattice_touch, two_tools_pinch_with_opposite_forces) {
 }
 
 TEST(lattice_touch, equal_bits_on_1_2_and_8_threads) {
-  std::set<std::uint64_t> hashes;
-  std::set<double> forces;
-  const Int3 size{15, 13, 9};
-  for (const int threads : {1, 2, 8}) {
-    Pressed block(size, 0.004, 5, {Capsule{0.008, 0.01}, 0.4}, middle(size, 0.004, 1));
-    block.at[0].pose.position.z = block.top + 0.019;
-    block.go(Exec(threads), middle(size, 0.004, block.top + 0.015) + Vec3d{0.004, 0.002, 0}, 12);
-    hashes.insert(lattice::state_hash(block.model, block.state));
-    forces.insert(norm(block.forces[0].force));
+  for (const lattice::Schedule schedule : {lattice::Schedule::kSlabs, lattice::Schedule::kColours}) {
+    std::set<std::uint64_t> hashes;
+    std::set<double> forces;
+    const Int3 size{15, 13, 9};
+    for (const int threads : {1, 2, 8}) {
+      Pressed block(size, 0.004, 5, {Capsule{0.008, 0.01}, 0.4}, middle(size, 0.004, 1));
+      block.model.params.solver.schedule = schedule;
+      block.at[0].pose.position.z = block.top + 0.019;
+      block.go(Exec(threads), middle(size, 0.004, block.top + 0.015) + Vec3d{0.004, 0.002, 0}, 12);
+      hashes.insert(lattice::state_hash(block.model, block.state));
+      forces.insert(norm(block.forces[0].force));
+    }
+    EXPECT_EQ(hashes.size(), 1u) << "schedule " << int(schedule);
+    EXPECT_EQ(forces.size(), 1u);
+    EXPECT_GT(*forces.begin(), 1e-3) << "N";
   }
-  EXPECT_EQ(hashes.size(), 1u);
-  EXPECT_EQ(forces.size(), 1u);
-  EXPECT_GT(*forces.begin(), 1e-3) << "N";
+}
+
+TEST(lattice_touch, a_place_that_touches_leans_on_no_node_of_its_own_colour) {
+  const Int3 size{13, 11, 9};
+  Pressed block(size, 0.004, 10, {Sphere{0.01}, 0.3}, middle(size, 0.004, 1));
+  const lattice::BodySurface surface = lattice::build_surface(block.model, block.state);
+  int between = 0;
+  for (const LatticePlace& place : make_lattice_touch(block.model, block.state, surface, block.at).places) {
+    if (place.other < 0) continue;
+    EXPECT_NE(lattice::colour_of(slot_node(block.model.lattice, place.slot)),
+              lattice::colour_of(slot_node(block.model.lattice, place.other)));
+    between++;
+  }
+  EXPECT_GT(between, 100);
 }
 
 }  // namespace

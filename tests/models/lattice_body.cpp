@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -103,6 +104,55 @@ TEST(lattice_body, memory_stays_below_80_bytes_a_node) {
   const State state = make_state(model);
   EXPECT_LE(double(memory_bytes(model, state)) / node_count(model.lattice), 80.0)
       << "of which a quarter is skin, laid out for vectors";
+}
+
+/// The same scan with its axes stored in another order: index p[n] of it leads along axis order[n].
+CtVolume stored_as(const CtVolume& ct, std::array<int, 3> order) {
+  CtVolume out{.grid = ct.grid, .samples = std::vector<std::int16_t>(ct.samples.size())};
+  for (int n = 0; n < 3; n++) {
+    out.grid.size[n] = ct.grid.size[order[std::size_t(n)]];
+    out.grid.axes.column[n] = ct.grid.axes.column[order[std::size_t(n)]];
+  }
+  for (int k = 0; k < out.grid.size.z; k++)
+    for (int j = 0; j < out.grid.size.y; j++)
+      for (int i = 0; i < out.grid.size.x; i++) {
+        Int3 p;
+        for (int n = 0; n < 3; n++) p[order[std::size_t(n)]] = Int3{i, j, k}[n];
+        out.at(i, j, k) = ct.at(p.x, p.y, p.z);
+      }
+  return out;
+}
+
+TEST(lattice_body, ends_are_those_at_head_and_feet_however_a_scan_is_stored) {
+  Params params;
+  params.block = {2, 2, 2};
+  params.fix_ends = true;
+  CtVolume axial = body_on_table({64, 64, 48});
+  for (int k = 0; k < 48; k++)  // the table is longer than a hand, and only just touches the back
+    for (int i = 0; i < 64; i++)
+      for (int j = 48; j < 51; j++) axial.at(i, j, k) = 100;
+  axial.grid.spacing = {3e-3, 3e-3, 3e-3};
+  const BodyNodes expected = classify(kExec, axial, nullptr, params).value();
+  long ends = 0, gas = 0;
+  for (std::size_t n = 0; n < expected.fixed.size(); n++)
+    ends += is_body(expected.tissue[n]) && expected.fixed[n], gas += expected.tissue[n] == Tissue::kGas;
+  EXPECT_GT(ends, 100);
+  EXPECT_GT(gas, 100) << "a lung that the ends of the scan cut open";
+  for (const std::array<int, 3> order : {std::array{0, 2, 1}, {2, 0, 1}, {1, 2, 0}, {1, 0, 2}}) {
+    const BodyNodes nodes = classify(kExec, stored_as(axial, order), nullptr, params).value();
+    long tissue = 0, fixed = 0;
+    for (int k = 0; k < nodes.grid.size.z; k++)
+      for (int j = 0; j < nodes.grid.size.y; j++)
+        for (int i = 0; i < nodes.grid.size.x; i++) {
+          Int3 p;
+          for (int n = 0; n < 3; n++) p[order[std::size_t(n)]] = Int3{i, j, k}[n];
+          const std::size_t a = sample_index(nodes.grid, i, j, k),
+                            b = sample_index(expected.grid, p.x, p.y, p.z);
+          tissue += nodes.tissue[a] != expected.tissue[b], fixed += nodes.fixed[a] != expected.fixed[b];
+        }
+    EXPECT_EQ(tissue, 0) << order[0] << order[1] << order[2];
+    EXPECT_EQ(fixed, 0) << order[0] << order[1] << order[2];
+  }
 }
 
 }  // namespace

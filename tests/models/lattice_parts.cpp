@@ -7,6 +7,7 @@
 
 #include "turgor/models/lattice/block_body.hpp"
 #include "turgor/models/lattice/coarse.hpp"
+#include "turgor/models/lattice/colours.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/parts.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
@@ -145,16 +146,95 @@ TEST(lattice_parts, forces_on_copies_are_the_gradient_of_the_energy) {
 }
 
 TEST(lattice_parts, descent_never_raises_the_energy_of_a_step_with_a_wound) {
-  Wounded wounded(0.3, 0.5, 20, solid_params(5, 4, 45));
-  scatter(wounded.model, wounded.state, 0.0005);
-  predict(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
-  double before = step_energy(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
-  for (int sweep = 0; sweep < 10; sweep++) {
-    sweep_descent(kOne, wounded.model, wounded.state, {}, 1.0 / 60,
-                  sweep % 2 ? Order::kBackward : Order::kForward);
-    const double after = step_energy(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
-    EXPECT_LE(after, before * (1 + 1e-6)) << "J, sweep " << sweep;
-    before = after;
+  for (const Schedule schedule : {Schedule::kSlabs, Schedule::kColours}) {
+    Params params = solid_params(5, 4, 45);
+    params.solver.schedule = schedule;
+    Wounded wounded(0.3, 0.5, 20, params);
+    scatter(wounded.model, wounded.state, 0.0005);
+    predict(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
+    double before = step_energy(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
+    for (int sweep = 0; sweep < 10; sweep++) {
+      sweep_descent(kOne, wounded.model, wounded.state, {}, 1.0 / 60,
+                    sweep % 2 ? Order::kBackward : Order::kForward);
+      const double after = step_energy(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
+      EXPECT_LE(after, before * (1 + 1e-6)) << "J, sweep " << sweep << ", schedule " << int(schedule);
+      before = after;
+    }
+  }
+}
+
+/// The nodes of one element; it would show were two of them of one colour, copies of a node as that node.
+void expect_different_colours(const Wounded& wounded, std::span<const int> corners, const char* what) {
+  const Lattice& l = wounded.model.lattice;
+  std::set<int> colours;
+  for (const int corner : corners) {
+    int slot = corner;
+    if (corner >= slot_count(l)) slot = wounded.state.parts.places[std::size_t(corner - slot_count(l))].first;
+    EXPECT_TRUE(colours.insert(colour_of(slot_node(l, slot))).second) << what << ", corner " << corner;
+  }
+}
+
+TEST(lattice_parts, no_two_nodes_or_copies_of_a_colour_share_a_cell_a_triangle_or_a_part_of_one) {
+  for (const double degrees : {20.0, 75.0}) {
+    const Wounded wounded(0.3, 0.5, degrees, solid_params(5, 4, 45));
+    const Lattice& l = wounded.model.lattice;
+    int whole = 0;
+    for (std::size_t slot = 0; slot < wounded.model.cell_young.size(); slot++) {
+      if (wounded.model.cell_young[slot] <= 0) continue;
+      int corners[kCellCorners];
+      for (int n = 0; n < kCellCorners; n++)
+        corners[n] = node_slot(l, slot_node(l, int(slot)) + cell_corner(n));
+      expect_different_colours(wounded, corners, "a cell"), whole++;
+    }
+    for (const SkinTriangle& t : wounded.model.skin.triangles)
+      expect_different_colours(wounded, std::array{t.vertex.x, t.vertex.y, t.vertex.z}, "skin");
+    for (const CellPart& part : wounded.state.parts.cells)
+      expect_different_colours(wounded, part.corner, "part of a cell");
+    for (const SkinPart& part : wounded.state.parts.skin)
+      expect_different_colours(wounded, std::array{part.corner.x, part.corner.y, part.corner.z},
+                               "part of skin");
+    EXPECT_GT(whole, 3000);
+    EXPECT_GT(wounded.state.parts.cells.size(), 50u);
+    EXPECT_GT(wounded.state.parts.skin.size(), 10u);
+  }
+}
+
+TEST(lattice_parts, a_wound_in_solid_tissue_has_the_same_bits_in_any_order_within_a_colour) {
+  Params params = solid_params(5, 4, 45);
+  params.solver.schedule = Schedule::kColours;
+  std::set<std::uint64_t> hashes;
+  const auto hash_after = [&](const auto& sweep) {
+    Wounded wounded(0.3, 0.5, 20, params);
+    scatter(wounded.model, wounded.state, 0.0005);
+    predict(kOne, wounded.model, wounded.state, {}, 1.0 / 60);
+    for (const Order order : {Order::kForward, Order::kBackward}) sweep(wounded, order);
+    hashes.insert(state_hash(wounded.model, wounded.state));
+  };
+  for (const int threads : {1, 2, 8})
+    hash_after([&](Wounded& w, Order order) {
+      sweep_descent(Exec(threads), w.model, w.state, {}, 1.0 / 60, order);
+    });
+  for (const unsigned seed : {1u, 2u})
+    hash_after([&](Wounded& w, Order order) {
+      sweep_descent_by_colours(ShuffledRun{seed}, w.model, w.state, {}, 1.0 / 60, order);
+    });
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST(lattice_parts, a_wound_comes_to_rest_alike_by_colours_and_by_slabs) {
+  for (const auto& [aside, degrees] : {std::pair{0.3, 20.0}, {0.2, 110.0}}) {
+    double gape[2];
+    for (const Schedule schedule : {Schedule::kSlabs, Schedule::kColours}) {
+      Params params = solid_params(5, 8, 45);
+      params.tissue.poisson = 0.45;
+      params.solver.schedule = schedule;
+      Wounded wounded(aside, 0.5, degrees, params);
+      for (int n = 0; n < 60; n++) step(Exec(2), wounded.model, wounded.state, {}, 1.0 / 30);
+      gape[int(schedule)] = measure_wound(wounded.model, wounded.state, wounded.path, 0).gape_max;
+    }
+    std::printf("%.1f aside, %3.0f degrees: %.4f mm by slabs, %.4f mm by colours\n", aside, degrees,
+                1e3 * gape[0], 1e3 * gape[1]);
+    EXPECT_NEAR(gape[1], gape[0], 1e-3 * gape[0]) << "m";
   }
 }
 
@@ -224,11 +304,12 @@ TEST(lattice_parts, forces_left_over_cell_by_cell_are_those_node_by_node) {
   const Inputs inputs{.gravity = {1, 2, -9}};
   predict(kOne, model, state, inputs, 1.0 / 60);
   ASSERT_TRUE(prepare_coarse_space(model, state, inputs, 1.0 / 60));
-  find_left_over(kOne, model, state, *state.coarse, inputs, 1.0 / 60, state.left_over);
   double sum2 = 0;
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-    if (model.inverse_mass[s] > 0)
-      sum2 += dot(Vec3d(state.left_over.nodes[s]), Vec3d(state.left_over.nodes[s]));
+  const auto see = [&](int, int k, LayerForces forces) {
+    for (int s = row_slot(model.lattice, 0, k); s < row_slot(model.lattice, Wounded::kN, k); s++)
+      if (model.inverse_mass[std::size_t(s)] > 0) sum2 += dot(Vec3d(forces[s]), Vec3d(forces[s]));
+  };
+  find_left_over(kOne, model, state, *state.coarse, inputs, 1.0 / 60, state.left_over, see);
   for (const PartNode& copy : state.parts.copies) {
     if (model.inverse_mass[std::size_t(copy.slot)] == 0) continue;
     const CopyShift& f = state.left_over.copies[std::size_t(copy.corner - slot_count(model.lattice))];
@@ -281,6 +362,62 @@ TEST(lattice_parts, a_space_is_made_for_a_cut_and_not_for_rounded_times_or_parts
   EXPECT_EQ(space_after(1.0 / 60), first);
   const std::shared_ptr<const CoarseSpace> kept = wounded.state.coarse;
   EXPECT_NE(space_after(1.0 / 30), first);
+}
+
+/// How many spaces are made in some steps that begin when a part of a path is cut.
+struct Makings {
+  Wounded wounded;
+  std::shared_ptr<const CoarseSpace> last;  // kept, so that no other has its address
+
+  Makings() : wounded(0.3, 0.5, 20, solid_params(5, 4, 45)) {
+    wounded.state = make_state(wounded.model);
+    steps(3);
+  }
+  int steps(int count, Vec3d gravity = {}) {
+    int made = 0;
+    for (int n = 0; n < count; n++) {
+      step(kOne, wounded.model, wounded.state, {.gravity = gravity}, 1.0 / 60);
+      made += wounded.state.coarse != last;
+      last = wounded.state.coarse;
+    }
+    return made;
+  }
+  int cut(double begin, double end, int count) {
+    cut_edges(wounded.model, wounded.state, wounded.path, begin, end, 0);
+    return steps(count);
+  }
+};
+
+TEST(lattice_parts, a_body_at_rest_makes_no_space_before_something_moves_it) {
+  Makings makings;
+  EXPECT_EQ(makings.steps(3), 0);
+  EXPECT_EQ(makings.last, nullptr);
+  EXPECT_EQ(makings.steps(1, {0, 0, -9}), 1) << "gravity";
+  EXPECT_EQ(makings.steps(3), 0) << "and it goes on to move";
+}
+
+TEST(lattice_parts, a_moving_blade_makes_one_space_when_it_is_through_and_none_on_its_way) {
+  for (const int steps_a_cut : {1, 3}) {
+    Makings moving;
+    int on_its_way = 0;
+    for (int n = 0; n < 9; n++) on_its_way += moving.cut(n / 10.0, (n + 1) / 10.0, steps_a_cut);
+    EXPECT_EQ(on_its_way, 0);
+    EXPECT_EQ(moving.cut(0.9, 1, 1), 1) << "in the step in which it is through";
+    EXPECT_EQ(moving.steps(12), 0);
+  }
+}
+
+TEST(lattice_parts, a_wound_cut_at_once_has_a_space_in_its_first_step) {
+  Makings at_once;
+  EXPECT_EQ(at_once.cut(0, 1, 1), 1);
+  EXPECT_EQ(at_once.steps(12), 0);
+}
+
+TEST(lattice_parts, a_blade_that_stops_halfway_has_a_space_soon) {
+  Makings stopped;
+  EXPECT_EQ(stopped.cut(0, 0.5, 4), 0);
+  EXPECT_EQ(stopped.steps(8), 1);
+  EXPECT_EQ(stopped.cut(0.5, 1, 1), 1) << "and one when it goes on to the end";
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "block_body.hpp"
+#include "turgor/models/lattice/colours.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/skin.hpp"
 
@@ -53,11 +54,7 @@ TEST(lattice_skin, the_skin_of_a_ball_is_closed_and_faces_outward) {
   EXPECT_LT(six_volumes / 6, ball);
 }
 
-TEST(lattice_skin, batches_hold_every_triangle_once_and_no_two_that_share_a_node) {
-  const BodyNodes nodes =
-      shape_nodes({41, 37, 31}, [](Vec3d p) { return norm(p) < 0.0142 && std::abs(p.x) > 0.001; });
-  const Model model = assemble(kExec, nodes, nullptr, {}).value();
-  const Skin& skin = model.skin;
+void expect_batches_without_shared_nodes(const Skin& skin) {
   ASSERT_EQ(std::size_t(skin.batch_begin.back()), skin.triangles.size());
   ASSERT_EQ(std::size_t(skin.layer_begin.back()) + 1, skin.batch_begin.size());
   for (std::size_t b = 0; b + 1 < skin.batch_begin.size(); b++) {
@@ -67,8 +64,50 @@ TEST(lattice_skin, batches_hold_every_triangle_once_and_no_two_that_share_a_node
       for (int c = 0; c < 3; c++)
         EXPECT_TRUE(seen.insert(skin.triangles[std::size_t(t)].vertex[c]).second) << "batch " << b;
   }
+}
+
+TEST(lattice_skin, batches_hold_every_triangle_once_and_no_two_that_share_a_node) {
+  const BodyNodes nodes =
+      shape_nodes({41, 37, 31}, [](Vec3d p) { return norm(p) < 0.0142 && std::abs(p.x) > 0.001; });
+  const Model model = assemble(kExec, nodes, nullptr, {}).value();
+  const Skin& skin = model.skin;
+  expect_batches_without_shared_nodes(skin);
   EXPECT_GT(double(skin.triangles.size()) / double(skin.batch_begin.size() - 1), 0.7 * kSkinLanes)
       << "mean fill";
+}
+
+TEST(lattice_skin,
+     a_group_of_a_colour_holds_the_skin_of_cells_that_share_no_node_and_all_groups_hold_it_once) {
+  const BodyNodes nodes =
+      shape_nodes({42, 37, 31}, [](Vec3d p) { return norm(p) < 0.0142 && std::abs(p.x) > 0.001; });
+  Params params;
+  params.skin.law = SkinLaw::kArea;
+  params.solver = {.method = Method::kPbd, .schedule = Schedule::kColours};
+  const Model model = assemble(kExec, nodes, nullptr, params).value();
+  const Skin& skin = model.skin;
+  expect_batches_without_shared_nodes(skin);
+  ASSERT_EQ(skin.layer_begin.size(), std::size_t(4 * (model.lattice.size.z - 1) + 1));
+  for (int group = 0; group < 4 * (model.lattice.size.z - 1); group++) {
+    std::map<int, Int3> cell_of_node;
+    const int first = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group)])],
+              end = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group) + 1])];
+    for (int t = first; t < end; t++) {
+      const Int3 v = skin.triangles[std::size_t(t)].vertex;
+      Int3 cell = model.lattice.size - Int3{2, 2, 2};
+      for (int c = 0; c < 3; c++) cell = min(cell, slot_node(model.lattice, v[c]));
+      EXPECT_EQ(colour_of(cell), (group & 3) | (group / 4 & 1) << 2);
+      for (int c = 0; c < 3; c++)
+        EXPECT_EQ(cell_of_node.emplace(v[c], cell).first->second, cell) << "node " << v[c] << " of two cells";
+    }
+  }
+  const Model slabs = assemble(kExec, nodes, nullptr, {}).value();
+  const auto sorted = [](const Skin& of) {
+    std::set<std::set<int>> all;
+    for (const SkinTriangle& t : of.triangles) all.insert({t.vertex.x, t.vertex.y, t.vertex.z});
+    return all;
+  };
+  EXPECT_EQ(skin.triangles.size(), slabs.skin.triangles.size());
+  EXPECT_EQ(sorted(skin), sorted(slabs.skin));
 }
 
 TEST(lattice_skin, a_sheet_one_node_thick_is_covered_once) {

@@ -17,12 +17,13 @@ bool is_side(Int3 p, Int3 size) {
   return p.x == 0 || p.y == 0 || p.z == 0 || p.x == size.x - 1 || p.y == size.y - 1;
 }
 
-Model tense_block(Int3 size, double sleep, TissueLaw law = TissueLaw::kSprings) {
+Model tense_block(Int3 size, double sleep, TissueLaw law = TissueLaw::kSprings,
+                  Schedule schedule = Schedule::kSlabs) {
   Block block{.size = size, .step = kStep};
   block.is_fixed = [size](Int3 p) { return is_side(p, size); };
   Params params;
   params.tissue.law = law;
-  params.solver.sleep = sleep;
+  params.solver.sleep = sleep, params.solver.schedule = schedule;
   params.solver.sweeps = 6;
   return block_model(block, params);
 }
@@ -50,10 +51,12 @@ int awake_after(const Model& model, State& state, double seconds, const Inputs& 
 }
 
 TEST(lattice_sleep, the_settled_wound_is_that_of_a_body_that_never_sleeps) {
-  for (const TissueLaw law : {TissueLaw::kSprings, TissueLaw::kSolid}) {
+  for (const auto& [law, schedule] : {std::pair{TissueLaw::kSprings, Schedule::kSlabs},
+                                      {TissueLaw::kSolid, Schedule::kSlabs},
+                                      {TissueLaw::kSprings, Schedule::kColours}}) {
     double gape[2];
     for (const bool sleeps : {false, true}) {
-      const Model model = tense_block({21, 21, 8}, sleeps ? kSleep : 0, law);
+      const Model model = tense_block({21, 21, 8}, sleeps ? kSleep : 0, law, schedule);
       auto [state, path] = cut_block(model, 7);
       const int awake = awake_after(model, state, 5);
       EXPECT_EQ(awake, 0) << "sleeps " << sleeps << ", law " << int(law);

@@ -55,24 +55,31 @@ TEST(lattice_step, without_skin_the_rest_state_is_a_fixed_point_of_both_solvers)
   }
 }
 
+constexpr Schedule kSchedules[] = {Schedule::kSlabs, Schedule::kColours};
+
 TEST(lattice_step, descent_never_raises_the_energy_of_its_step) {
-  for (const SkinLaw law : {SkinLaw::kArea, SkinLaw::kFibre})
-    for (const double volume : {0.0, 5.0}) {
-      Params params;
-      params.skin.law = law;
-      params.tissue.volume = volume;
-      auto [model, state] = pushed_block(params, 2e-3);
-      const Inputs inputs{.gravity = {0, 0, -9.81}};
-      predict(kOne, model, state, inputs, kDt);
-      double before = step_energy(kOne, model, state, inputs, kDt);
-      for (int sweep = 0; sweep < 20; sweep++) {
-        sweep_descent(kOne, model, state, inputs, kDt);
-        const double after = step_energy(kOne, model, state, inputs, kDt);
-        EXPECT_LE(after, before * (1 + 1e-6))
-            << "law " << int(law) << ", volume " << volume << ", sweep " << sweep;
-        before = after;
-      }
+  for (const auto& [law, volume, schedule] : {std::tuple{SkinLaw::kArea, 0.0, Schedule::kSlabs},
+                                              {SkinLaw::kArea, 5.0, Schedule::kSlabs},
+                                              {SkinLaw::kFibre, 0.0, Schedule::kSlabs},
+                                              {SkinLaw::kFibre, 5.0, Schedule::kSlabs},
+                                              {SkinLaw::kArea, 5.0, Schedule::kColours},
+                                              {SkinLaw::kFibre, 0.0, Schedule::kColours}}) {
+    Params params;
+    params.skin.law = law;
+    params.tissue.volume = volume;
+    params.solver.schedule = schedule;
+    auto [model, state] = pushed_block(params, 2e-3);
+    const Inputs inputs{.gravity = {0, 0, -9.81}};
+    predict(kOne, model, state, inputs, kDt);
+    double before = step_energy(kOne, model, state, inputs, kDt);
+    for (int sweep = 0; sweep < 20; sweep++) {
+      sweep_descent(kOne, model, state, inputs, kDt);
+      const double after = step_energy(kOne, model, state, inputs, kDt);
+      EXPECT_LE(after, before * (1 + 1e-6)) << "law " << int(law) << ", volume " << volume << ", sweep "
+                                            << sweep << ", schedule " << int(schedule);
+      before = after;
     }
+  }
 }
 
 TEST(lattice_step, descent_converges_to_where_the_gradient_of_the_energy_vanishes) {
@@ -113,37 +120,49 @@ TEST(lattice_step, the_residual_is_the_gradient_of_the_step_energy) {
   EXPECT_NEAR(residual.largest, norm(gradient), 0.01 * norm(gradient)) << "N";
 }
 
+/// The same with a cut; volumes too.
+Pushed cut_block(Method method, Schedule schedule) {
+  Params params;
+  params.solver = {.method = method, .schedule = schedule, .pbd_volume = true};
+  params.tissue.volume = method == Method::kPbd ? 0 : 1;
+  params.skin.law = method == Method::kPbd ? SkinLaw::kArea : SkinLaw::kFibre;
+  Pushed block = pushed_block(params);
+  const BladePath path =
+      lay_blade(block.model, block.state, {.from = {0.015, 0.022, 0.032}, .to = {0.032, 0.022, 0.032}})
+          .value();
+  EXPECT_GT(cut_edges(block.model, block.state, path, 0, 1, 0), 10);
+  return block;
+}
+
 TEST(lattice_step, equal_bits_on_1_2_and_8_threads_and_again) {
-  for (const Method method : {Method::kPbd, Method::kDescent}) {
-    Params params;
-    params.solver.method = method;
-    params.solver.pbd_volume = true;
-    params.skin.law = method == Method::kPbd ? SkinLaw::kArea : SkinLaw::kFibre;
-    std::set<std::uint64_t> hashes;
-    for (const int threads : {1, 2, 8, 8}) {
-      auto [model, state] = pushed_block(params);
-      const BladePath path =
-          lay_blade(model, state, {.from = {0.015, 0.022, 0.032}, .to = {0.032, 0.022, 0.032}}).value();
-      EXPECT_GT(cut_edges(model, state, path, 0, 1, 0), 10);
-      const NodeLoad loads[] = {{node_slot(model.lattice, 5, 4, 8), {1e-3f, 0, -2e-3f}}};
-      const Inputs inputs{.gravity = {0, 0, -9.81}, .loads = loads};
-      for (int n = 0; n < 5; n++) step(Exec(threads), model, state, inputs, kDt);
-      hashes.insert(state_hash(model, state));
+  for (const Method method : {Method::kPbd, Method::kDescent})
+    for (const Schedule schedule : kSchedules) {
+      std::set<std::uint64_t> hashes;
+      for (const int threads : {1, 2, 8, 8}) {
+        auto [model, state] = cut_block(method, schedule);
+        const NodeLoad loads[] = {{node_slot(model.lattice, 5, 4, 8), {1e-3f, 0, -2e-3f}}};
+        const Inputs inputs{.gravity = {0, 0, -9.81}, .loads = loads};
+        for (int n = 0; n < 5; n++) step(Exec(threads), model, state, inputs, kDt);
+        hashes.insert(state_hash(model, state));
+      }
+      EXPECT_EQ(hashes.size(), 1u) << "method " << int(method) << ", schedule " << int(schedule);
     }
-    EXPECT_EQ(hashes.size(), 1u) << "method " << int(method);
-  }
 }
 
 TEST(lattice_step, numbers_that_are_not_finite_undo_the_step) {
-  auto [model, state] = pushed_block({});
-  const State good = state;
-  const Real* view = state.u.x.data();
-  const StepReport report = step(kOne, model, state, {.gravity = {0, 0, std::nan("")}}, kDt);
-  EXPECT_FALSE(report.finite);
-  EXPECT_EQ(state.u.x, good.u.x);
-  EXPECT_EQ(state.u.x.data(), view) << "who looks at it still does";
-  EXPECT_EQ(state.time, good.time);
-  EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite) << "and the simulation goes on";
+  for (const Method method : {Method::kDescent, Method::kPbd})
+    for (const Schedule schedule : kSchedules) {
+      auto [model, state] = cut_block(method, schedule);
+      const State good = state;
+      const Real* view = state.u.x.data();
+      const StepReport report = step(kOne, model, state, {.gravity = {0, 0, std::nan("")}}, kDt);
+      EXPECT_FALSE(report.finite);
+      EXPECT_EQ(state.u.x, good.u.x);
+      EXPECT_EQ(state.u.z, good.u.z) << "of held nodes, too";
+      EXPECT_EQ(state.u.x.data(), view) << "who looks at it still does";
+      EXPECT_EQ(state.time, good.time);
+      EXPECT_TRUE(step(kOne, model, state, {}, kDt).finite) << "and the simulation goes on";
+    }
 }
 
 TEST(lattice_step, a_free_body_keeps_its_momentum_under_projections) {

@@ -3,6 +3,7 @@
 // law 12.0, 7.2 and 17.5 mm.
 #include <cmath>
 #include <cstdio>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -98,6 +99,85 @@ TEST(lattice_wound, fibre_skin_gapes_as_the_reference_and_least_along_the_lines)
       EXPECT_LT(settled.wound.opening_area, gape * settled.wound.length);
     }
   }
+}
+
+TEST(lattice_wound, skin_gapes_as_the_reference_by_colours_too) {
+  for (const auto& [law, along, across, sweeps, gape] :
+       {std::tuple{SkinLaw::kArea, 45.0, 45.0, 20, 0.0368}, {SkinLaw::kFibre, 60.0, 30.0, 5, 0.0072}}) {
+    Model model = reference_model(law, along, across, sweeps);
+    model.params.solver.schedule = Schedule::kColours;  // descent's model is that of slabs
+    const Settled settled = settle(model, 3);
+    std::printf("  law %d, %3d sweeps: %.2f mm\n", int(law), sweeps, settled.largest_gape * 1e3);
+    EXPECT_NEAR(settled.largest_gape, gape, 0.02 * gape) << "law " << int(law);
+  }
+}
+
+/// A tense block whose skin faces an axis or away from it, with a cut along one of the two others.
+struct Lying {
+  int up;
+  bool away, across;
+};
+
+/// Air above, fixed sides and bottom, `size` with the depth last.
+BodyNodes lying_block(Int3 size, const Lying& lying) {
+  const int axes[3] = {(lying.up + 1) % 3, (lying.up + 2) % 3, lying.up};
+  BodyNodes nodes;
+  for (int q = 0; q < 3; q++) nodes.grid.size[axes[q]] = size[q] + (q == 2);
+  nodes.grid.spacing = {kStep, kStep, kStep};
+  for (int k = 0; k < nodes.grid.size.z; k++)
+    for (int j = 0; j < nodes.grid.size.y; j++)
+      for (int i = 0; i < nodes.grid.size.x; i++) {
+        const Int3 node{i, j, k};
+        Int3 p{node[axes[0]], node[axes[1]], node[axes[2]]};
+        if (lying.away) p.z = size.z - p.z;
+        const bool air = p.z == size.z, side = p.x == 0 || p.y == 0 || p.x == size.x - 1 || p.y == size.y - 1;
+        nodes.hu.push_back(air ? kAirHu : 0);
+        nodes.tissue.push_back(air ? Tissue::kOutside : Tissue::kMuscle);
+        nodes.young.push_back(air ? 0 : 5e3f);
+        nodes.fixed.push_back(!air && (side || p.z == 0));
+      }
+  return nodes;
+}
+
+/// How far lips go in a second by projections, which never come to rest [m].
+double lips_by_projections(Schedule schedule, Int3 size, const Lying& lying) {
+  Params params;
+  params.solver = {.method = Method::kPbd, .schedule = schedule};
+  params.skin.law = SkinLaw::kArea;
+  const Model model = assemble(Exec(1), lying_block(size, lying), nullptr, params).value();
+  State state = make_state(model);
+  const int axes[3] = {(lying.up + 1) % 3, (lying.up + 2) % 3, lying.up};
+  const auto point = [&](double along, double beside) {
+    Vec3d p;
+    p[axes[lying.across]] = (size[lying.across] / 2 + 0.5 + along) * kStep;
+    p[axes[!lying.across]] = (size[!lying.across] / 2 + 0.5 + beside) * kStep;
+    p[axes[2]] = (lying.away ? 1 : size.z - 1) * kStep;
+    return p;
+  };
+  const BladePath path =
+      lay_blade(model, state, {.from = point(-5, 0), .to = point(5, 0), .depth = 2.5 * kStep}).value();
+  EXPECT_GT(cut_edges(model, state, path, 0, 1, 0), 40);
+  for (int frame = 0; frame < 60; frame++) step(Exec(2), model, state, {}, 1.0 / 60);
+  return measure_wound(model, state, path, 0).edge_displacement;
+}
+
+TEST(lattice_wound, projections_by_colours_move_lips_alike_whichever_way_a_body_lies_and_by_slabs_do_not) {
+  double least[2] = {1, 1}, most[2] = {};
+  for (const Lying& lying : {Lying{0, false, false},
+                             {0, true, true},
+                             {1, false, true},
+                             {1, true, false},
+                             {2, false, false},
+                             {2, true, true}})
+    for (const Schedule schedule : {Schedule::kSlabs, Schedule::kColours}) {
+      const double lips = lips_by_projections(schedule, {25, 29, 8}, lying);
+      std::printf("  skin faces %d%s, cut %d: %.3f mm by %s\n", lying.up, lying.away ? " away" : "",
+                  lying.across, 1e3 * lips, schedule == Schedule::kSlabs ? "slabs" : "colours");
+      least[int(schedule)] = std::min(least[int(schedule)], lips);
+      most[int(schedule)] = std::max(most[int(schedule)], lips);
+    }
+  EXPECT_LT(most[1], 1.15 * least[1]) << "m, colours";
+  EXPECT_GT(most[0], 1.3 * least[0]) << "m, slabs, as docs/models/lattice.md says";
 }
 
 TEST(lattice_wound, a_blade_off_the_body_is_told_where_the_body_is) {

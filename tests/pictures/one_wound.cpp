@@ -73,8 +73,7 @@ Lips lips_of_ct(const LatticeBody& body, const Station& at, const Lips& near) {
   const double top = std::max(near.left_depth, near.right_depth);
   grid.origin = at.point - at.across * (kSide / 2) + at.into * top;
   const CtVolume now = lattice::resample_ct(Exec(2), body.model, body.state, body.ct, grid).ct;
-  // Below the isosurface of the skin (-400 HU): in the wound's mouth the blur that was before it stays.
-  const auto is_tissue = [&](int i, int row) { return now.at(i, row, 0) >= -390; };
+  const auto is_tissue = [&](int i, int row) { return now.at(i, row, 0) >= -449; };
   // Where tissue ends, from below the lip on, either way: in the middle of the wound its floor may rise.
   const auto wall = [&](int row, int way) {
     int i = int((kSide / 2 + (way < 0 ? near.left : near.right)) / kSample);
@@ -166,12 +165,14 @@ double from_curve(const lattice::BladePath& path, Vec3d x) {
   return std::abs(dot(x - path.skin[nearest], across_at(path, nearest)));
 }
 
-void expect_lips_on_curve(const std::string& ct) {
-  const Result<Scene> scene =
-      parse_scene("[world]\nduration = 0.1\n[body.torso]\nmodel = \"lattice\"\nct = " + ct +
-                      "\nstep = 0.009\nfixed = [\"bone\", \"ends\"]\n[incision.s]\nbody = \"torso\"\n"
-                      "path_fraction = [[0.5, 0, 0.6], [0.55, 0, 0.53], [0.45, 0, 0.43], [0.5, 0, 0.36]]\n",
-                  "lips.toml");
+const char* kAnS = "[[0.5, 0, 0.6], [0.55, 0, 0.53], [0.45, 0, 0.43], [0.5, 0, 0.36]]";
+
+void expect_lips_on_curve(const std::string& ct, const std::string& steps = "step = 0.009",
+                          const std::string& curve = kAnS) {
+  const Result<Scene> scene = parse_scene(
+      "[world]\nduration = 0.1\n[body.torso]\nmodel = \"lattice\"\nct = " + ct + "\n" + steps +
+          "\nfixed = [\"bone\", \"ends\"]\n[incision.s]\nbody = \"torso\"\npath_fraction = " + curve + "\n",
+      "lips.toml");
   ASSERT_TRUE(scene) << scene.error().message;
   const Exec exec(2);
   Result<World> world = load_world(exec, *scene);
@@ -195,6 +196,13 @@ void expect_lips_on_curve(const std::string& ct) {
 
 TEST(OneWound, LipsLieOnTheCurveThatTheBladeDrewOnThePhantom) {
   expect_lips_on_curve("{ phantom = \"torso\", size = [128, 96, 75], spacing_mm = [3.1, 3.1, 4] }");
+}
+
+TEST(OneWound, LipsLieOnTheCurveWhereItRunsThroughANodeAlongAnEdgeOfTheLattice) {
+  // The middle and the upper end of this S are nodes, to a thousandth of a step.
+  expect_lips_on_curve("{ phantom = \"torso\", size = [80, 64, 50], spacing_mm = [5.2, 5.2, 6] }",
+                       "block = 1",
+                       "[[0.5, 0, 0.6], [0.54, 0, 0.55], [0.5, 0, 0.5], [0.46, 0, 0.45], [0.5, 0, 0.4]]");
 }
 
 TEST(OneWound, LipsLieOnTheCurveThatTheBladeDrewOnAPatient) {

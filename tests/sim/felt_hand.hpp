@@ -97,4 +97,11 @@ class FeltHand {
   double time_ = 0, next_frame_ = 0;
 };
 
+/// It may be wrong, but a device is given neither more than its limit nor a steeper force.
+inline void expect_harmless(const FeltHand& hand, const std::string& what) {
+  EXPECT_TRUE(hand.finite) << what;
+  EXPECT_LE(hand.largest, 1 + 1e-12) << what;
+  EXPECT_LE(hand.steepest, 1 + 1e-9) << what;
+}
+
 }  // namespace turgor::test

@@ -9,6 +9,9 @@
 
 namespace turgor::test {
 
+/// Its tools.
+constexpr int kFinger = 0, kBall = 1, kTip = 2;
+
 /// An elastic pad under a finger with a cloth on it, a phantom liver under a ball, and a block of fat that is
 /// cut while a ball presses it.
 inline std::string four_kinds_text() {

@@ -8,7 +8,9 @@
 #define TURGOR_HD
 #endif
 
-#ifdef __clang__
+#ifdef __CUDACC__
+#define TURGOR_LANES
+#elif defined(__clang__)
 #define TURGOR_LANES _Pragma("clang loop vectorize(assume_safety)")
 #else
 #define TURGOR_LANES _Pragma("GCC ivdep")

@@ -1,6 +1,6 @@
 // Where loops run. Exec owns a number of threads; parallel_for spreads independent indices over them. Loops
-// never depend on the order in which indices run, so results have the same bits for every thread count. A GPU
-// backend is one more overload of parallel_for over the same kernels.
+// never depend on the order in which indices run, so results have the same bits for every thread count. Loops
+// that leave the CPU are written against run.hpp.
 #pragma once
 
 #include <cstddef>

@@ -12,17 +12,18 @@ template <class T>
 struct Vec {
   T x{}, y{}, z{};
 
+  // Said in full, since nvcc takes Vec3(Int3) for a list of members otherwise.
+  Vec() = default;
+  TURGOR_HD constexpr Vec(T a, T b, T c) : x(a), y(b), z(c) {}
+  template <class U>
+  TURGOR_HD constexpr explicit Vec(Vec<U> v) : x(T(v.x)), y(T(v.y)), z(T(v.z)) {}
+
   TURGOR_HD constexpr T& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
   TURGOR_HD constexpr T operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
   TURGOR_HD constexpr Vec& operator+=(Vec b) { return *this = {x + b.x, y + b.y, z + b.z}; }
   TURGOR_HD constexpr Vec& operator-=(Vec b) { return *this = {x - b.x, y - b.y, z - b.z}; }
   TURGOR_HD constexpr Vec& operator*=(T s) { return *this = {x * s, y * s, z * s}; }
   friend constexpr bool operator==(const Vec&, const Vec&) = default;
-
-  template <class U>
-  TURGOR_HD constexpr explicit operator Vec<U>() const {
-    return {U(x), U(y), U(z)};
-  }
 };
 
 using Vec3 = Vec<Real>;

@@ -16,7 +16,6 @@ namespace turgor {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 /// Size [bytes] and last change [ns].
 using Stamp = std::pair<std::int64_t, std::int64_t>;
@@ -49,7 +48,7 @@ Result<Stamps> read_manifest(const fs::path& folder) {
   if (!fs::is_regular_file(fs::symlink_status(folder / kManifestFile, ignored))) return none;
   const Result<std::string> text = read_file(folder / kManifestFile);
   if (!text) return damaged;
-  const Json json = Json::parse(*text, nullptr, false);
+  const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
   if (!json.is_object() || !json.contains("files") || !json["files"].is_object()) return damaged;
   Stamps files;
   for (const auto& [name, stamp] : json["files"].items()) {
@@ -74,10 +73,12 @@ void remove_empty_folders(const fs::path& folder) {
 Status write_manifest(const fs::path& folder) {
   const Result<Stamps> files = files_in(folder);
   if (!files) return files.error();
-  Json json{{"what", "files that turgor wrote: size [bytes], last change [ns]; it replaces nothing else"},
-            {"files", Json::object()}};
+  nlohmann::json json{
+      {"what", "files that turgor wrote: size [bytes], last change [ns]; it replaces nothing else"},
+      {"files", nlohmann::json::object()}};
   for (const auto& [name, stamp] : *files) json["files"][name] = stamp;
-  return write_file(folder / kManifestFile, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  return write_file(folder / kManifestFile,
+                    json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 Result<std::vector<std::string>> foreign_files(const fs::path& folder) {

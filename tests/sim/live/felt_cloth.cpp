@@ -6,6 +6,7 @@
 namespace turgor {
 namespace {
 
+using test::expect_harmless;
 using test::FeltHand;
 
 /// A sheet that is held all around; a ball presses it within half a second and stays.
@@ -34,12 +35,6 @@ path = [[0, 0.08, 0.05, 0.02], [0.1, 0.08, 0.05, 0.02], [0.5, 0.08, 0.05, 0.002]
   Result<World> world = load_world(Exec(2), *scene);
   EXPECT_TRUE(world) << world.error().message;
   return std::move(*world);
-}
-
-void expect_harmless(const FeltHand& hand, const std::string& what) {
-  EXPECT_TRUE(hand.finite) << what;
-  EXPECT_LE(hand.largest, 1 + 1e-12) << what;
-  EXPECT_LE(hand.steepest, 1 + 1e-9) << what;
 }
 
 /// The next plane says so many times the force that the sheet has.

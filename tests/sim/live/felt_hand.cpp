@@ -6,9 +6,12 @@
 namespace turgor {
 namespace {
 
+using test::expect_harmless;
 using test::FeltHand;
 
-constexpr int kFinger = 0, kBall = 1, kTip = 2;
+using test::kBall;
+using test::kFinger;
+using test::kTip;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Presses within 0.3 s and stays.
@@ -32,13 +35,6 @@ World pressed_world(const std::vector<std::string>& more = {}, const std::string
 
 const char* model_of(const World& world, int tool) {
   return model_name(world.tools[std::size_t(tool)].body.kind);
-}
-
-/// It may be wrong, but a device is given neither more than its limit nor a steeper force.
-void expect_harmless(const FeltHand& hand, const std::string& what) {
-  EXPECT_TRUE(hand.finite) << what;
-  EXPECT_LE(hand.largest, 1 + 1e-12) << what;
-  EXPECT_LE(hand.steepest, 1 + 1e-9) << what;
 }
 
 /// What a model answers is so many times what it should be, from the next frame on; NaN likewise.

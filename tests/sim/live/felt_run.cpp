@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "sim/four_kinds.hpp"
+#include "sim/live/watched_session.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/live/felt_replay.hpp"
 #include "turgor/sim/live/session.hpp"
@@ -14,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::fresh_folder;
-
-constexpr SessionParams kParams{.threads = 1, .loop = {.priority = 0, .lock_memory = false}, .longest = 60};
+using test::kOneThread;
+using test::wait_until;
 
 /// All four models, a small patch that has to follow its finger; nothing is cut or touched before one asks.
 fs::path four_kinds_file(const fs::path& folder) {
@@ -27,11 +28,6 @@ fs::path four_kinds_file(const fs::path& folder) {
   return folder / "four.toml";
 }
 
-bool wait_until(Session& session, const std::function<bool(const SessionNow&)>& is_so) {
-  for (const Timer timer; timer.seconds() < 20; std::this_thread::sleep_for(std::chrono::milliseconds(2)))
-    if (is_so(session.now())) return true;
-  return false;
-}
 void go_on(Session& session, double time) {
   const double begin = session.now().shown.time;
   ASSERT_TRUE(wait_until(session, [&](const SessionNow& now) { return now.shown.time > begin + time; }));
@@ -79,7 +75,7 @@ FeltRun saved_run(Session& session, const fs::path& file) {
 
 /// Hands on three models, wind on the fourth, at two paces, with a frame by itself, a cut, and more tension.
 FeltRun felt_by_hand(const fs::path& folder) {
-  Session session(four_kinds_file(folder), {}, kParams);
+  Session session(four_kinds_file(folder), {}, kOneThread);
   EXPECT_TRUE(wait_until(session, [](const SessionNow& now) { return now.shown.frame > 2; }));
   press_all(session, -0.2, 1);
   go_on(session, 0.4);
@@ -115,7 +111,7 @@ solver = { method = "blocks" }
 hold.left = { box = [[-1, -1, -1], [0.001, 1, 1]] }
 hold.right = { box = [[0.119, -1, -1], [1, 1, 1]] }
 )";
-  Session session(folder / "sheet.toml", {}, kParams);
+  Session session(folder / "sheet.toml", {}, kOneThread);
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.shown.frame > 2; }));
   ASSERT_EQ(session.now().mouse.size(), 1u) << "the mouse has a fingertip for it";
   press_all(session, -0.2, 1);
@@ -158,7 +154,7 @@ TEST(FeltRun, the_clock_decides_nothing_but_what_is_written_down) {
 
 TEST(FeltRun, after_a_reset_only_what_came_then_is_told) {
   const fs::path folder = fresh_folder();
-  Session session(four_kinds_file(folder), {}, kParams);
+  Session session(four_kinds_file(folder), {}, kOneThread);
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.shown.frame > 10; }));
   session.ask(AskChange{"body.sheet.wind.velocity", "[0, 5, 0]"});
   session.ask(AskReset{});

@@ -36,7 +36,9 @@ class PathDevice final : public haptics::Device {
   haptics::DeviceSpec spec_{.name = "path", .force = 20, .stiffness = 5000, .damping = 30};
 };
 
-constexpr int kFinger = 0, kBall = 1, kTip = 2;
+using test::kBall;
+using test::kFinger;
+using test::kTip;
 
 World four_kinds(const std::vector<std::string>& overrides = {}) {
   return test::block_world(Exec(2), four_kinds_scene(fresh_folder(), overrides));

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "sim/four_kinds.hpp"
+#include "sim/live/watched_session.hpp"
 #include "turgor/core/timing.hpp"
 
 namespace turgor {
@@ -11,9 +12,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::fresh_folder;
+using test::kOneThread;
+using test::wait_until;
 using Phase = SessionNow::Phase;
-
-constexpr SessionParams kParams{.threads = 1, .loop = {.priority = 0, .lock_memory = false}, .longest = 60};
 
 fs::path written(const fs::path& folder, const std::string& name, const std::string& text) {
   std::ofstream(folder / name) << text;
@@ -29,14 +30,6 @@ fs::path four_kinds_file() {
 }
 
 /// Looks until it is so, at most so long [s].
-bool wait_until(Session& session, const std::function<bool(const SessionNow&)>& is_so, double longest = 20) {
-  const Timer timer;
-  while (timer.seconds() < longest) {
-    if (is_so(session.now())) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return false;
-}
 bool wait_for_world(Session& session, int frames = 1) {
   return wait_until(session, [frames](const SessionNow& now) {
     return now.phase == Phase::kReady && now.shown.frame >= frames;
@@ -72,7 +65,7 @@ double force_at(Session& session, std::size_t mouse, const Above& place, double 
 
 TEST(Session,
      a_mouse_presses_bodies_of_every_model_that_is_touched_and_feels_more_the_deeper_it_wants_to_be) {
-  Session session(four_kinds_file(), {}, kParams);
+  Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
   ASSERT_EQ(session.now().mouse.size(), 3u) << "sfem, rhombus, lattice";
   for (std::size_t mouse = 0; mouse < 3; mouse++) {
@@ -91,7 +84,7 @@ TEST(Session, who_looks_on_is_told_how_far_loading_is) {
       "[world]\n[body.pad]\nmodel = \"sfem\"\nblock = { size = [0.1, 0.1, 0.06], count = [16, 16, 9] }\n"
       "fixed = \"bottom\"\ncache = false\n";
   double most = 0;
-  Session session(written(fresh_folder(), "pad.toml", text), {}, kParams);
+  Session session(written(fresh_folder(), "pad.toml", text), {}, kOneThread);
   ASSERT_TRUE(wait_until(
       session,
       [&most](const SessionNow& now) {
@@ -105,7 +98,7 @@ TEST(Session, who_looks_on_is_told_how_far_loading_is) {
 }
 
 TEST(Session, a_world_goes_on_by_the_clock_at_the_pace_that_is_asked_for) {
-  Session session(four_kinds_file(), {}, kParams);
+  Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session, 5)) << session.now().error;
   session.ask(AskPace{.plays = true, .pace = 0.25});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.pace == 0.25; }));
@@ -118,7 +111,7 @@ TEST(Session, a_world_goes_on_by_the_clock_at_the_pace_that_is_asked_for) {
 }
 
 TEST(Session, it_stands_still_when_asked_and_a_step_is_one_frame) {
-  Session session(four_kinds_file(), {}, kParams);
+  Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session, 3)) << session.now().error;
   session.ask(AskPace{.plays = false, .pace = 1});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.plays; }));
@@ -132,7 +125,7 @@ TEST(Session, it_stands_still_when_asked_and_a_step_is_one_frame) {
 }
 
 TEST(Session, a_cut_that_is_asked_for_opens_a_wound_and_a_reset_closes_it) {
-  Session session(four_kinds_file(), {}, kParams);
+  Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
   const auto walls = [](const SessionNow& now) {
     for (const ShownBody& body : now.shown.bodies)
@@ -157,7 +150,7 @@ TEST(Session, a_cut_that_is_asked_for_opens_a_wound_and_a_reset_closes_it) {
 }
 
 TEST(Session, a_cut_beside_the_body_is_answered_by_a_sentence_and_the_world_goes_on) {
-  Session session(four_kinds_file(), {}, kParams);
+  Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
   session.ask(
       AskCut{.blade = {.name = "cut", .from = {1, 1, 1}, .to = {1, 1, 1.1}, .depth = 0.01}, .body = 0});
@@ -188,7 +181,7 @@ sheet = { corner = [0, 0, 0], side = [0.2, 0, 0], up = [0, 0, 0.2], columns = 10
 box = [[-0.01, -0.01, 0.19], [0.21, 0.01, 0.21]]
 )");
   for (const double side : {-1.0, 1.0}) {
-    Session session(file, {}, kParams);
+    Session session(file, {}, kOneThread);
     ASSERT_TRUE(wait_for_world(session)) << session.now().error;
     EXPECT_FALSE(session.now().is_felt) << "no tool touches a cloth";
     session.ask(AskWind{.body = 0, .velocity = {0, 6 * side, 0}});
@@ -213,12 +206,12 @@ TEST(Session, more_tension_leaves_whole_skin_where_it_is_and_opens_a_wound_wider
   const auto settle = [](Session& session, double time) {
     return wait_until(session, [time](const SessionNow& now) { return now.shown.time > time; });
   };
-  Session whole(file, {"incision.cut.start=0.19"}, kParams);  // not before the run's end
+  Session whole(file, {"incision.cut.start=0.19"}, kOneThread);  // not before the run's end
   ASSERT_TRUE(wait_for_world(whole)) << whole.now().error;
   whole.ask(AskChange{"body.block.skin.tension", "90"});
   ASSERT_TRUE(settle(whole, 0.15));
   EXPECT_LT(largest(whole.now()), 1e-5) << "m: the CT shows it at rest";
-  Session cut(file, {}, kParams);
+  Session cut(file, {}, kOneThread);
   ASSERT_TRUE(wait_for_world(cut) && settle(cut, 1.5));
   const double before = largest(cut.now());
   EXPECT_GT(before, 5e-4);
@@ -250,7 +243,7 @@ bool wait_for_time(Session& session, double time) {
 }
 /// What a finger on its path feels at a time [s], with a key changed before.
 Vec3d force_at(const fs::path& file, double time, double change, const std::string& value) {
-  Session session(file, {}, kParams);
+  Session session(file, {}, kOneThread);
   EXPECT_TRUE(wait_for_time(session, change)) << session.now().error;
   if (!value.empty()) session.ask(AskChange{"body.pad.young", value});
   EXPECT_TRUE(wait_for_time(session, time));
@@ -260,7 +253,7 @@ Vec3d force_at(const fs::path& file, double time, double change, const std::stri
 
 /// How a finger that slides rubs, force along over force across, over a stretch of its way.
 double rubs(const fs::path& file, const std::string& friction) {
-  Session session(file, {}, kParams);
+  Session session(file, {}, kOneThread);
   EXPECT_TRUE(wait_for_time(session, 0.4)) << session.now().error;
   if (!friction.empty()) session.ask(AskChange{"tool.finger.friction", friction});
   double sum = 0, last = 0;
@@ -300,7 +293,7 @@ TEST(Session, what_a_hand_gives_an_elastic_body_it_gets_back_when_it_leaves) {
   const std::string press =
       "path = [[0, 0.03, 0.03, 0.04], [0.4, 0.03, 0.03, 0.031], [0.6, 0.03, 0.03, 0.031], [1, 0.03, 0.03, "
       "0.04], [9, 0.03, 0.03, 0.04]]";
-  Session session(pad_file(press, "5e3", "0"), {}, kParams);
+  Session session(pad_file(press, "5e3", "0"), {}, kOneThread);
   ASSERT_TRUE(wait_for_time(session, 1.1)) << session.now().error;
   FeltPoint most, before;
   double area = 0;  // under force over depth on the way in [J]
@@ -316,7 +309,7 @@ TEST(Session, what_a_hand_gives_an_elastic_body_it_gets_back_when_it_leaves) {
 }
 
 TEST(Session, a_file_with_a_mistake_is_the_one_that_is_read_again) {
-  Session session(four_kinds_file(), {}, kParams);
+  Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
   const fs::path folder = fresh_folder(), bad = written(folder, "pad.toml", "[world]\nduration = -1\n");
   session.ask(AskOpen{.file = bad, .overrides = {}});
@@ -329,7 +322,7 @@ TEST(Session, a_file_with_a_mistake_is_the_one_that_is_read_again) {
 }
 
 TEST(Session, a_value_that_is_not_allowed_is_refused_with_the_scenes_own_sentence) {
-  Session session(four_kinds_file(), {}, kParams);
+  Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
   session.ask(AskChange{"body.block.solver.sweeps", "-3"});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.error.empty(); }));
@@ -338,7 +331,7 @@ TEST(Session, a_value_that_is_not_allowed_is_refused_with_the_scenes_own_sentenc
 
 TEST(Session, a_scene_with_a_mistake_is_told_and_another_can_be_opened_after_it) {
   const fs::path bad = written(fresh_folder(), "bad.toml", "[world]\nduration = -1\n");
-  Session session(bad, {}, kParams);
+  Session session(bad, {}, kOneThread);
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.phase == Phase::kFailed; }));
   EXPECT_NE(session.now().error.find("bad.toml:2"), std::string::npos) << session.now().error;
   session.ask(AskReset{});  // again the same mistake, not a crash
@@ -347,7 +340,7 @@ TEST(Session, a_scene_with_a_mistake_is_told_and_another_can_be_opened_after_it)
 }
 
 TEST(Session, a_file_that_was_mended_is_read_again_where_another_scene_was_before_it) {
-  Session session(four_kinds_file(), {}, kParams);
+  Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
   const fs::path bad = written(fresh_folder(), "bad.toml", "[world]\nduration = -1\n");
   session.ask(AskOpen{.file = bad, .overrides = {}});
@@ -369,7 +362,7 @@ sheet = { corner = [0, 0, 1], side = [1.5, 0, 0], up = [0, 0, 1], columns = 10, 
 fabric = { density = 0.12, warp = 1e30, weft = 800, shear = 150, bend = 2 }
 wind = { velocity = [100, 0, 0] }
 )");
-  Session session(file, {}, kParams);
+  Session session(file, {}, kOneThread);
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.error.empty() && !now.plays; }));
   const auto is_told = [](const SessionNow& now) {
     return now.error.find("not finite") != std::string::npos;
@@ -382,7 +375,7 @@ wind = { velocity = [100, 0, 0] }
 }
 
 TEST(Session, one_who_looks_away_for_a_second_costs_neither_ticks_nor_frames) {
-  Session session(four_kinds_file(), {}, kParams);
+  Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session, 5)) << session.now().error;
   const SessionNow& now = session.now();
   const double begin = now.shown.time;

@@ -7,9 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "folders.hpp"
+#include "sim/scene/scene_error.hpp"
 
 namespace turgor {
 namespace {
+
+using test::error_of;
 
 const std::string kScene = R"(
 [world]
@@ -54,11 +57,6 @@ obj = false
 /// The smallest scene, with lines added to its body and at its end.
 std::string small_scene(const std::string& body = "", const std::string& rest = "") {
   return "[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"torso\" }\n" + body + "\n" + rest;
-}
-
-std::string error_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  const Result<Scene> scene = parse_scene(text, "s.toml", overrides);
-  return scene ? "no error" : scene.error().message;
 }
 
 lattice::TissueLaw law_of(const std::string& body) {
@@ -208,6 +206,15 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("tissue = { law = \"solid\" }\nsolver = { sweeps = 1 }"), "expected at least 2 sweeps"},
       {small_scene("solver = { method = \"xpbd\" }"),
        "solver.method: expected \"pbd\", \"descent\", found \"xpbd\"; did you mean \"pbd\"?"},
+      {small_scene("solver = { schedule = \"colour\" }"),
+       "solver.schedule: expected \"slabs\", \"colours\", found \"colour\"; did you mean \"colours\"?"},
+      {small_scene("", "[world]\ndevice = \"cuda\""),
+       "world.device: expected \"cpu\", \"gpu\", found \"cuda\""},
+      {small_scene("", "[world]\ndevice = \"gpu\""),
+       "world.device = \"gpu\" knows solver.method = \"pbd\" with solver.schedule = "
+       "\"colours\" alone"},
+      {small_scene("skin = { law = \"area\" }\nsolver = { method = \"pbd\" }", "[world]\ndevice = \"gpu\""),
+       "with solver.schedule = \"colours\" alone so far"},
       {small_scene("solver = { sweeps = 1001 }"),
        "solver.sweeps: expected a whole number from 1 to 1000, found 1001"},
       {small_scene("", "[incision.a]\nfrom = [0,0,0]\nto = [1,0,0]"),

@@ -1,19 +1,17 @@
 // What --set does to a scene.
 #include <gtest/gtest.h>
 
+#include "sim/scene/scene_error.hpp"
 #include "turgor/sim/scene/scene.hpp"
 
 namespace turgor {
 namespace {
 
+using test::error_of;
+
 const std::string kFromFile =
     "[world]\nduration = 1.5\n[body.torso]\nmodel = \"lattice\"\nct = \"ct/patient.nii.gz\"\n";
 const std::string kPhantom = "[body.torso]\nmodel = \"lattice\"\nct = { phantom = \"torso\" }\n";
-
-std::string error_of(const std::string& text, const std::vector<std::string>& overrides) {
-  const Result<Scene> scene = parse_scene(text, "s.toml", overrides);
-  return scene ? "no error" : scene.error().message;
-}
 
 TEST(SceneOverrides, OverridesReplaceAnyKeyAndTakeBareWordsAsText) {
   const Result<Scene> scene = parse_scene(kFromFile, "/scenes/s.toml",

@@ -5,21 +5,19 @@
 #include <gtest/gtest.h>
 
 #include "folders.hpp"
+#include "sim/scene/scene_error.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
 namespace {
 
+using test::error_of;
+
 constexpr const char* kLiver = R"([body.liver]
 model = "rhombus"
 surface = { phantom = "liver" }
 )";
-
-std::string error_of(const std::string& text) {
-  const Result<Scene> scene = parse_scene(text, "s.toml");
-  return scene ? "read" : scene.error().message;
-}
 
 TEST(SceneRhombus, keys_reach_the_model) {
   const Scene scene = *parse_scene(std::string(kLiver) + R"(tissue = "breast-fat"

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/scene/scene_error.hpp"
 #include "turgor/sim/scene/scene.hpp"
 
 namespace turgor {
 namespace {
 
-const std::string kScene = R"(
+using test::error_of;
+
+const std::string kSfemScene = R"(
 [body.liver]
 model = "sfem"
 labels = "seg.nii.gz"
@@ -57,13 +60,8 @@ std::string small(const std::string& body = "block = { size = [1, 1, 1], count =
 
 std::string tool(const std::string& keys) { return small() + "\n[body.b.viscosity]\n[tool.t]\n" + keys; }
 
-std::string error_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  const Result<Scene> scene = parse_scene(text, "s.toml", overrides);
-  return scene ? "no error" : scene.error().message;
-}
-
 TEST(SceneSfem, EveryKeyReachesItsField) {
-  const Result<Scene> scene = parse_scene(kScene, "/data/s.toml");
+  const Result<Scene> scene = parse_scene(kSfemScene, "/data/s.toml");
   ASSERT_TRUE(scene) << scene.error().message;
   ASSERT_EQ(scene->sfem_bodies.size(), 2u);
   const SfemScene& liver = scene->sfem_bodies[0];
@@ -149,7 +147,7 @@ TEST(SceneSfem, MistakesAreNamedWithTheirPlace) {
 }
 
 TEST(SceneSfem, ToolsAreNotMadeByOverrides) {
-  EXPECT_NE(error_of(kScene, {"tool.fingr.friction=1"}).find("has no tool fingr; did you mean finger?"),
+  EXPECT_NE(error_of(kSfemScene, {"tool.fingr.friction=1"}).find("has no tool fingr; did you mean finger?"),
             std::string::npos);
 }
 

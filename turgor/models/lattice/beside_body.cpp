@@ -1,6 +1,7 @@
 #include "turgor/models/lattice/beside_body.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -94,23 +95,31 @@ Mask core_of(const Mask& dense, Int3 size) {
   return core;
 }
 
-/// First and last core cell of rows and columns of each layer: what lies beyond is seen from the side.
+/// First and last core cell along the two axes across the scan: what lies beyond is seen from a side of it.
 class Silhouette {
  public:
-  Silhouette(const Mask& core, Int3 size)
-      : size_(size),
-        rows_(std::size_t(size.y * size.z), kNone),
-        columns_(std::size_t(size.x * size.z), kNone) {
+  Silhouette(const Mask& core, Int3 size, int along) : size_(size), views_{(along + 1) % 3, (along + 2) % 3} {
+    for (std::size_t v = 0; v < 2; v++) {
+      Int3 lines = size;
+      lines[views_[v]] = 1;
+      extents_[v].assign(std::size_t(lines.x) * std::size_t(lines.y) * std::size_t(lines.z), kNone);
+    }
+    std::size_t n = 0;
     for (int k = 0; k < size.z; k++)
       for (int j = 0; j < size.y; j++)
         for (int i = 0; i < size.x; i++)
-          if (core[(std::size_t(k) * std::size_t(size.y) + std::size_t(j)) * std::size_t(size.x) +
-                   std::size_t(i)])
-            widen(rows_[std::size_t(k * size.y + j)], i), widen(columns_[std::size_t(k * size.x + i)], j);
+          if (core[n++])
+            for (std::size_t v = 0; v < 2; v++) {
+              Extent& e = extents_[v][line(v, {i, j, k})];
+              const int at = Int3{i, j, k}[views_[v]];
+              e.first = std::min(e.first, at), e.last = std::max(e.last, at);
+            }
   }
-  bool is_beyond(int i, int j, int k) const {
-    const Extent row = rows_[std::size_t(k * size_.y + j)], column = columns_[std::size_t(k * size_.x + i)];
-    return i < row.first || i > row.last || j < column.first || j > column.last;
+  bool is_beyond(Int3 p) const {
+    for (std::size_t v = 0; v < 2; v++)
+      if (const Extent e = extents_[v][line(v, p)]; p[views_[v]] < e.first || p[views_[v]] > e.last)
+        return true;
+    return false;
   }
 
  private:
@@ -118,9 +127,15 @@ class Silhouette {
     int first, last;
   };
   static constexpr Extent kNone{1 << 30, -1};
-  static void widen(Extent& e, int at) { e.first = std::min(e.first, at), e.last = std::max(e.last, at); }
+  std::size_t line(std::size_t view, Int3 p) const {
+    Int3 size = size_;
+    size[views_[view]] = 1, p[views_[view]] = 0;
+    return (std::size_t(p.z) * std::size_t(size.y) + std::size_t(p.y)) * std::size_t(size.x) +
+           std::size_t(p.x);
+  }
   Int3 size_;
-  std::vector<Extent> rows_, columns_;
+  std::array<int, 2> views_;
+  std::array<std::vector<Extent>, 2> extents_;
 };
 
 /// Which parts are long, and for the greater part beyond the body's silhouette.
@@ -135,7 +150,7 @@ std::vector<std::uint8_t> strange_parts(const RowComponents& parts, const Silhou
     Seen& s = seen[std::size_t(run.part)];
     s.low = min(s.low, Int3{run.begin, run.j, run.k});
     s.high = max(s.high, Int3{run.end, run.j + 1, run.k + 1});
-    for (int i = run.begin; i < run.end; i++) s.beyond += silhouette.is_beyond(i, run.j, run.k);
+    for (int i = run.begin; i < run.end; i++) s.beyond += silhouette.is_beyond({i, run.j, run.k});
   }
   std::vector<std::uint8_t> strange(seen.size());
   for (std::size_t p = 0; p < seen.size(); p++) {
@@ -163,8 +178,8 @@ BesideBody find_beside_body(const Exec& exec, const CtVolume& ct, double air_max
   Mask rest(count);
   for (std::size_t n = 0; n < count; n++) rest[n] = any[n] & std::uint8_t(1 - near_core[n]);
   const RowComponents parts = row_components(rest, size);
-  const std::vector<std::uint8_t> strange =
-      strange_parts(parts, Silhouette(core, size), hadamard(ct.grid.spacing, Vec3d(found.cell)));
+  const std::vector<std::uint8_t> strange = strange_parts(parts, Silhouette(core, size, long_axis(ct.grid)),
+                                                          hadamard(ct.grid.spacing, Vec3d(found.cell)));
   found.mask.assign(count, 0);
   found.row_mask.assign(std::size_t(size.y) * std::size_t(size.z), 0);
   for (const CellRun& run : parts.runs)

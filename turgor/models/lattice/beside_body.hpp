@@ -2,6 +2,7 @@
 // voxels are averaged: at coarse steps their means join it to the body.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -9,6 +10,14 @@
 #include "turgor/geometry/volume.hpp"
 
 namespace turgor::lattice {
+
+/// The stored axis that leads from feet to head, nearly: along it a scan ends, across it are its four sides.
+inline int long_axis(const Grid& grid) {
+  int axis = 2;
+  for (const int other : {1, 0})
+    if (std::abs(grid.axes.column[other].z) > std::abs(grid.axes.column[axis].z)) axis = other;
+  return axis;
+}
 
 /// Cells of a few voxels each, i fastest: 1 where dense voxels do not belong to the body.
 struct BesideBody {

@@ -92,6 +92,8 @@ std::size_t flood(const Grid& grid, std::vector<std::size_t>& stack, const Enter
   return visited;
 }
 
+bool is_at_end(Int3 p, Int3 size, int axis) { return p[axis] == 0 || p[axis] == size[axis] - 1; }
+
 /// 1 where air is connected to the four sides of the scan. Not to its ends: there lungs and bowel are cut
 /// open.
 std::vector<std::uint8_t> outside_air(const BodyNodes& nodes, double air_max) {
@@ -103,12 +105,12 @@ std::vector<std::uint8_t> outside_air(const BodyNodes& nodes, double air_max) {
     return true;
   };
   std::vector<std::size_t> stack;
+  const int across = (long_axis(nodes.grid) + 1) % 3, other = (across + 1) % 3;
   for (int k = 0; k < size.z; k++)
-    for (int j = 0; j < size.y; j++) {
-      const int step = j == 0 || j == size.y - 1 ? 1 : std::max(1, size.x - 1);
-      for (int i = 0; i < size.x; i += step)
-        if (const std::size_t n = sample_index(nodes.grid, i, j, k); enter(n)) stack.push_back(n);
-    }
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++)
+        if (is_at_end({i, j, k}, size, across) || is_at_end({i, j, k}, size, other))
+          if (const std::size_t n = sample_index(nodes.grid, i, j, k); enter(n)) stack.push_back(n);
   flood(nodes.grid, stack, enter);
   return outside;
 }
@@ -189,22 +191,26 @@ Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolu
   nodes.tissue.resize(count);
   nodes.young.resize(count);
   nodes.fixed.resize(count);
+  const auto place = [&](std::size_t n) {
+    return Int3{int(n % std::size_t(size.x)), int(n / std::size_t(size.x)) % size.y,
+                int(n / (std::size_t(size.x) * std::size_t(size.y)))};
+  };
+  const int along = long_axis(nodes.grid);
   parallel_for(exec, std::size_t(size.z), [&](std::size_t k) {
     for (std::size_t n = k * count / std::size_t(size.z), end = (k + 1) * count / std::size_t(size.z);
          n < end; n++) {
       const Tissue tissue = outside[n] ? Tissue::kOutside : tissue_of(nodes.hu[n], params.tissue);
-      const bool at_end = k == 0 || int(k) == size.z - 1;
       nodes.tissue[n] = tissue;
       nodes.young[n] = young_of(tissue, params);
-      nodes.fixed[n] = (params.fix_bone && tissue == Tissue::kBone) || (params.fix_ends && at_end);
+      nodes.fixed[n] = (params.fix_bone && tissue == Tissue::kBone) ||
+                       (params.fix_ends && is_at_end(place(n), size, along));
     }
   });
   if (labels != nullptr)
     for (std::size_t n = 0; n < count; n++) {
       if (outside[n]) continue;
-      const Int3 p{int(n % std::size_t(size.x)), int(n / std::size_t(size.x)) % size.y,
-                   int(n / (std::size_t(size.x) * std::size_t(size.y)))};
-      const auto found = params.tissue.young_of_label.find(label_at(*labels, point_at(nodes.grid, Vec3d(p))));
+      const Vec3d point = point_at(nodes.grid, Vec3d(place(n)));
+      const auto found = params.tissue.young_of_label.find(label_at(*labels, point));
       if (found != params.tissue.young_of_label.end()) nodes.young[n] = float(found->second);
     }
   return nodes;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "turgor/models/lattice/cells.hpp"
 #include "turgor/models/lattice/coarse_levels.hpp"
@@ -13,13 +14,26 @@ namespace turgor::lattice {
 
 namespace {
 
+/// Two neighbouring layers of nodes: the even one first.
+struct TwoLayers {
+  const Lattice& lattice;
+  VecField& field;
+
+  /// From slots of a layer to entries of the field.
+  int shift(int k) const { return (k & 1) * layer_stride(lattice) - row_slot(lattice, -1, k); }
+  void add(int slot, int k, Vec3 f) const {
+    const auto at = std::size_t(slot + shift(k));
+    field.set(at, field[at] + f);
+  }
+};
+
 /// Forces of the cells whose lowest nodes are [slot, slot + kGroup), added to those of their corners.
 struct CellForces {
   const Model& model;
   const State& state;
   NodeArrays nodes;
   SolidLaw law;
-  VecField& out;
+  TwoLayers out;
 
   /// Moduli of those that are whole now.
   template <int kWidth>
@@ -34,12 +48,12 @@ struct CellForces {
   }
 
   template <int kWidth>
-  void add(int slot, const int (&corners)[kCellCorners]) const {
+  void add(int slot, int k, const int (&corners)[kCellCorners]) const {
     Real young[kWidth];
     find_young<kWidth>(slot, corners, young);
     const SolidLaw by = law;
     const NodeArrays n = nodes;
-    Real *fx = out.x.data(), *fy = out.y.data(), *fz = out.z.data();
+    Real *fx = out.field.x.data(), *fy = out.field.y.data(), *fz = out.field.z.data();
     int corner[kCellCorners];
     for (int c = 0; c < kCellCorners; c++) corner[c] = corners[c];
     Real px[kCellCorners][kWidth], py[kCellCorners][kWidth], pz[kCellCorners][kWidth];
@@ -58,7 +72,7 @@ struct CellForces {
     }
     for (int c = 0; c < kCellCorners; c++)
       for (int i = 0; i < kWidth; i++) {
-        const int at = slot + corner[c] + i;
+        const int at = slot + corner[c] + out.shift(k + cell_corner(c).z) + i;
         fx[at] += px[c][i], fy[at] += py[c][i], fz[at] += pz[c][i];
       }
   }
@@ -72,69 +86,69 @@ struct CellForces {
         for (const Run run : cells.of_half_row(row_slot(l, j, k) / l.half + parity)) {
           int begin = 0;
           for (; begin + 2 * kGroup <= run.count; begin += 2 * kGroup)
-            add<2 * kGroup>(run.begin + begin, corner);
-          if (begin < run.count) add<kGroup>(run.begin + begin, corner);
+            add<2 * kGroup>(run.begin + begin, k, corner);
+          if (begin < run.count) add<kGroup>(run.begin + begin, k, corner);
         }
     }
   }
 };
 
 /// Inertia, and nothing yet where nothing moves.
-void begin_layer(const Model& model, const Inertia& inertia, const State& state, int k, VecField& out) {
+void begin_layer(const Model& model, const Inertia& inertia, const State& state, int k, TwoLayers out) {
   const Lattice& l = model.lattice;
-  const auto first = std::size_t(row_slot(l, -1, k)), count = std::size_t(layer_stride(l));
-  for (auto* axis : {&out.x, &out.y, &out.z})
-    std::fill_n(axis->begin() + std::ptrdiff_t(first), count, Real(0));
+  const int shift = out.shift(k);
+  for (auto* axis : {&out.field.x, &out.field.y, &out.field.z})
+    std::fill_n(axis->begin() + shift + row_slot(l, -1, k), layer_stride(l), Real(0));
   const Real per_h2 = 1 / (inertia.dt * inertia.dt);
   for_each_piece(model, nullptr, k, [&](int, int slot, int pieces) {
-    Real *fx = out.x.data(), *fy = out.y.data(), *fz = out.z.data();
+    Real *fx = out.field.x.data(), *fy = out.field.y.data(), *fz = out.field.z.data();
     const Real *ux = state.u.x.data(), *uy = state.u.y.data(), *uz = state.u.z.data();
     const Inertia y = inertia;
     TURGOR_LANES
     for (int s = slot; s < slot + pieces; s++) {
       const Real m = y.moves(s) * per_h2 / nonzero(y.w[s]);
       const Vec3 lack = y.at(s, 1) - Vec3{ux[s], uy[s], uz[s]};
-      fx[s] = lack.x * m, fy[s] = lack.y * m, fz[s] = lack.z * m;
+      fx[s + shift] = lack.x * m, fy[s + shift] = lack.y * m, fz[s + shift] = lack.z * m;
     }
   });
 }
 
 /// Skin, and what blades parted.
 void add_skin_and_parts(const Model& model, State& state, const SkinForces& skin, const PartForces& parts,
-                        int k, LeftOver& out) {
+                        int k, TwoLayers out, std::vector<CopyShift>& copies) {
   const NodeArrays nodes = node_arrays(model, state);
-  const auto add = [&](int slot, Vec3 f) {
-    out.nodes.set(std::size_t(slot), out.nodes[std::size_t(slot)] + f);
-  };
   for_each_piece(model, nullptr, k, [&](int, int slot, int count) {
     if (!model.skin.triangles.empty())
       for_skin_nodes(
           model, state, nodes, skin, slot, count, [](int) { return NodeSystem{}; },
-          [&](int at, const NodeSystem& s) { add(at, s.f); });
-    for (const PartNode& node : parts.nodes_of(slot, count)) add(node.slot, parts.gather(node).f);
+          [&](int at, const NodeSystem& s) { out.add(at, k, s.f); });
+    for (const PartNode& node : parts.nodes_of(slot, count)) out.add(node.slot, k, parts.gather(node).f);
   });
   for (const PartNode& copy : parts.copies_of(k)) {
     const Vec3 f = parts.gather(copy).f;
-    out.copies[std::size_t(copy.corner - slot_count(model.lattice))] = {f.x, f.y, f.z};
+    copies[std::size_t(copy.corner - slot_count(model.lattice))] = {f.x, f.y, f.z};
   }
 }
 
-void add_loose_edges(const Model& model, const State& state, const CoarseSpace& space, VecField& out) {
+/// Those that begin in a layer; slots ascend with layers.
+void add_loose_edges(const Model& model, const State& state, const CoarseSpace& space, int k, TwoLayers out) {
+  const Lattice& l = model.lattice;
   const auto root = [&](int slot) { return model.root_stiffness[std::size_t(slot)]; };
-  for (const LooseEdge& edge : space.loose) {
-    const int other = end_of(model.lattice, edge);
-    const auto a = std::size_t(edge.slot), b = std::size_t(other), family = std::size_t(edge.family);
+  const auto first = [&](int layer) {
+    return std::partition_point(space.loose.begin(), space.loose.end(),
+                                [&](const LooseEdge& e) { return e.slot < row_slot(l, -1, layer); });
+  };
+  for (auto edge = first(k); edge != first(k + 1); ++edge) {
+    const int other = end_of(l, *edge), above = k + kFamilies[std::size_t(edge->family)].z;
+    const auto a = std::size_t(edge->slot), b = std::size_t(other), family = std::size_t(edge->family);
     NodeSystem s;
-    const Vec3 d = hadamard(model.lattice.step, Vec3(kFamilies[family])) + (state.u[b] - state.u[a]);
-    add_spring(s, d, model.rest_length[family], model.spring_scale[family] * root(edge.slot) * root(other));
-    out.set(a, out[a] + s.f), out.set(b, out[b] - s.f);
+    const Vec3 d = hadamard(l.step, Vec3(kFamilies[family])) + (state.u[b] - state.u[a]);
+    add_spring(s, d, model.rest_length[family], model.spring_scale[family] * root(edge->slot) * root(other));
+    out.add(edge->slot, k, s.f), out.add(other, above, -s.f);
   }
 }
 
 // ---------------------------------------------------------------- between nodes and unknowns
-
-/// Sums and values by row are kept for so many stretches of layers, whatever the threads.
-constexpr int kStretches = 8;
 
 /// Calls visit(block, weights, slot) or visit(row, slot) for what follows the unknowns in a layer.
 template <class OfBlock, class OfRow>
@@ -173,27 +187,27 @@ void for_copies(const Model& model, const State& state, const CoarseSpace& space
   }
 }
 
-/// What forces at the nodes do to the unknowns.
-Eigen::VectorXd gather_unknowns(const Exec& exec, const Model& model, const State& state,
-                                const CoarseSpace& space, const LeftOver& forces) {
+/// What the forces that are left over do to the unknowns.
+std::vector<double> gather_unknowns(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                                    double dt) {
+  const CoarseSpace& space = *state.coarse;
   const std::size_t rows = space.row_begin.size() - 1;
-  const int layers = model.lattice.size.z;
   std::vector<Vec3d> sums(kStretches * rows);
   const auto add = [&](Vec3d* sum, const CoarseBlock& block, const std::array<float, 8>& w, Vec3d f) {
     for (std::size_t c = 0; c < 8; c++) sum[block.corner[c]] += f * double(w[c]);
   };
-  parallel_for(exec, kStretches, [&](std::size_t stretch) {
-    Vec3d* sum = sums.data() + stretch * rows;
-    for (int k = layers * int(stretch) / kStretches; k < layers * int(stretch + 1) / kStretches; k++)
-      for_followers(
-          model, space, k,
-          [&](const CoarseBlock& block, const std::array<float, 8>& w, int slot) {
-            add(sum, block, w, Vec3d(forces.nodes[std::size_t(slot)]));
-          },
-          [&](int row, int slot) { sum[row] += Vec3d(forces.nodes[std::size_t(slot)]); });
-  });
+  const auto see = [&](int stretch, int k, LayerForces forces) {
+    Vec3d* sum = sums.data() + std::size_t(stretch) * rows;
+    for_followers(
+        model, space, k,
+        [&](const CoarseBlock& block, const std::array<float, 8>& w, int slot) {
+          add(sum, block, w, Vec3d(forces[slot]));
+        },
+        [&](int row, int slot) { sum[row] += Vec3d(forces[slot]); });
+  };
+  find_left_over(exec, model, state, space, inputs, dt, state.left_over, see);
   const auto of_copy = [&](int c) {
-    const CopyShift& f = forces.copies[std::size_t(c)];
+    const CopyShift& f = state.left_over.copies[std::size_t(c)];
     return Vec3d{f.x, f.y, f.z};
   };
   for_copies(
@@ -202,13 +216,13 @@ Eigen::VectorXd gather_unknowns(const Exec& exec, const Model& model, const Stat
         add(sums.data(), block, w, of_copy(c));
       },
       [&](int row, int c) { sums[std::size_t(row)] += of_copy(c); });
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(3 * space.unknowns);
+  std::vector<double> out(3 * std::size_t(space.unknowns));
   for (std::size_t row = 0; row < rows; row++) {
     Vec3d sum;
     for (std::size_t stretch = 0; stretch < kStretches; stretch++) sum += sums[stretch * rows + row];
     for (int t = space.row_begin[row]; t < space.row_begin[row + 1]; t++)
       for (int axis = 0; axis < 3; axis++)
-        out[3 * space.terms[std::size_t(t)].unknown + axis] +=
+        out[std::size_t(3 * space.terms[std::size_t(t)].unknown + axis)] +=
             double(space.terms[std::size_t(t)].weight) * sum[axis];
   }
   return out;
@@ -216,14 +230,14 @@ Eigen::VectorXd gather_unknowns(const Exec& exec, const Model& model, const Stat
 
 /// Moves nodes and copies by `part` of what the unknowns say.
 void move_nodes(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
-                const Eigen::VectorXd& unknowns, double part) {
+                std::span<const double> unknowns, double part) {
   std::vector<Vec3> by_row(space.row_begin.size() - 1);
   for (std::size_t row = 0; row < by_row.size(); row++) {
     Vec3d sum;
     for (int t = space.row_begin[row]; t < space.row_begin[row + 1]; t++)
       for (int axis = 0; axis < 3; axis++)
         sum[axis] += double(space.terms[std::size_t(t)].weight) *
-                     unknowns[3 * space.terms[std::size_t(t)].unknown + axis];
+                     unknowns[std::size_t(3 * space.terms[std::size_t(t)].unknown + axis)];
     by_row[row] = Vec3(sum * part);
   }
   const auto at = [&](const CoarseBlock& block, const std::array<float, 8>& w) {
@@ -250,25 +264,60 @@ void move_nodes(const Exec& exec, const Model& model, State& state, const Coarse
       [&](int row, int c) { move_copy(c, by_row[std::size_t(row)]); });
 }
 
+double work(std::span<const double> forces, std::span<const double> way) {
+  return std::inner_product(forces.begin(), forces.end(), way.begin(), 0.0);
+}
+
+/// Does a blade cut more in the steps to come? Not when it has stopped for some.
+bool blade_goes_on(State& state, std::size_t cuts) {
+  constexpr int kStopped = 8;
+  state.steps_since_cut = cuts != state.cuts_before ? 0 : state.steps_since_cut + 1;
+  state.cuts_before = cuts;
+  return state.blades_on.any() && state.steps_since_cut < kStopped;
+}
+
+/// As the CT shows it, and nothing moves it: then there is nothing to solve for.
+bool is_at_rest(const Model& model, const State& state, const Inputs& inputs, double dt) {
+  constexpr double kStill = 1e-6;  // steps of the lattice a frame: rounding
+  const Vec3 h = model.lattice.step;
+  return cut_version(state) == 0 && inputs.loads.empty() && norm(inputs.gravity) == 0 &&
+         double(state.fastest) * dt < kStill * double(std::min({h.x, h.y, h.z}));
+}
+
 }  // namespace
 
 void find_left_over(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
-                    const Inputs& inputs, double dt, LeftOver& out) {
-  const std::size_t slots = model.inverse_mass.size();
-  if (out.nodes.x.size() != slots) out.nodes.resize(slots);
-  out.copies.assign(state.copies.size(), {});
+                    const Inputs& inputs, double dt, LeftOver& room,
+                    const std::function<void(int, int, LayerForces)>& see) {
+  room.copies.assign(state.copies.size(), {});
+  room.layers.resize(kStretches);
   const Inertia inertia(model, state, inputs, dt);
-  const CellForces cells{model, state, node_arrays(model, state),
-                         solid_law(model.lattice.step, model.params.tissue.poisson), out.nodes};
+  const SolidLaw law = solid_law(model.lattice.step, model.params.tissue.poisson);
   const SkinForces skin(model);
   const PartForces parts(model, state);
   const int layers = model.lattice.size.z;
-  parallel_for(exec, std::size_t(layers),
-               [&](std::size_t k) { begin_layer(model, inertia, state, int(k), out.nodes); });
-  sweep_slabs(exec, layers - 1, [&](int k) { cells(space.cells, k); });
-  parallel_for(exec, std::size_t(layers),
-               [&](std::size_t k) { add_skin_and_parts(model, state, skin, parts, int(k), out); });
-  add_loose_edges(model, state, space, out.nodes);
+  parallel_for(exec, kStretches, [&](std::size_t stretch) {
+    VecField& field = room.layers[stretch];
+    const auto slots = std::size_t(2 * layer_stride(model.lattice) + kSpareSlots);
+    if (field.x.size() != slots) field.resize(slots);
+    const TwoLayers out{model.lattice, field};
+    const CellForces cells{model, state, node_arrays(model, state), law, out};
+    const auto add_cells = [&](int k) {
+      if (k < 0 || k + 1 >= layers) return;
+      cells(space.cells, k);
+      add_loose_edges(model, state, space, k, out);
+    };
+    const int begin = layers * int(stretch) / kStretches, end = layers * int(stretch + 1) / kStretches;
+    if (begin == end) return;
+    for (int k = std::max(0, begin - 1); k <= begin; k++) begin_layer(model, inertia, state, k, out);
+    add_cells(begin - 1);
+    for (int k = begin; k < end; k++) {
+      if (k + 1 < layers) begin_layer(model, inertia, state, k + 1, out);
+      add_cells(k);
+      add_skin_and_parts(model, state, skin, parts, k, out, room.copies);
+      see(int(stretch), k, {field, out.shift(k)});
+    }
+  });
 }
 
 bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt) {
@@ -276,8 +325,8 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
   if (!params.solver.coarse || params.solver.method != Method::kDescent) return false;
   if (params.tissue.law != TissueLaw::kSolid || can_sleep(model) || !inputs.contacts.empty()) return false;
   const std::size_t cuts = cut_version(state);
-  const bool cut_now = cuts != state.cuts_before, goes_on = cut_now && state.was_cut;
-  state.cuts_before = cuts, state.was_cut = cut_now;
+  const bool goes_on = blade_goes_on(state, cuts);
+  if (is_at_rest(model, state, inputs, dt)) return false;
   // Times of frames are rounded; and a frame that is done in parts, while a tool is fast, is not worth a
   // space of its own.
   if (state.coarse && dt < 0.99 * state.coarse->dt) return false;
@@ -292,15 +341,12 @@ void correct_smooth_part(const Exec& exec, const Model& model, State& state, con
                          double dt) {
   constexpr double kFarthest = 1.5;  // of what the space says
   const CoarseSpace& space = *state.coarse;
-  const auto forces = [&] {
-    find_left_over(exec, model, state, space, inputs, dt, state.left_over);
-    return gather_unknowns(exec, model, state, space, state.left_over);
-  };
-  const Eigen::VectorXd before = forces(), way = space.stiffness.solve(before);
-  const double slope = before.dot(way);
+  const auto forces = [&] { return gather_unknowns(exec, model, state, inputs, dt); };
+  const std::vector<double> before = forces(), way = space.stiffness.solve(before);
+  const double slope = work(before, way);
   if (!(slope > 0)) return;
   move_nodes(exec, model, state, space, way, 1);
-  const double after = forces().dot(way);
+  const double after = work(forces(), way);
   const double part = slope > after ? std::min(kFarthest, slope / (slope - after)) : kFarthest;
   move_nodes(exec, model, state, space, way, (std::isfinite(after) ? part : 0) - 1);
 }
@@ -309,8 +355,8 @@ std::size_t memory_bytes(const CoarseSpace& space) {
   const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   return bytes(space.blocks) + bytes(space.row_begin) + bytes(space.terms) + bytes(space.follows) +
          bytes(space.outside) + bytes(space.loose) + bytes(space.cells.all) + bytes(space.cells.row_begin) +
-         std::size_t(space.stiffness.matrixL().nestedExpression().nonZeros()) *
-             (sizeof(double) + sizeof(int));
+         bytes(space.stiffness.order) + bytes(space.stiffness.mobility) + bytes(space.stiffness.column) +
+         bytes(space.stiffness.row) + bytes(space.stiffness.value);
 }
 
 }  // namespace turgor::lattice

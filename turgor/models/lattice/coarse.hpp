@@ -6,8 +6,9 @@
 // energy by more than what is not linear in it. [Galerkin; Dick, Georgii and Westermann 2011 for cuts]
 #pragma once
 
-#include <Eigen/SparseCholesky>
+#include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "turgor/models/lattice/lattice.hpp"
@@ -41,6 +42,18 @@ struct LooseEdge {
   int slot = 0, family = 0;
 };
 
+/// A stiffness, factored as Pᵀ L D Lᵀ P. What a step needs of it is a way down, which a search along it
+/// scales: floats are enough.
+struct CoarseFactor {
+  std::vector<int> order;             // which unknown comes where
+  std::vector<float> mobility;        // 1/D [m/N]
+  std::vector<std::uint32_t> column;  // of L, in `row` and `value`; one more than there are columns
+  std::vector<std::uint16_t> row;     // below the diagonal, by column
+  std::vector<float> value;           // [1]
+
+  std::vector<double> solve(std::span<const double> forces) const;
+};
+
 /// How nodes and copies follow the unknowns, and what moving these costs.
 struct CoarseSpace {
   std::size_t version = 0;  // cut_version of the state that it was made of
@@ -53,7 +66,7 @@ struct CoarseSpace {
   std::vector<int> outside;      // of these, nodes outside of the block that they follow
   std::vector<LooseEdge> loose;  // edges that no cell holds
   Runs cells;                    // slots of cells with something in them that can move
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> stiffness;  // [N/m]
+  CoarseFactor stiffness;        // [N/m]
 
   static constexpr int kFixed = -1;
 };
@@ -61,13 +74,24 @@ struct CoarseSpace {
 /// Of the body as it is cut now; for a body that nothing can move, without unknowns.
 std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const State& state, double dt);
 
-/// The forces that are left over at all nodes and copies, along the lattice's axes.
-void find_left_over(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
-                    const Inputs& inputs, double dt, LeftOver& out);
+/// The forces that are left over at the nodes of a layer, along the lattice's axes, by slot [N].
+struct LayerForces {
+  const VecField& field;
+  int shift = 0;
 
-/// Makes the space anew when cuts or longer steps ask for it; while a blade goes on from step to step there
-/// is none. Is there one that this step can use? Not where contacts press, rows sleep, tissue is springs, or
-/// the step is a part of one that the space was made for.
+  Vec3 operator[](int slot) const { return field[std::size_t(slot + shift)]; }
+};
+/// Layers are looked at in so many stretches, side by side, whatever the threads.
+constexpr int kStretches = 8;
+/// Calls see(stretch, layer, forces) for every layer of nodes, those of a stretch in order; afterwards
+/// room.copies holds the forces at copies.
+void find_left_over(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
+                    const Inputs& inputs, double dt, LeftOver& room,
+                    const std::function<void(int, int, LayerForces)>& see);
+
+/// Makes the space anew when cuts or longer steps ask for it; while a blade is on its way, or nothing moves,
+/// there is none. Is there one that this step can use? Not where contacts press, rows sleep, tissue is
+/// springs, or the step is a part of one that the space was made for.
 bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt);
 /// One step in the coarse space, between sweeps: towards the minimum of what is quadratic there, as far along
 /// that way as the forces at its end say.

@@ -1,5 +1,6 @@
 // What moving the unknowns of a coarse space costs: linear tissue, skin as it is in the CT, and the inertia
 // of a step. Nearly all of it comes by blocks, whose corners are few.
+#include <Eigen/SparseCholesky>
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
@@ -263,6 +264,26 @@ void add_inertia(StiffnessBuilder& builder) {
   }
 }
 
+CoarseFactor factored(const Eigen::SparseMatrix<double>& matrix) {
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> exact(matrix);
+  TURGOR_ASSERT(exact.info() == Eigen::Success, "a sum of squares and masses can be factored");
+  TURGOR_ASSERT(matrix.rows() <= 1 << 16, "a coarse space has few unknowns");
+  const Eigen::SparseMatrix<double>& lower = exact.matrixL().nestedExpression();
+  CoarseFactor out;
+  out.order.reserve(std::size_t(matrix.cols())), out.mobility.reserve(std::size_t(matrix.cols()));
+  out.column.reserve(std::size_t(matrix.cols()) + 1);
+  out.column.push_back(0);
+  out.row.reserve(std::size_t(lower.nonZeros())), out.value.reserve(std::size_t(lower.nonZeros()));
+  for (int c = 0; c < int(matrix.cols()); c++) {
+    out.order.push_back(exact.permutationP().indices()[c]);
+    out.mobility.push_back(float(1 / exact.vectorD()[c]));
+    for (Eigen::SparseMatrix<double>::InnerIterator at(lower, c); at; ++at)
+      if (at.row() > c) out.row.push_back(std::uint16_t(at.row())), out.value.push_back(float(at.value()));
+    out.column.push_back(std::uint32_t(out.row.size()));
+  }
+  return out;
+}
+
 }  // namespace
 
 void factor_coarse_space(const Model& model, const State& state, std::span<const CoarseLevel> levels,
@@ -283,8 +304,19 @@ void factor_coarse_space(const Model& model, const State& state, std::span<const
   for (int i = 0; i < count; i++) builder.entries.emplace_back(i, i, kLeast * largest);
   Eigen::SparseMatrix<double> matrix(count, count);
   matrix.setFromTriplets(builder.entries.begin(), builder.entries.end());
-  space.stiffness.compute(matrix);
-  TURGOR_ASSERT(space.stiffness.info() == Eigen::Success, "a sum of squares and masses can be factored");
+  space.stiffness = factored(matrix);
+}
+
+std::vector<double> CoarseFactor::solve(std::span<const double> forces) const {
+  std::vector<double> x(forces.size()), out(forces.size());
+  for (std::size_t n = 0; n < x.size(); n++) x[std::size_t(order[n])] = forces[n];
+  for (std::size_t c = 0; c < x.size(); c++)
+    for (std::uint32_t p = column[c]; p < column[c + 1]; p++) x[row[p]] -= double(value[p]) * x[c];
+  for (std::size_t n = 0; n < x.size(); n++) x[n] *= double(mobility[n]);
+  for (std::size_t c = x.size(); c-- > 0;)
+    for (std::uint32_t p = column[c]; p < column[c + 1]; p++) x[c] -= double(value[p]) * x[row[p]];
+  for (std::size_t n = 0; n < x.size(); n++) out[n] = x[std::size_t(order[n])];
+  return out;
 }
 
 }  // namespace turgor::lattice

@@ -8,10 +8,12 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/cells.hpp"
+#include "turgor/models/lattice/colours.hpp"
 #include "turgor/models/lattice/kernels.hpp"
 #include "turgor/models/lattice/moving.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/node_contact.hpp"
+#include "turgor/models/lattice/node_forces.hpp"
 #include "turgor/models/lattice/parts.hpp"
 #include "turgor/models/lattice/rows.hpp"
 #include "turgor/models/lattice/skin_forces.hpp"
@@ -42,8 +44,7 @@ void find_uncut(const NodeArrays& n, const Neighbours& around, int slot, bool wi
   }
 }
 
-/// Springs and volumes around the nodes of [slot, slot + kSpareSlots). Distances to the neighbours are
-/// computed once and serve both.
+/// Springs and volumes around the nodes of [slot, slot + kSpareSlots).
 template <bool kWithCuts, bool kWithVolumes>
 void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_volume, Real volume_scale,
                      int slot, int begin, SystemBuffer& __restrict out) {
@@ -51,34 +52,10 @@ void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_vo
   if constexpr (kWithCuts) find_uncut(n, around, slot, kWithVolumes, uncut);
   TURGOR_LANES
   for (int i = 0; i < kSpareSlots; i++) {
-    const int a = slot + i;
-    NodeSystem s;
-    Vec3 d[kNeighbourCount];
-    Real root[kNeighbourCount];
-#pragma GCC unroll 14
-    for (int e = 0; e < kNeighbourCount; e++) {
-      const int b = a + around.offset[e];
-      d[e] = around.edge[e] + (n.u(b) - n.u(a));
-      root[e] = n.root[b];
-      Real k = around.scale[e] * n.root[a] * root[e];
-      if constexpr (kWithCuts) k *= uncut.spring[e][i];
-      add_spring(s, d[e], around.rest[e], k);
-    }
-    if constexpr (kWithVolumes) {
-#pragma GCC unroll 24
-      for (int t = 0; t < 24; t++) {
-        const TetAround tet = kTetsAround[std::size_t(t)];
-        const auto root_of = [&](int neighbour) { return neighbour < 0 ? n.root[a] : root[neighbour]; };
-        Real k = tet_stiffness(root_of(tet.far[0]), root_of(tet.far[1]), root[tet.corner[0]],
-                               root[tet.corner[1]], root[tet.corner[2]]);
-        k *= volume_scale / rest_volume;
-        if constexpr (kWithCuts) k *= uncut.tet[t][i];
-        const VolumeGradients g = volume_gradients(d[tet.corner[0]], d[tet.corner[1]], d[tet.corner[2]]);
-        const Real sixth = Real(1) / 6;
-        add_volume(s, (g.g1 + g.g2 + g.g3) * -sixth, k, dot(d[tet.corner[0]], g.g1) * sixth - rest_volume);
-      }
-    }
-    out.set(begin + i, s);
+    const auto spring = [&](int e) { return kWithCuts ? uncut.spring[e][i] : Real(1); };
+    const auto tet = [&](int t) { return kWithCuts ? uncut.tet[t][i] : Real(1); };
+    out.set(begin + i, springs_around<kWithVolumes>(n, around, kTetsAround.data(), rest_volume, volume_scale,
+                                                    slot + i, spring, tet));
   }
 }
 
@@ -131,7 +108,8 @@ struct GatherRow {
   }
 };
 
-struct DescendLayer {
+/// Moves the nodes of a layer, or of half a row, and their copies.
+struct Descend {
   const GatherRow& gather;
   const Inertia& inertia;
   std::span<NodeContact> contacts;
@@ -139,37 +117,43 @@ struct DescendLayer {
   Sleep& sleep;
   Real way2;  // square of how far a node goes in a step without waking others [m²]; negative: none sleeps
 
+  bool sleeps() const { return way2 >= 0; }
+
   void operator()(int k) const {
     SystemBuffer buffer;
-    const bool sleeps = way2 >= 0;
-    if (order == Order::kBackward) solve_copies(k);
+    const std::span<const PartNode> copies = gather.parts.copies_of(k);
+    if (order == Order::kBackward) solve_copies(copies);
     for_each_piece(
-        gather.model, sleeps ? sleep.awake.data() : nullptr, k,
-        [&](int parity, int slot, int count) {
-          gather(parity, slot, count, buffer);
-          const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
-          if (!touched.empty()) press(touched, slot, buffer);
-          solve(slot, count, buffer);
-          for (NodeContact& c : touched) c.force = contact_force(c, displacement(c)).force;
-          if (sleeps && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
-        },
-        order);
-    if (order == Order::kForward) solve_copies(k);
+        gather.model, sleeps() ? sleep.awake.data() : nullptr, k,
+        [&](int parity, int slot, int count) { move_nodes(parity, slot, count, buffer); }, order);
+    if (order == Order::kForward) solve_copies(copies);
+  }
+
+  void operator()(HalfRow row) const {
+    const Lattice& l = gather.model.lattice;
+    const int first = row_slot(l, row.j, row.k) + row.parity * l.half;
+    if (sleeps() && !sleep.awake[std::size_t(row_of(gather.model, first))]) return;
+    SystemBuffer buffer;
+    for_each_piece_of(gather.model, row.parity, row.j, row.k,
+                      [&](int parity, int slot, int count) { move_nodes(parity, slot, count, buffer); });
+    solve_copies(gather.parts.copies_of(first, l.half));
+  }
+
+  void move_nodes(int parity, int slot, int count, SystemBuffer& buffer) const {
+    gather(parity, slot, count, buffer);
+    const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
+    if (!touched.empty()) press(touched, slot, buffer);
+    solve(slot, count, buffer);
+    for (NodeContact& c : touched) c.force = contact_force(c, contact_displacement(c, gather.nodes)).force;
+    if (sleeps() && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
   }
 
   /// After the nodes of their layer, or before them backward: those of other slabs stand still then.
-  void solve_copies(int k) const {
-    const std::span<const PartNode> copies = gather.parts.copies_of(k);
+  void solve_copies(std::span<const PartNode> copies) const {
     for (std::size_t n = 0; n < copies.size(); n++) {
       const PartNode& copy = copies[order == Order::kForward ? n : copies.size() - 1 - n];
-      if (way2 < 0 || sleep.awake[std::size_t(row_of(gather.model, copy.slot))]) gather.parts.solve(copy);
+      if (!sleeps() || sleep.awake[std::size_t(row_of(gather.model, copy.slot))]) gather.parts.solve(copy);
     }
-  }
-
-  /// Of the place that touches.
-  Vec3 displacement(const NodeContact& c) const {
-    const Vec3 own = gather.nodes.u(c.slot);
-    return c.other < 0 ? own : (own + gather.nodes.u(c.other)) * Real(0.5);
   }
 
   /// Adds contacts to the systems of their nodes.
@@ -178,29 +162,10 @@ struct DescendLayer {
       while (end < touched.size() && touched[end].slot == touched[begin].slot) end++;
       const int at = touched[begin].slot - slot;
       NodeSystem system = buffer.get(at);
-      press_node(touched.subspan(begin, end - begin), system);
+      const int node = touched[begin].slot;
+      press_node(touched.subspan(begin, end - begin), gather.nodes, inertia(node) - gather.nodes.u(node),
+                 inertia.dt * inertia.dt * gather.nodes.w[node], system);
       buffer.set(at, system);
-    }
-  }
-
-  /// Contacts of one node are equally stiff, and share what one alone would have. Whether one alone touches
-  /// is told by where the node would go without it; beside others, by whether it bears, for what those hold
-  /// out it would pull back in.
-  void press_node(std::span<NodeContact> touched, NodeSystem& s) const {
-    const int slot = touched[0].slot;
-    const Real mobility = inertia.dt * inertia.dt * gather.nodes.w[slot];
-    const Real share = kContactStiffness / Real(touched.size());
-    const Real stiffness = share * ((s.xx + s.yy + s.zz) / 3 + 1 / mobility);
-    const Vec3 without = newton_step(s, inertia(slot) - gather.nodes.u(slot), mobility);
-    for (NodeContact& c : touched) {
-      c.stiffness = stiffness;
-      const Real part = c.other < 0 ? Real(1) : Real(0.5);  // of the node's step that the place goes along
-      const Vec3 u = displacement(c);
-      const bool is_there = touched.size() == 1 ? touches(c, u + without * part) : bears(c);
-      const ContactForce pushed = contact_force(c, u, is_there);
-      s.f += pushed.force;
-      add_outer(s, c.normal, (pushed.along - pushed.across) * part);
-      add_isotropic(s, pushed.across * part);
     }
   }
 
@@ -243,21 +208,41 @@ struct LayerResidual {
   double largest2 = 0, sum2 = 0;
 };
 
-}  // namespace
-
-void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
-                   Order order) {
+/// Calls sweep(descend).
+template <class Sweep>
+void prepare_descent(const Model& model, State& state, const Inputs& inputs, double dt, Order order,
+                     const Sweep& sweep) {
   const GatherRow gather(model, state);
   const Inertia inertia(model, state, inputs, dt);
   // Tests and benches sweep outside of steps, where nobody has been woken.
   const bool sleeps = can_sleep(model) && !state.sleep.awake.empty();
   const Real way = Real(model.params.solver.sleep * dt);
   if (sleeps) std::fill(state.sleep.moved.begin(), state.sleep.moved.end(), std::uint8_t(0));
-  sweep_slabs(
-      exec, model.lattice.size.z,
-      DescendLayer{gather, inertia, inputs.contacts, order, state.sleep, sleeps ? way * way : Real(-1)},
-      order);
+  sweep(Descend{gather, inertia, inputs.contacts, order, state.sleep, sleeps ? way * way : Real(-1)});
   if (sleeps) spread_motion(model, state);
+}
+
+}  // namespace
+
+template <class Run>
+void sweep_descent_by_colours(const Run& run, const Model& model, State& state, const Inputs& inputs,
+                              double dt, Order order) {
+  prepare_descent(model, state, inputs, dt, order, [&](const Descend& descend) {
+    for (int turn = 0; turn < kColourCount; turn++)
+      run_half_rows(run, model.lattice.size, order == Order::kBackward ? kColourCount - 1 - turn : turn,
+                    descend);
+  });
+}
+template void sweep_descent_by_colours(const CpuRun&, const Model&, State&, const Inputs&, double, Order);
+template void sweep_descent_by_colours(const ShuffledRun&, const Model&, State&, const Inputs&, double,
+                                       Order);
+
+void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
+                   Order order) {
+  if (model.params.solver.schedule == Schedule::kColours)
+    return sweep_descent_by_colours(CpuRun{exec}, model, state, inputs, dt, order);
+  prepare_descent(model, state, inputs, dt, order,
+                  [&](const Descend& descend) { sweep_slabs(exec, model.lattice.size.z, descend, order); });
 }
 
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,

@@ -30,7 +30,7 @@ void visit_fields(S& s, const Visit& visit) {
   visit(Field{"still", "", Axis::kRow}, s.sleep.still);
   visit(Field{"awake", "", Axis::kRow}, s.sleep.awake);
   visit(Field{"moved", "", Axis::kRow}, s.sleep.moved);
-  visit(Field{"left_over", "N", Axis::kSlot}, s.left_over.nodes);
+  visit(Field{"left_over", "N"}, s.left_over.layers);
 }
 
 /// Columns of a list of cut edges.

@@ -280,6 +280,7 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
               int incision) {
   constexpr double kFar = std::numeric_limits<double>::max();
   const double length = path_length(path);
+  state.blades_on.set(std::uint8_t(incision), end < 1);
   begin = begin > 0 ? begin * length : -kFar, end = end < 1 ? end * length : kFar;
   int count = 0;
   for (const EdgeAhead& edge : path.edges) {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -26,6 +27,8 @@
 namespace turgor::lattice {
 
 enum class Method : std::uint8_t { kPbd, kDescent };
+/// The order of a sweep: slab by slab of layers, or colour by colour (colours.hpp).
+enum class Schedule : std::uint8_t { kSlabs, kColours };
 enum class SkinLaw : std::uint8_t { kArea, kFibre };
 /// Springs along the edges, as in the paper, or solid cells that answer alike in every direction.
 enum class TissueLaw : std::uint8_t { kSprings, kSolid };
@@ -56,6 +59,7 @@ struct TissueParams {
 
 struct SolverParams {
   Method method = Method::kDescent;
+  Schedule schedule = Schedule::kSlabs;
   int sweeps = 5;
   double damping = 1.2;      // velocities lose exp(-damping·t) [1/s]
   double pbd_stiffness = 1;  // pbd only: scales the density-based stiffness in [0, 1] [1]
@@ -67,7 +71,7 @@ struct SolverParams {
 struct Params {
   Int3 block{4, 4, 4};  // voxels per lattice step
   bool fix_bone = true;
-  bool fix_ends = false;  // the first and last layer along k, where a scan ends
+  bool fix_ends = false;  // the layers nearest to head and feet, where a scan ends
   TissueParams tissue;
   SkinParams skin;
   SolverParams solver;
@@ -116,7 +120,8 @@ struct SkinCorners {
 
 /// All skin, sorted by cell layer, and within a layer in batches whose triangles share no node. Batch b is
 /// triangles [batch_begin[b], batch_begin[b + 1]); the batches of layer k are [layer_begin[k], layer_begin[k
-/// + 1]).
+/// + 1]). Where pbd goes by colours, each layer is four groups, by the parities of i and j of the cells, p =
+/// 0 to 3: those of group 4 k + p.
 struct Skin {
   std::vector<SkinTriangle> triangles;
   std::vector<Vec3> lines;  // at each triangle, lattice frame; empty: SkinParams::direction everywhere
@@ -218,9 +223,10 @@ struct Sleep {
 /// What solves for the smooth part of a step's motion (coarse.hpp).
 struct CoarseSpace;
 
-/// The forces that are left over at all nodes and copies, along the lattice's axes [N].
+/// Room for the forces that a step leaves over, along the lattice's axes: of nodes, two layers at a time of
+/// every stretch of layers; of copies, all.
 struct LeftOver {
-  VecField nodes;                 // by slot
+  std::vector<VecField> layers;   // by stretch [N]
   std::vector<CopyShift> copies;  // [N]
 };
 
@@ -244,7 +250,8 @@ struct State {
   std::shared_ptr<const CoarseSpace> coarse;  // follows from the cuts and the length of steps
   LeftOver left_over;                         // room to work in
   std::size_t cuts_before = 0;                // cut_version a step ago
-  bool was_cut = false;                       // in the step before
+  int steps_since_cut = 0;
+  std::bitset<256> blades_on;  // by incision: its blade is on its way
 };
 
 /// A force from outside on one node, for the length of a step. Fixed and removed nodes do not feel it.

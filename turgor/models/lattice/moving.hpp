@@ -29,13 +29,22 @@ struct Inertia {
         dt(Real(step)) {}
 
   /// 1 where there is a node that can move, or 0.
-  Real moves(int s) const { return ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0); }
-  Vec3 operator()(int s) const { return at(s, moves(s)); }
-  Vec3 at(int s, Real moves) const {
+  TURGOR_HD Real moves(int s) const { return ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0); }
+  TURGOR_HD Vec3 operator()(int s) const { return at(s, moves(s)); }
+  TURGOR_HD Vec3 at(int s, Real moves) const {
     return {bx[s] + moves * (dt * vx[s] + fall.x), by[s] + moves * (dt * vy[s] + fall.y),
             bz[s] + moves * (dt * vz[s] + fall.z)};
   }
 };
+
+/// Calls body(parity, slot, count) on pieces of half a row that can move.
+template <class Body>
+void for_each_piece_of(const Model& model, int parity, int j, int k, const Body& body) {
+  const Lattice& l = model.lattice;
+  for (const Run run : model.moving.of_half_row(row_slot(l, j, k) / l.half + parity))
+    for (int begin = 0; begin < run.count; begin += kLanes)
+      body(parity, run.begin + begin, std::min(kLanes, run.count - begin));
+}
 
 /// Calls body(parity, slot, count) on pieces of all half rows of a layer that can move and are awake, in
 /// order or against it.
@@ -48,9 +57,7 @@ void for_each_piece(const Model& model, const std::uint8_t* awake, int k, const 
     for (int turn = 0; turn < 2; turn++) {
       const int j = backward ? l.size.y - 1 - row : row, parity = backward ? 1 - turn : turn;
       if (awake != nullptr && !awake[row_of(model, row_slot(l, j, k))]) continue;
-      for (const Run run : model.moving.of_half_row(row_slot(l, j, k) / l.half + parity))
-        for (int begin = 0; begin < run.count; begin += kLanes)
-          body(parity, run.begin + begin, std::min(kLanes, run.count - begin));
+      for_each_piece_of(model, parity, j, k, body);
     }
 }
 

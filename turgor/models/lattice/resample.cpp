@@ -6,6 +6,7 @@
 
 #include "turgor/core/timing.hpp"
 #include "turgor/models/lattice/ct_sampler.hpp"
+#include "turgor/models/lattice/fringe.hpp"
 #include "turgor/models/lattice/placed_body.hpp"
 
 namespace turgor::lattice {
@@ -14,41 +15,21 @@ namespace {
 
 std::int16_t to_hu(float value) { return std::int16_t(std::lrintf(std::clamp(value, -32768.0f, 32767.0f))); }
 
-/// Places in the CT, in its voxels, along a row of output voxels.
-struct CtRow {
-  Vec3d first, step;
-
-  CtRow(const Grid& out, const Grid& ct, int j, int k)
-      : first(index_at(ct, point_at(out, {0, double(j), double(k)}))),
-        step(index_at(ct, point_at(out, {1, double(j), double(k)})) - first) {}
-  Vec3 operator[](int i) const { return Vec3(first + step * double(i)); }
-};
-
 struct CtWriter {
-  const CtVolume& ct;
   Sampler sample;
   CtVolume& out;
   ResampleOptions options;
-  bool same_grid;
-  std::int64_t mass = 0;  // Σ HU + 1000 over the voxels of the body
+  const RestBody& rest;
+  PlaceInCt place;
+  std::int64_t mass = 0;           // Σ HU + 1000 over the voxels of the body
+  std::vector<RimVoxel> rim = {};  // that fringe may go with
 
-  void tissue(std::size_t voxel, Int3, Vec3 at, float ratio) {
+  void tissue(std::size_t voxel, Int3 p, Vec3 at, float ratio) {
     float value = sample(at);
     if (options.conserve_mass) value = (value - kAirHu) / ratio + kAirHu;
     out.samples[voxel] = to_hu(value);
     mass += out.samples[voxel] - kAirHu;
-  }
-  template <class Left>
-  void rest_of_row(std::size_t row, int j, int k, const std::uint8_t* covered, const Left& left) {
-    const CtRow places(out.grid, ct.grid, j, k);
-    for (int i = 0; i < out.grid.size.x; i++) {
-      if (covered[i]) continue;
-      const std::size_t voxel = row + std::size_t(i);
-      if (!options.keep_surroundings || left(i))
-        out.samples[voxel] = kAirHu;
-      else
-        out.samples[voxel] = same_grid ? ct.samples[voxel] : to_hu(sample(places[i]));
-    }
+    if (options.keep_surroundings && rest.is_near_air(Vec3d(at))) rim.push_back(rim_voxel(place, p, at));
   }
 };
 
@@ -59,91 +40,69 @@ struct DisplacementWriter {
   void tissue(std::size_t voxel, Int3 p, Vec3 at, float) {
     out.samples[voxel] = Vec3(point_at(nodes, Vec3d(at)) - point_at(out.grid, Vec3d(p)));
   }
-  template <class Left>
-  void rest_of_row(std::size_t, int, int, const std::uint8_t*, const Left&) {}
 };
 
 struct JacobianWriter {
   ScalarVolume& out;
 
   void tissue(std::size_t voxel, Int3, Vec3, float ratio) { out.samples[voxel] = ratio; }
-  template <class Left>
-  void rest_of_row(std::size_t, int, int, const std::uint8_t*, const Left&) {}
-};
-
-/// Which voxels of a row held tissue in the CT, by the tetrahedron they lay in.
-class TissueAtRest {
- public:
-  TissueAtRest(const PlacedBody& body, int j, int k) : body_(body) {
-    const Mat3d back = inverse(body.to_out);
-    const Vec3d spacing = body.model.grid.spacing;
-    const auto to_node = [&](Vec3d lattice) {
-      return Vec3d{lattice.x / spacing.x, lattice.y / spacing.y, lattice.z / spacing.z} * double(1 << kBits);
-    };
-    first_ = to_node(back * (Vec3d{0, double(j), double(k)} - body.out_origin));
-    step_ = to_node(back * Vec3d{1, 0, 0});
-  }
-
-  bool operator()(int i) const {
-    // Snapped, so that rounding does not decide ties.
-    const Vec3d at = first_ + step_ * double(i);
-    const Int3 snapped{int(std::lrint(at.x)), int(std::lrint(at.y)), int(std::lrint(at.z))};
-    const Int3 cell{snapped.x >> kBits, snapped.y >> kBits, snapped.z >> kBits};
-    const Lattice& l = body_.model.lattice;
-    if (!contains(l, cell) || body_.cells[std::size_t(node_slot(l, cell))] == Cell::kEmpty) return false;
-    const int tet = kuhn_tet_at(snapped - Int3{cell.x << kBits, cell.y << kBits, cell.z << kBits});
-    const auto is_tissue = [&](Int3 node) {
-      return is_body(body_.model.tissue[std::size_t(node_slot(l, node))]);
-    };
-    const auto corners = kuhn_corners(cell, tet);
-    return std::any_of(corners.begin(), corners.end(), is_tissue);
-  }
-
- private:
-  static constexpr int kBits = 16;
-  const PlacedBody& body_;
-  Vec3d first_, step_;
 };
 
 struct Counts {
   long folds = 0, overlaps = 0;
 };
 
-/// One slab of output layers; `writer` is the slab's own.
+/// One slab of output layers; `writer` is the slab's own. Marks what it covers.
 template <class Writer>
-Counts resample_slab(const PlacedBody& body, int slab, const RestFrame& rest, Writer& writer) {
-  const Int3 size = body.out.size;
-  const int low = slab * kSlabLayers, layers = std::min(kSlabLayers, size.z - low);
-  const std::size_t begin = sample_index(body.out, 0, 0, low);
-  std::vector<std::uint8_t> covered(std::size_t(size.x) * std::size_t(size.y) * std::size_t(layers));
+Counts resample_slab(const PlacedBody& body, int slab, const RestFrame& rest, Writer& writer,
+                     std::vector<std::uint8_t>& covered) {
   Counts counts;
   counts.folds = walk_slab(body, slab, rest, [&](Int3 p, Vec3 at, float ratio) {
     const std::size_t voxel = sample_index(body.out, p.x, p.y, p.z);
-    std::uint8_t& taken = covered[voxel - begin];
-    counts.overlaps += taken;
-    if (taken) return;
-    taken = 1;
+    counts.overlaps += covered[voxel];
+    if (covered[voxel]) return;
+    covered[voxel] = 1;
     writer.tissue(voxel, p, at, ratio);
   });
-  for (int k = low; k < low + layers; k++)
-    for (int j = 0; j < size.y; j++) {
-      const std::size_t row = sample_index(body.out, 0, j, k);
-      writer.rest_of_row(row, j, k, &covered[row - begin], TissueAtRest(body, j, k));
-    }
   return counts;
 }
 
-/// All slabs, each with its own copy of `writer`; returns the copies.
+/// All slabs, each with its own copy of `writer`, and the voxels that they cover.
 template <class Writer>
-std::vector<Writer> resample_with(const Exec& exec, const PlacedBody& body, const RestFrame& rest,
-                                  const Writer& writer, Counts& total) {
+struct Resampled {
+  std::vector<Writer> slabs;
+  std::vector<std::uint8_t> covered;  // by voxel
+  Counts counts;
+};
+template <class Writer>
+Resampled<Writer> resample_with(const Exec& exec, const PlacedBody& body, const RestFrame& rest,
+                                const Writer& writer) {
   const auto slabs = std::size_t(slab_count(body));
-  std::vector<Writer> writers(slabs, writer);
+  Resampled<Writer> all{
+      std::vector<Writer>(slabs, writer), std::vector<std::uint8_t>(sample_count(body.out)), {}};
   std::vector<Counts> counts(slabs);
-  parallel_for(exec, slabs,
-               [&](std::size_t s) { counts[s] = resample_slab(body, int(s), rest, writers[s]); });
-  for (const Counts& c : counts) total.folds += c.folds, total.overlaps += c.overlaps;
-  return writers;
+  parallel_for(exec, slabs, [&](std::size_t s) {
+    counts[s] = resample_slab(body, int(s), rest, all.slabs[s], all.covered);
+  });
+  for (const Counts& c : counts) all.counts.folds += c.folds, all.counts.overlaps += c.overlaps;
+  return all;
+}
+
+/// What no tissue covers: as it was but for the fringe, or air.
+void fill_rest(const Exec& exec, const Model& model, const CtVolume& ct, const RestBody& rest,
+               Resampled<CtWriter>& tissue, CtVolume& out) {
+  if (tissue.slabs.empty()) return;
+  if (!tissue.slabs[0].options.keep_surroundings) {
+    for (std::size_t v = 0; v < out.samples.size(); v++)
+      if (!tissue.covered[v]) out.samples[v] = kAirHu;
+    return;
+  }
+  std::vector<std::vector<RimVoxel>> rim;
+  for (CtWriter& slab : tissue.slabs) rim.push_back(std::move(slab.rim));
+  const BesideBody beside = find_beside_body(exec, ct, model.params.tissue.air_max);
+  const FringeInputs inputs{
+      .model = model, .ct = ct, .rest = rest, .beside = beside, .covered = tissue.covered, .rim = rim};
+  parallel_for(exec, rim.size(), [&](std::size_t s) { fill_beside_body(inputs, int(s), out); });
 }
 
 /// Σ HU + 1000 over the body in the CT: the voxels of all tetrahedra that are drawn.
@@ -254,37 +213,37 @@ ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state
   result.ct.samples.resize(sample_count(out));
   const PlacedBody body = place_body(exec, model, state, out);
   const RestFrame rest{.first_node = index_at(ct.grid, model.grid.origin), .cell_size = cell_size};
-  const CtWriter writer{.ct = ct,
-                        .sample = Sampler(ct),
-                        .out = result.ct,
-                        .options = options,
-                        .same_grid = same_grid(out, ct.grid)};
-  Counts counts;
+  const RestBody at_rest(exec, model, rest.first_node, cell_size);
+  Resampled<CtWriter> tissue = resample_with(exec, body, rest,
+                                             CtWriter{.sample = Sampler(ct),
+                                                      .out = result.ct,
+                                                      .options = options,
+                                                      .rest = at_rest,
+                                                      .place = PlaceInCt(out, ct.grid)});
+  fill_rest(exec, model, ct, at_rest, tissue, result.ct);
   double mass = 0;
-  for (const CtWriter& slab : resample_with(exec, body, rest, writer, counts)) mass += double(slab.mass);
+  for (const CtWriter& slab : tissue.slabs) mass += double(slab.mass);
   mass *= sample_volume(out);
   const double before = rest_mass(exec, body, ct, block) * sample_volume(ct.grid);
   result.report = {.seconds = timer.seconds(),
                    .mass_error = before > 0 ? (mass - before) / before : 0,
-                   .folds = counts.folds,
-                   .overlaps = counts.overlaps};
+                   .folds = tissue.counts.folds,
+                   .overlaps = tissue.counts.overlaps};
   return result;
 }
 
 VectorVolume resample_displacement(const Exec& exec, const Model& model, const State& state,
                                    const Grid& out) {
   VectorVolume result{.grid = out, .samples = std::vector<Vec3>(sample_count(out))};
-  Counts counts;
   resample_with(exec, place_body(exec, model, state, out), {.first_node = {0, 0, 0}, .cell_size = {1, 1, 1}},
-                DisplacementWriter{model.grid, result}, counts);
+                DisplacementWriter{model.grid, result});
   return result;
 }
 
 ScalarVolume resample_jacobian(const Exec& exec, const Model& model, const State& state, const Grid& out) {
   ScalarVolume result{.grid = out, .samples = std::vector<float>(sample_count(out), 1)};
-  Counts counts;
   resample_with(exec, place_body(exec, model, state, out), {.first_node = {0, 0, 0}, .cell_size = {1, 1, 1}},
-                JacobianWriter{result}, counts);
+                JacobianWriter{result});
   return result;
 }
 

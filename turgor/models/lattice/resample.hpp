@@ -27,8 +27,9 @@ struct ResampledCt {
 /// The grid of the CT with `size` samples over the same extent.
 Grid resized(const Grid& grid, Int3 size);
 
-/// The CT as it would be scanned now. Voxels that the body left become air; those it never reached keep their
-/// value. `ct` is the CT that the body was built from.
+/// The CT as it would be scanned now. The air within three voxels of the skin, which it blurs into, goes with
+/// it; voxels that body or blur left become air, and those that they never reached keep their value. `ct` is
+/// the CT that the body was built from.
 ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state, const CtVolume& ct,
                         const Grid& out, const ResampleOptions& options = {});
 /// For each voxel: where its tissue came from, minus where it is; patient frame [m]; zero outside the body.

@@ -16,7 +16,7 @@ struct NodeArrays {
   const Real *w, *root;
   const std::uint8_t* cut;
 
-  Vec3 u(int slot) const { return {ux[slot], uy[slot], uz[slot]}; }
+  TURGOR_HD Vec3 u(int slot) const { return {ux[slot], uy[slot], uz[slot]}; }
 };
 
 inline NodeArrays node_arrays(const Model& model, State& state) {

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
 
+#include "turgor/models/lattice/colours.hpp"
 #include "turgor/models/lattice/skin_forces.hpp"
 
 namespace turgor::lattice {
@@ -97,6 +99,45 @@ std::vector<int> order_in_batches(const Lattice& l, int k, std::vector<Int3>& tr
   return sizes;
 }
 
+/// The lowest node of a cell that a triangle lies in.
+Int3 cell_of(const Lattice& l, Int3 triangle) {
+  Int3 low = l.size - Int3{2, 2, 2};
+  for (int c = 0; c < 3; c++) low = min(low, slot_node(l, triangle[c]));
+  return low;
+}
+
+/// The triangles of all layers by the layer and the colour of their cells: group 4 k + p of Skin.
+std::vector<std::vector<Int3>> group_by_colours(const Lattice& l,
+                                                const std::vector<std::vector<Int3>>& layers) {
+  std::vector<std::vector<Int3>> groups(4 * layers.size());
+  for (const auto& layer : layers)
+    for (const Int3 t : layer) {
+      const Int3 cell = cell_of(l, t);
+      groups[std::size_t(4 * cell.z + (colour_of(cell) & 3))].push_back(t);
+    }
+  return groups;
+}
+
+/// Orders triangles of one colour: first one of each cell, then the second of each that has one, and so on,
+/// the cells with most in front. Cells share no node, so a batch is up to kSkinLanes of one round.
+std::vector<int> order_in_rounds(const Lattice& l, std::vector<Int3>& triangles) {
+  std::map<int, std::vector<Int3>> by_cell;
+  for (const Int3 t : triangles) by_cell[node_slot(l, cell_of(l, t))].push_back(t);
+  std::vector<std::vector<Int3>> cells;
+  for (auto& [slot, of_cell] : by_cell) cells.push_back(std::move(of_cell));
+  std::stable_sort(cells.begin(), cells.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  std::vector<int> sizes;
+  triangles.clear();
+  for (std::size_t round = 0; !cells.empty() && round < cells[0].size(); round++)
+    for (std::size_t c = 0; c < cells.size() && cells[c].size() > round; c++) {
+      if (c % kSkinLanes == 0) sizes.push_back(0);
+      triangles.push_back(cells[c][round]);
+      sizes.back()++;
+    }
+  return sizes;
+}
+
 Vec3d lines_at(const VectorVolume& lines, Vec3d point) {
   const Vec3d index = index_at(lines.grid, point);
   Int3 p;
@@ -174,10 +215,16 @@ void set_lane(const Skin& skin, const Corner& corner, int i, SkinCorners& lanes)
 
 /// The corners of each half row side by side.
 void lay_out_corners(const std::vector<Corner>& corners, Skin& skin) {
+  const auto begin_of = [&](std::size_t row) {
+    return std::size_t(skin.corner_begin[std::size_t(skin.row_begin[row])]);
+  };
+  std::size_t count = 0;
+  for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++)
+    count += (begin_of(row + 1) - begin_of(row) + kSkinLanes - 1) / kSkinLanes;
+  skin.corners.reserve(count);
   skin.lanes_begin = {0};
   for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++) {
-    const auto begin = std::size_t(skin.corner_begin[std::size_t(skin.row_begin[row])]),
-               end = std::size_t(skin.corner_begin[std::size_t(skin.row_begin[row + 1])]);
+    const std::size_t begin = begin_of(row), end = begin_of(row + 1);
     for (std::size_t first = begin; first < end; first += kSkinLanes) {
       SkinCorners& lanes = skin.corners.emplace_back();
       for (int i = 0; i < kSkinLanes; i++)
@@ -231,15 +278,21 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
   std::vector<std::vector<Int3>> layers(std::size_t(model.lattice.size.z - 1));
   parallel_for(exec, layers.size(), [&](std::size_t k) { detect_layer(model, int(k), layers[k]); });
   drop_doubles(layers);
+  const SolverParams& solver = model.params.solver;
+  const bool in_rounds = solver.method == Method::kPbd && solver.schedule == Schedule::kColours;
+  if (in_rounds) layers = group_by_colours(model.lattice, layers);
   std::vector<std::vector<int>> sizes(layers.size());
-  parallel_for(exec, layers.size(),
-               [&](std::size_t k) { sizes[k] = order_in_batches(model.lattice, int(k), layers[k]); });
+  parallel_for(exec, layers.size(), [&](std::size_t k) {
+    sizes[k] = in_rounds ? order_in_rounds(model.lattice, layers[k])
+                         : order_in_batches(model.lattice, int(k), layers[k]);
+  });
   skin.batch_begin = {0};
   for (std::size_t k = 0; k < layers.size(); k++) {
     skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
     for (const int size : sizes[k]) skin.batch_begin.push_back(skin.batch_begin.back() + size);
     for (const Int3 vertex : layers[k]) skin.triangles.push_back({.vertex = vertex});
   }
+  skin.triangles.shrink_to_fit();
   skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
   if (lines != nullptr) skin.lines.resize(skin.triangles.size());
   parallel_for(exec, skin.triangles.size(),

@@ -140,13 +140,14 @@ struct FinishLayer {
   }
 };
 
-/// To the last good state, at rest; in place, so that nobody's view of u moves.
+/// To the last good state, at rest; in place, so that nobody's view of u moves. Projections leave what is not
+/// finite in nodes that are held and in slots without a node, too.
 void go_back(const Model& model, State& state) {
-  for (const Run run : model.moving.all)
-    for (auto s = std::size_t(run.begin); s < std::size_t(run.begin + run.count); s++) {
-      state.u.set(s, state.u_before[s]);
-      state.v.set(s, {});
-    }
+  for (std::size_t s = 0; s < model.inverse_mass.size(); s++) {
+    const Vec3 u = state.u[s];
+    if (model.inverse_mass[s] > 0 || !std::isfinite(u.x + u.y + u.z)) state.u.set(s, state.u_before[s]);
+    state.v.set(s, {});
+  }
   state.copies = state.copies_before;
   state.fastest = 0;
   state.sleep.still.clear();  // everybody is awake

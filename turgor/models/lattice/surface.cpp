@@ -7,6 +7,7 @@
 #include "turgor/models/lattice/skin_level.hpp"
 #include "turgor/models/lattice/surface_parts.hpp"
 #include "turgor/models/lattice/tet_surface.hpp"
+#include "turgor/models/lattice/tip_cells.hpp"
 
 namespace turgor::lattice {
 
@@ -85,11 +86,30 @@ Crossing crossing_of(const Builder& builder, const Tet& tet, int a, int b) {
   return found;
 }
 
-/// The blade inside a tetrahedron: a plane through where it crosses the edges; nothing where it ends.
+/// Where the blade crosses the edges around some fine nodes.
+std::vector<Vec3d> crossings_around(const Builder& builder, Int3 low, Int3 high) {
+  const FineLattice& f = builder.fine();
+  std::vector<Vec3d> places;
+  for (int k = low.z; k <= high.z; k++)
+    for (int j = low.y; j <= high.y; j++)
+      for (int i = low.x; i <= high.x; i++)
+        for (const Int3 way : kFamilies) {
+          const Int3 a{i, j, k}, b = a + way;
+          if (!contains(f, a) || !contains(f, b)) continue;
+          if (const Crossing c = crossing(builder.pieces, builder.state, a, b); c.edge)
+            places.push_back(lattice_index(f, a) +
+                             (lattice_index(f, b) - lattice_index(f, a)) * double(c.fraction));
+        }
+  return places;
+}
+
+/// The blade inside a tetrahedron: a plane through where it crosses the edges; nothing where it ends. Where
+/// it comes by a corner so closely that all crossings are there, its direction is that of the edges around.
 struct BladePlane {
   Vec3d point, normal;  // [steps of the lattice]
 };
 std::optional<BladePlane> blade_in(const Builder& builder, const Tet& tet) {
+  constexpr double kSmall = 0.05;  // area that tells no direction [squares of fine edges]
   std::array<Vec3d, 6> at;
   std::size_t count = 0;
   for (int a = 0; a < 4; a++)
@@ -99,8 +119,12 @@ std::optional<BladePlane> blade_in(const Builder& builder, const Tet& tet) {
         at[count++] = from + (place_of(builder, tet, b) - from) * double(c.fraction);
       }
   if (count < 3) return {};
-  const Vec3d normal = cross(at[1] - at[0], at[2] - at[0]);
-  return BladePlane{at[0], normal};
+  const Vec3d normal = cross(at[1] - at[0], at[2] - at[0]), parts(builder.fine().parts);
+  if (norm(cross(hadamard(at[1] - at[0], parts), hadamard(at[2] - at[0], parts))) > kSmall)
+    return BladePlane{at[0], normal};
+  Int3 low = tet.nodes[0], high = tet.nodes[0];
+  for (const Int3 node : tet.nodes) low = min(low, node), high = max(high, node);
+  return BladePlane{at[0], flattest_way(crossings_around(builder, low, high))};
 }
 
 /// Across the skin: how the level changes inside a tetrahedron.

@@ -30,7 +30,25 @@ void for_cuts_around(const State& state, const Pieces& pieces, const EdgesOfCell
       }
 }
 
+/// The direction of the least spread.
+Vec3d least_way(const Eigen::Matrix3d& spread) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  const Eigen::Vector3d n = solver.eigenvectors().col(0);
+  return {n[0], n[1], n[2]};
+}
+
 }  // namespace
+
+Vec3d flattest_way(const std::vector<Vec3d>& places) {
+  Vec3d centre;
+  for (const Vec3d place : places) centre += place / double(places.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Vec3d place : places) {
+    const Eigen::Vector3d d(place.x - centre.x, place.y - centre.y, place.z - centre.z);
+    spread += d * d.transpose();
+  }
+  return least_way(spread);
+}
 
 bool has_cut_edge(const State& state, const Lattice& lattice, int slot) {
   const int parity = slot_node(lattice, slot).x & 1;
@@ -61,9 +79,7 @@ std::optional<TipPlane> fit_tip(const State& state, const Pieces& pieces, const 
     const Eigen::Vector3d d(place.x - centre.x, place.y - centre.y, place.z - centre.z);
     spread += weight_at(place) * d * d.transpose();
   });
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-  const Eigen::Vector3d n = solver.eigenvectors().col(0);
-  const Vec3d normal{n[0], n[1], n[2]};
+  const Vec3d normal = least_way(spread);
   return TipPlane{centre, dot(normal, right) < 0 ? -normal : normal};
 }
 

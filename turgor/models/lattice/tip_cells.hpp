@@ -23,6 +23,8 @@ struct TipPlane {
 
   double at(Vec3d place) const { return dot(place - centre, normal); }
 };
+/// Across the plane that places lie nearest to, a unit vector.
+Vec3d flattest_way(const std::vector<Vec3d>& places);
 std::optional<TipPlane> fit_tip(const State& state, const Pieces& pieces, const EdgesOfCells& edges,
                                 const CutCell& cell);
 

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "turgor felt run 1";
+constexpr const char* kFeltFormat = "turgor felt run 1";
 constexpr std::size_t kMostTools = 1000, kMostFrames = std::size_t(1) << 24, kMostLines = 1000;
 constexpr std::size_t kNumbers = 16;  // of a tick: time, step, place, axes, grip, hold
 constexpr const char* kTickUnits = "s, s, m, m, m, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1";
@@ -210,7 +210,7 @@ Status write_into(const fs::path& path, const FeltRun& run) {
   Result<Hdf5File> file = Hdf5File::create(path);
   if (!file) return file.error();
   Status status = Writing(*file, "/")
-                      .text("format", kFormat)
+                      .text("format", kFeltFormat)
                       .text("scene/file", run.file.string())
                       .text("scene/folder", run.folder.string())
                       .text("scene/text", run.text)
@@ -243,8 +243,8 @@ Result<FeltRun> read_felt_run(const fs::path& path) {
   const Result<Hdf5File> file = Hdf5File::open(path);
   if (!file) return file.error();
   const Result<std::string> format = file->read_text("/format");
-  if (!format || *format != kFormat)
-    return Error{fmt::format("{}: expected \"{}\", found another HDF5 file", path.string(), kFormat)};
+  if (!format || *format != kFeltFormat)
+    return Error{fmt::format("{}: expected \"{}\", found another HDF5 file", path.string(), kFeltFormat)};
   Result<FeltRun> run = read_parts(*file);
   Status sound = Done{};
   if (run) sound = check_lengths(*run);

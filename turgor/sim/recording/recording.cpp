@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "turgor recording 6";
+constexpr const char* kRecordingFormat = "turgor recording 6";
 constexpr std::size_t kMostSnapshots = 1000000, kMostPathPoints = 1 << 24;
 
 std::vector<int> body_slots(const lattice::Model& model) {
@@ -144,7 +144,7 @@ Result<RecordingWriter> RecordingWriter::create(const fs::path& path, const Scen
   if (!file) return file.error();
   std::error_code ignored;
   const Status scene_written = Writing(*file, "/")
-                                   .text("format", kFormat)
+                                   .text("format", kRecordingFormat)
                                    .text("scene/file", fs::absolute(scene.file, ignored).string())
                                    .text("scene/text", scene.text)
                                    .text("scene/overrides", joined(scene.overrides))
@@ -188,9 +188,9 @@ Result<Recording> Recording::open(const fs::path& path) {
   if (!format || !format->starts_with("turgor recording"))
     return Error{
         fmt::format("{}: expected a recording of turgor run, found another HDF5 file", path.string())};
-  if (*format != kFormat)
+  if (*format != kRecordingFormat)
     return Error{fmt::format("{}: expected \"{}\", found \"{}\", of another version of this program",
-                             path.string(), kFormat, *format)};
+                             path.string(), kRecordingFormat, *format)};
   Recording recording(std::move(*file), path);
   const Result<std::vector<std::int32_t>> count = recording.file_.read<std::int32_t>("/snapshot_count", 1);
   const Result<std::string> report = recording.file_.read_text("/report");

@@ -215,7 +215,7 @@ Legend draw_legend(const std::vector<Curve>& curves, const std::vector<Points>& 
   return legend;
 }
 
-constexpr const char* kHead =
+constexpr const char* kPlotHead =
     "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
     "height=\"{1:.0f}\" role=\"img\" class=\"turgor-plot\" font-family=\"system-ui, 'DejaVu Sans', "
     "sans-serif\" "
@@ -235,7 +235,7 @@ std::string plot_svg(const Plot& plot) {
     return "";
   const Legend legend = draw_legend(plot.curves, curves, 1.5 * kLine);
   const Axes axes = make_axes(curves, plot.logarithmic, legend.bottom + 0.5 * kLine);
-  std::string svg = fmt::format(kHead, kWidth, axes.bottom() + kBottom, kFont, xml_text(plot.title)) +
+  std::string svg = fmt::format(kPlotHead, kWidth, axes.bottom() + kBottom, kFont, xml_text(plot.title)) +
                     text_at(kLeft, kLine, "font-weight=\"600\"", plot.title) + legend.svg +
                     draw_bands(axes, plot.bands) + draw_axes(axes, plot) + draw_area(axes);
   for (std::size_t c = 0; c < curves.size(); c++)

@@ -58,30 +58,31 @@ struct Timing {
   const Measures& measures;
   const RunFacts& facts;
 };
-using T = Timing;
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 double mean(const std::vector<double>& values) {
   return values.empty() ? 0 : sum(values) / double(values.size());
 }
 
-const Quantity<T> kTiming[] = {
-    {"load", kSeconds, "reading and building", [](const T& t) -> Json { return t.facts.load_seconds; },
+const Quantity<Timing> kTiming[] = {
+    {"load", kSeconds, "reading and building", [](const Timing& t) -> Json { return t.facts.load_seconds; },
      kInSummary},
-    {"simulation", kSeconds, "", [](const T& t) -> Json { return t.facts.simulation_seconds; }, kInReport},
-    {"physics", kSeconds, "physics", [](const T& t) -> Json { return sum(t.measures.frame_seconds); },
+    {"simulation", kSeconds, "", [](const Timing& t) -> Json { return t.facts.simulation_seconds; },
+     kInReport},
+    {"physics", kSeconds, "physics", [](const Timing& t) -> Json { return sum(t.measures.frame_seconds); },
      kInSummary},
-    {"frames", kCount, "", [](const T& t) -> Json { return t.measures.frame_seconds.size(); }, kInReport},
-    {"frame_mean", kMilliseconds, "", [](const T& t) -> Json { return mean(t.measures.frame_seconds); },
+    {"frames", kCount, "", [](const Timing& t) -> Json { return t.measures.frame_seconds.size(); },
+     kInReport},
+    {"frame_mean", kMilliseconds, "", [](const Timing& t) -> Json { return mean(t.measures.frame_seconds); },
      kInReport},
     {"frame_p50", kMilliseconds, "a frame, median",
-     [](const T& t) -> Json { return percentile(t.measures.frame_seconds, 0.5); }, kInSummary,
+     [](const Timing& t) -> Json { return percentile(t.measures.frame_seconds, 0.5); }, kInSummary,
      "a frame (median)"},
     {"frame_p99", kMilliseconds, "a frame, 99 of 100",
-     [](const T& t) -> Json { return percentile(t.measures.frame_seconds, 0.99); }, kInSummary,
+     [](const Timing& t) -> Json { return percentile(t.measures.frame_seconds, 0.99); }, kInSummary,
      "a frame (99 of 100)"},
     {"frame_max", kMilliseconds, "",
-     [](const T& t) -> Json { return percentile(t.measures.frame_seconds, 1); }, kInReport},
+     [](const Timing& t) -> Json { return percentile(t.measures.frame_seconds, 1); }, kInReport},
 };
 /// Known when everything is written.
 const Quantity<RunFacts> kOutputTiming[] = {

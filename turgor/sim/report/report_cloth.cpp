@@ -94,19 +94,19 @@ const Quantity<Bearing> kHold[] = {
      kEverywhere},
 };
 
-using S = ClothSample;
-const Quantity<S> kSteps[] = {
-    {"time", kSeconds, "time", [](const S& s) -> Json { return s.time; }},
-    {"step", kMilliseconds, "wall time", [](const S& s) -> Json { return s.seconds; }},
-    {"largest_speed", kSpeed, "largest speed", [](const S& s) -> Json { return s.largest_speed; }},
-    {"contacts", kCount, "contacts", [](const S& s) -> Json { return s.contacts; }},
-    {"iterations", kCount, "iterations", [](const S& s) -> Json { return s.iterations; }},
+const Quantity<ClothSample> kSteps[] = {
+    {"time", kSeconds, "time", [](const ClothSample& s) -> Json { return s.time; }},
+    {"step", kMilliseconds, "wall time", [](const ClothSample& s) -> Json { return s.seconds; }},
+    {"largest_speed", kSpeed, "largest speed", [](const ClothSample& s) -> Json { return s.largest_speed; }},
+    {"contacts", kCount, "contacts", [](const ClothSample& s) -> Json { return s.contacts; }},
+    {"iterations", kCount, "iterations", [](const ClothSample& s) -> Json { return s.iterations; }},
 };
-const Quantity<S> kSnapshots[] = {
-    {"time", kSeconds, "time", [](const S& s) -> Json { return s.time; }},
-    {"residual_relative", kNone, "|b - W dv| / |b|", [](const S& s) -> Json { return s.residual; }},
-    {"energy", kJoules, "energy", [](const S& s) -> Json { return s.energy; }},
-    {"longest_spring_relative", kNone, "longest spring", [](const S& s) -> Json { return s.stretch; }},
+const Quantity<ClothSample> kSnapshots[] = {
+    {"time", kSeconds, "time", [](const ClothSample& s) -> Json { return s.time; }},
+    {"residual_relative", kNone, "|b - W dv| / |b|", [](const ClothSample& s) -> Json { return s.residual; }},
+    {"energy", kJoules, "energy", [](const ClothSample& s) -> Json { return s.energy; }},
+    {"longest_spring_relative", kNone, "longest spring",
+     [](const ClothSample& s) -> Json { return s.stretch; }},
 };
 
 /// Of the frames where it was measured; -1 = of none.
@@ -118,10 +118,10 @@ double largest_residual(const ClothBody& body) {
 
 /// Forces that are left are a cloth that hangs and swings as another one would; "" = few are.
 std::string unsettled(const ClothBody& body) {
-  constexpr double kMuch = 0.1;
+  constexpr double kUnsettled = 0.1;
   const cloth::Solver& solver = body.model.params.solver;
   const bool stops = cloth::uses_gradients(solver.method) && solver.tolerance > 0;
-  const double limit = stops ? 1.5 * solver.tolerance : kMuch;  // rounded off
+  const double limit = stops ? 1.5 * solver.tolerance : kUnsettled;  // rounded off
   const auto count = std::count_if(body.samples.begin(), body.samples.end(),
                                    [limit](const ClothSample& s) { return s.residual > limit; });
   if (count == 0) return "";

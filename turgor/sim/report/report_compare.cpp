@@ -24,18 +24,18 @@ const Quantity<Ring> kRing[] = {
 /// Means over rings of a millimetre.
 std::vector<Ring> rings_of(const ShownBody& surface) {
   constexpr std::size_t kRings = 80;
-  constexpr double kWidth = 1e-3;  // [m]
+  constexpr double kRingWidth = 1e-3;  // [m]
   std::size_t most = 0;
   for (std::size_t v = 1; v < surface.rest.size(); v++)
     if (norm(surface.displacement[v]) > norm(surface.displacement[most])) most = v;
   std::vector<double> sum(kRings), count(kRings);
   for (std::size_t v = 0; v < surface.rest.size(); v++) {
-    const auto ring = std::size_t(double(norm(surface.rest[v] - surface.rest[most])) / kWidth);
+    const auto ring = std::size_t(double(norm(surface.rest[v] - surface.rest[most])) / kRingWidth);
     if (ring < kRings) sum[ring] += norm(surface.displacement[v]), count[ring]++;
   }
   std::vector<Ring> rings;
   for (std::size_t r = 0; r < kRings; r++)
-    if (count[r] > 0) rings.push_back({(double(r) + 0.5) * kWidth, sum[r] / count[r]});
+    if (count[r] > 0) rings.push_back({(double(r) + 0.5) * kRingWidth, sum[r] / count[r]});
   return rings;
 }
 

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using page::curve_of, page::drawn, page::key_figure, page::shown;
 
-constexpr const char* kHead = R"(<!doctype html>
+constexpr const char* kPageHead = R"(<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Turgor: {0}</title>
 <style>
@@ -189,7 +189,7 @@ std::string tables(const Json& report) {
 std::string report_html(const Json& report, const fs::path& folder, const std::string& motion) {
   const Json &scene = report.at("scene"), &machine = report.at("machine");
   const std::string name = xml_text(fs::path(scene.at("file").get<std::string>()).stem().string());
-  std::string html = fmt::format(fmt::runtime(kHead), name);
+  std::string html = fmt::format(fmt::runtime(kPageHead), name);
   html += fmt::format("<h1>{}</h1>\n<p class=\"soft\">{} frames a second; {} threads on {}; turgor {}</p>\n",
                       name, shown(scene.at("frame_rate_per_s")), shown(machine.at("threads")),
                       shown(machine.at("processor")), shown(report.at("version")));

@@ -45,6 +45,12 @@ const Quantity<LatticePart> kLattice[] = {
      [](const LatticePart& l) -> Json {
        return l.scene.params.solver.method == lattice::Method::kPbd ? "pbd" : "descent";
      }},
+    {"schedule", kNone, "order of a sweep",
+     [](const LatticePart& l) -> Json {
+       return l.scene.params.solver.schedule == lattice::Schedule::kColours ? "colours" : "slabs";
+     }},
+    {"device", kNone, "",
+     [](const LatticePart& l) -> Json { return l.scene.device == Device::kGpu ? "gpu" : "cpu"; }, kInReport},
     {"sweeps", kCount, "sweeps", [](const LatticePart& l) -> Json { return l.scene.params.solver.sweeps; }},
     {"rows_asleep", kNone, "rows asleep (of 1, over the run)",
      [](const LatticePart& l) -> Json {
@@ -109,15 +115,16 @@ const Quantity<G> kProfile[] = {
     {"gape", kMillimetres, "gape", [](const G& p) -> Json { return p.gape; }},
 };
 
-using S = SolverSample;
-const Quantity<S> kSolver[] = {
-    {"time", kSeconds, "time", [](const S& s) -> Json { return s.time; }},
-    {"residual_largest", kNewtons, "largest", [](const S& s) -> Json { return s.residual.largest; }},
-    {"residual_rms", kNewtons, "root mean square", [](const S& s) -> Json { return s.residual.rms; }},
+const Quantity<SolverSample> kSolver[] = {
+    {"time", kSeconds, "time", [](const SolverSample& s) -> Json { return s.time; }},
+    {"residual_largest", kNewtons, "largest",
+     [](const SolverSample& s) -> Json { return s.residual.largest; }},
+    {"residual_rms", kNewtons, "root mean square",
+     [](const SolverSample& s) -> Json { return s.residual.rms; }},
     {"residual_before", kNewtons, "root mean square before the sweeps",
-     [](const S& s) -> Json { return s.residual.before; }},
-    {"energy", kJoules, "energy", [](const S& s) -> Json { return s.energy; }},
-    {"largest_speed", kSpeed, "largest speed", [](const S& s) -> Json { return s.largest_speed; }},
+     [](const SolverSample& s) -> Json { return s.residual.before; }},
+    {"energy", kJoules, "energy", [](const SolverSample& s) -> Json { return s.energy; }},
+    {"largest_speed", kSpeed, "largest speed", [](const SolverSample& s) -> Json { return s.largest_speed; }},
 };
 
 using D = DeformedCtReport;

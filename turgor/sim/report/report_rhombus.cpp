@@ -10,7 +10,7 @@ namespace turgor {
 
 namespace {
 
-struct SourceText {
+struct SurfaceSourceText {
   std::string operator()(const SurfaceFile& s) const { return s.file.string(); }
   std::string operator()(const PhantomLiverSurface&) const { return "phantom liver"; }
   std::string operator()(const SurfaceOfBody&) const { return "the surface of another body"; }
@@ -29,7 +29,7 @@ const Quantity<R> kRhombus[] = {
     {"name", kNone, "", [](const R& r) -> Json { return r.body.name; }, kInReport},
     {"model", kNone, "", [](const R&) -> Json { return model_name(BodyKind::kRhombus); }, kInReport},
     {"source", kNone, "made from",
-     [](const R& r) -> Json { return std::visit(SourceText{}, r.scene.source); }},
+     [](const R& r) -> Json { return std::visit(SurfaceSourceText{}, r.scene.source); }},
     {"tissue", kNone, "tissue", [](const R& r) -> Json { return r.scene.tissue; }},
     {"tissue_source", kNone, "",
      [](const R& r) -> Json {

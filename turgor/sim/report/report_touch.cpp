@@ -20,9 +20,9 @@ namespace {
 
 using namespace units;
 
-constexpr std::size_t kMostRows = 2000;  // of a series; every tick is in forces.csv
+constexpr std::size_t kMostSamples = 2000;  // of a series; every tick is in forces.csv
 
-struct SourceText {
+struct SolidSourceText {
   std::string operator()(const SolidFile& s) const { return s.file.string(); }
   std::string operator()(const ClosedSurface& s) const { return s.file.string(); }
   std::string operator()(const LabelledOrgan& s) const {
@@ -85,7 +85,7 @@ const Quantity<B> kSfem[] = {
     {"name", kNone, "", [](const B& b) -> Json { return b.body.name; }, kInReport},
     {"model", kNone, "", [](const B&) -> Json { return model_name(BodyKind::kSfem); }, kInReport},
     {"source", kNone, "made from",
-     [](const B& b) -> Json { return std::visit(SourceText{}, b.scene.source); }},
+     [](const B& b) -> Json { return std::visit(SolidSourceText{}, b.scene.source); }},
     {"young", kPascals, "Young's modulus", [](const B& b) -> Json { return b.scene.material.young; }},
     {"poisson", kNone, "Poisson's ratio", [](const B& b) -> Json { return b.scene.material.poisson; }},
     {"formulation", kNone, "elements",
@@ -173,12 +173,11 @@ const Quantity<B> kSfem[] = {
      kInReport},
 };
 
-using R = PatchRebuild;
-const Quantity<R> kRebuilds[] = {
-    {"time", kSeconds, "time", [](const R& r) -> Json { return r.time; }},
-    {"rebuild", kMilliseconds, "wall time", [](const R& r) -> Json { return r.seconds; }},
-    {"local_nodes", kCount, "local nodes", [](const R& r) -> Json { return r.local_nodes; }},
-    {"force_jump", kNewtons, "jump of the force", [](const R& r) -> Json { return r.force_jump; }},
+const Quantity<PatchRebuild> kRebuilds[] = {
+    {"time", kSeconds, "time", [](const PatchRebuild& r) -> Json { return r.time; }},
+    {"rebuild", kMilliseconds, "wall time", [](const PatchRebuild& r) -> Json { return r.seconds; }},
+    {"local_nodes", kCount, "local nodes", [](const PatchRebuild& r) -> Json { return r.local_nodes; }},
+    {"force_jump", kNewtons, "jump of the force", [](const PatchRebuild& r) -> Json { return r.force_jump; }},
 };
 
 struct ToolPart {
@@ -290,7 +289,8 @@ Json report_body(const ReportInput& input, const SfemScene& scene, const SfemBod
 
 Json tool_report(const ToolScene& scene, const TouchingTool& tool, const World& world) {
   Json json = values_of(kTool, tool_part(scene, tool, world));
-  const std::size_t stride = std::max<std::size_t>(1, (tool.samples.size() + kMostRows - 1) / kMostRows);
+  const std::size_t stride =
+      std::max<std::size_t>(1, (tool.samples.size() + kMostSamples - 1) / kMostSamples);
   add_rows(json, "series_columns", "series", kForces, tool.samples, stride);
   if (tool.body.kind == BodyKind::kSfem)
     json["over"] = over_parts(tool.samples, world.sfem_bodies[std::size_t(tool.body.index)].inside);

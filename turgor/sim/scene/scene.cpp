@@ -127,6 +127,9 @@ void read_world(SceneTable world, Scene& scene) {
   world.read("duration", scene.duration, inside(0, 3600, "s"), "simulated time");
   world.read("frame_rate", scene.frame_rate, within(1, 1000, "1/s"),
              "steps a second; a run has at most a million");
+  world.read_choice<Device>("device", scene.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
+                            "where lattices step; `\"gpu\"`, of NVIDIA, knows `solver.method = \"pbd\"` with "
+                            "`solver.schedule = \"colours\"`");
   world.finish();
 }
 
@@ -147,7 +150,7 @@ void read_bodies(SceneTable bodies, Scene& scene) {
     else if (model == "cloth")
       cloths.emplace_back(name, body);
     else
-      scene.lattice_bodies.push_back(read_lattice_scene(body, name));
+      scene.lattice_bodies.push_back(read_lattice_scene(body, name, scene.device));
   }
   for (const auto& [name, body] : rhombi)
     scene.rhombus_bodies.push_back(read_rhombus_scene(body, name, scene));

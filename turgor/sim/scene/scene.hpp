@@ -22,6 +22,9 @@
 
 namespace turgor {
 
+/// Where lattices step. All else is the CPU's.
+enum class Device : std::uint8_t { kCpu, kGpu };
+
 /// [body.NAME] with model = "lattice".
 struct LatticeScene {
   std::string name;
@@ -35,6 +38,7 @@ struct LatticeScene {
   int only = 0;                // label whose largest part is the body, the rest becomes air; 0 = all is
   std::optional<HeldBy> held;  // besides what params fix
   bool has_gravity = true;
+  Device device = Device::kCpu;  // of the scene
   lattice::Params params;
 };
 
@@ -83,6 +87,7 @@ struct Scene {
   Vec3d gravity;                       // patient frame [m/s²]
   double duration = 2;                 // [s]
   double frame_rate = 60;              // steps a second [1/s]
+  Device device = Device::kCpu;
   std::vector<LatticeScene> lattice_bodies;
   std::vector<IncisionScene> incisions;
   std::vector<SfemScene> sfem_bodies;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "turgor/models/lattice/gpu_body.hpp"
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
@@ -10,7 +11,7 @@ namespace turgor {
 
 namespace {
 
-using lattice::Method;
+using lattice::Method, lattice::Schedule;
 using lattice::SkinLaw;
 using lattice::TissueLaw;
 
@@ -48,7 +49,8 @@ void read_fixed(SceneTable& body, lattice::Params& params, std::optional<HeldBy>
   const toml::node* node = body.find("fixed");
   body.describe(
       "fixed", "", "`\"bone\"`",
-      "`\"bone\"`, `\"ends\"` (first and last layer of the scan), `[\"bone\", \"ends\"]`, `\"none\"`; or a "
+      "`\"bone\"`, `\"ends\"` (the layers of the scan nearest to head and feet), `[\"bone\", \"ends\"]`, "
+      "`\"none\"`; or a "
       "table as "
       "of sfem, `{ sides = \"back\", depth = 0.3 }` or `{ box = … }`, of the box around the body's nodes");
   if (!node) return;
@@ -191,6 +193,11 @@ void read_solver(SceneTable& body, lattice::SolverParams& solver) {
   table.read_choice<Method>(
       "method", solver.method, {{"pbd", Method::kPbd}, {"descent", Method::kDescent}},
       "`\"descent\"`, or `\"pbd\"` (position-based dynamics as in the paper; area law only)");
+  table.read_choice<Schedule>(
+      "schedule", solver.schedule, {{"slabs", Schedule::kSlabs}, {"colours", Schedule::kColours}},
+      "the order of a sweep: `\"slabs\"` of layers, fastest on a CPU, or eight `\"colours\"`, parities of a "
+      "node's place, each at once, as a GPU needs it; where descent comes to rest does not depend on it, "
+      "what pbd shows does");
   table.read("sweeps", solver.sweeps, within(1, 1000), "a frame");
   table.read("damping", solver.damping, not_negative("1/s"), "velocities lose exp(−damping · t)");
   table.read(
@@ -216,8 +223,8 @@ void check_solid(SceneTable& body, const lattice::Params& params) {
 
 }  // namespace
 
-LatticeScene read_lattice_scene(SceneTable body, const std::string& name) {
-  LatticeScene scene;
+LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device device) {
+  LatticeScene scene{.device = device};
   body.begin_group("lattice");
   scene.name = name, scene.place = body.place();
   scene.ct = read_ct_source(body);
@@ -244,6 +251,11 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name) {
               "the lines); "
               "set skin.law = \"area\" or solver.method = \"descent\"");
   check_solid(body, scene.params);
+  if (device == Device::kGpu && !lattice::runs_on_gpu(scene.params))
+    body.fail(
+        "solver",
+        "world.device = \"gpu\" knows solver.method = \"pbd\" with solver.schedule = \"colours\" alone so "
+        "far; set these, or world.device = \"cpu\"");
   body.finish();
   return scene;
 }

@@ -7,6 +7,6 @@
 
 namespace turgor {
 
-LatticeScene read_lattice_scene(SceneTable body, const std::string& name);
+LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device device);
 
 }  // namespace turgor

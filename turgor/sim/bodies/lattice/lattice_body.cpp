@@ -117,6 +117,16 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   return body;
 }
 
+Status put_on_gpu(LatticeBody& body) {
+  const Result<Gpu> gpu = open_gpu();
+  if (!gpu) return Error{"world.device = \"gpu\": " + gpu.error().message};
+  Result<std::shared_ptr<lattice::GpuBody>> there = put(*gpu, body.model);
+  if (!there) return Error{"world.device = \"gpu\": " + there.error().message};
+  body.gpu = std::move(*there);
+  body.notes.push_back("steps on " + gpu->name);
+  return Done{};
+}
+
 void set_poses(LatticeBody& body, const std::vector<TouchingTool>& tools, double time) {
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
     const contact::ToolCommand command = command_at(tools[std::size_t(body.tool_indices[t])], time);
@@ -186,6 +196,9 @@ void make_surface(LatticeBody& body) {
 Result<LatticeBody> load_body(const Loading& loading, const LatticeScene& scene, const World&) {
   Result<LatticeBody> body = load(loading.exec, scene, begin_work(loading.begin, "reading"));
   if (!body) return Error{fmt::format("{}: {}", scene.place, body.error().message)};
+  if (scene.device == Device::kGpu && loading.purpose == Purpose::kSimulate)
+    if (const Status there = put_on_gpu(*body); !there)
+      return Error{fmt::format("{}: {}", scene.place, there.error().message)};
   return body;
 }
 
@@ -220,6 +233,7 @@ void leave_planes(LatticeBody& body) {
 /// From one time to another [s].
 lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vector<TouchingTool>& tools,
                                  const lattice::Inputs& inputs, double from, double to) {
+  if (body.gpu) return lattice::step_on_gpu(*body.gpu, body.model, body.state, inputs, to - from);
   if (body.tools.empty()) return lattice::step(exec, body.model, body.state, inputs, to - from);
   const Timer timer;
   keep_surface(body);

@@ -2,12 +2,14 @@
 // touch it. Forces come once a frame, at the end of the body's step.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/geometry/volume.hpp"
 #include "turgor/io/ct.hpp"
+#include "turgor/models/lattice/gpu_body.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/surface.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
@@ -28,7 +30,8 @@ struct LatticeBody : FrameTouchedBody {
   DicomOrigin ct_origin;      // of a DICOM series
   lattice::Model model;
   lattice::State state;
-  Box box;  // around its nodes in the CT, along the patient's axes [m]
+  std::shared_ptr<lattice::GpuBody> gpu;  // steps there; null: on the CPU. Copies of a world share it
+  Box box;                                // around its nodes in the CT, along the patient's axes [m]
   double read_seconds = 0, build_seconds = 0;
   std::vector<std::string> notes;  // what was left out while reading
   bool has_gravity = true;

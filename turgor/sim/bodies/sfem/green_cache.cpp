@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "turgor Green's functions 2";
+constexpr const char* kGreenFormat = "turgor Green's functions 2";
 constexpr std::size_t kMostChecks = 1 << 10;
 
 template <class T>
@@ -33,8 +33,8 @@ Result<sfem::Green> read_values(const fs::path& path, const sfem::Model& model) 
   const Result<Hdf5File> file = Hdf5File::open(path);
   if (!file) return file.error();
   const Result<std::string> format = file->read_text("/format");
-  if (!format || *format != kFormat)
-    return Error{fmt::format("{}: expected \"{}\", found {}", path.string(), kFormat,
+  if (!format || *format != kGreenFormat)
+    return Error{fmt::format("{}: expected \"{}\", found {}", path.string(), kGreenFormat,
                              format ? "\"" + *format + "\"" : std::string("another HDF5 file"))};
   std::vector<std::uint64_t> content, sum;
   if (const Status s = read_into(*file, "/content_hash", 1, content); !s) return s.error();
@@ -66,7 +66,7 @@ Status write_values(const fs::path& path, const sfem::Model& model, const std::s
   if (!file) return file.error();
   const sfem::Green& green = model.green;
   const std::size_t columns = 3 * green.nodes.size();
-  Status status = file->write_text("/format", kFormat);
+  Status status = file->write_text("/format", kGreenFormat);
   if (status) status = file->write_text("/what_for", what_for);
   const auto write = [&]<class T>(const char* name, const std::vector<T>& values, std::size_t width) {
     // Hardly smaller when compressed, and much slower.

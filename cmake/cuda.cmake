@@ -1,0 +1,46 @@
+# Bodies on GPUs of NVIDIA: nvcc compiles every .cu of the engine to code for any of them from 2018 on, which the driver
+# finishes when it is run. Programs start without a driver. Without nvcc the *_none.cpp stand in, and say what is missing.
+# A command of our own, since CMake 3.25 leaves -std=c++20 away for nvcc 13, and turgor_flags are for C++ alone.
+set(TURGOR_CUDA AUTO CACHE STRING "Bodies on GPUs (nvcc 12 or newer): ON, OFF, or AUTO where it is found")
+
+set(nvcc_version 0)
+if(TURGOR_CUDA)
+  find_program(TURGOR_NVCC nvcc HINTS ENV CUDA_PATH /usr/local/cuda PATH_SUFFIXES bin)
+  if(TURGOR_NVCC)
+    execute_process(COMMAND ${TURGOR_NVCC} --version OUTPUT_VARIABLE nvcc_says)
+    if(nvcc_says MATCHES "release ([0-9.]+)")
+      set(nvcc_version ${CMAKE_MATCH_1})
+    endif()
+    get_filename_component(cuda_folder ${TURGOR_NVCC} DIRECTORY)
+    find_library(TURGOR_CUDART cudart_static HINTS ${cuda_folder}/../lib64 ${cuda_folder}/../lib)
+  endif()
+endif()
+
+set(with_cuda FALSE)
+if(TURGOR_CUDA AND TURGOR_CUDART AND nvcc_version VERSION_GREATER_EQUAL 12)
+  set(with_cuda TRUE)
+elseif(TURGOR_CUDA AND NOT TURGOR_CUDA STREQUAL "AUTO")
+  message(FATAL_ERROR "TURGOR_CUDA=${TURGOR_CUDA} needs nvcc 12 or newer and cudart_static; found ${TURGOR_NVCC}, version ${nvcc_version}")
+endif()
+
+if(with_cuda)
+  set(nvcc_flags -std=c++20 -O3 --expt-relaxed-constexpr -ftz=true -Werror cross-execution-space-call -Xcompiler -fPIC
+      -gencode arch=compute_75,code=compute_75)
+  if(TURGOR_SAME_BITS)
+    list(APPEND nvcc_flags -fmad=false)
+  endif()
+  file(GLOB_RECURSE kernels CONFIGURE_DEPENDS core/*.cu models/*.cu)
+  foreach(source IN LISTS kernels)
+    file(RELATIVE_PATH name ${CMAKE_CURRENT_SOURCE_DIR} ${source})
+    set(object ${CMAKE_CURRENT_BINARY_DIR}/${name}.o)
+    get_filename_component(folder ${object} DIRECTORY)
+    file(MAKE_DIRECTORY ${folder})
+    add_custom_command(OUTPUT ${object} DEPENDS ${source} DEPFILE ${object}.d COMMENT "Building CUDA object ${name}.o" VERBATIM
+      COMMAND ${TURGOR_NVCC} ${nvcc_flags} -I${PROJECT_SOURCE_DIR} -MD -MF ${object}.d -MT ${object} -c ${source} -o ${object})
+    target_sources(turgor_engine PRIVATE ${object})
+  endforeach()
+  get_target_property(sources turgor_engine SOURCES)
+  list(FILTER sources EXCLUDE REGEX "_none\\.cpp$")
+  set_target_properties(turgor_engine PROPERTIES SOURCES "${sources}")
+  target_link_libraries(turgor_engine PRIVATE ${TURGOR_CUDART} ${CMAKE_DL_LIBS} rt)
+endif()

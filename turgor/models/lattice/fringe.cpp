@@ -1,0 +1,277 @@
+#include "turgor/models/lattice/fringe.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "turgor/models/lattice/ct_sampler.hpp"
+#include "turgor/models/lattice/placed_body.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// A scanner blurs an edge by hardly more than this [voxels of the CT].
+constexpr double kBlur = 3;
+
+using Mask = std::vector<std::uint8_t>;
+
+/// How many voxels of the output that is.
+int reach_in(const Grid& out, const Grid& ct) {
+  double reach = 1;
+  for (int axis = 0; axis < 3; axis++)
+    reach = std::max(reach, std::ceil(kBlur * ct.spacing[axis] / out.spacing[axis] - 1e-6));
+  return int(std::min(reach, double(kSlabLayers)));
+}
+
+/// mask(p) = any of the voxels within `reach` of p along one axis, row by row.
+void widen(Mask& mask, Int3 size, int axis, int reach) {
+  const Mask from = mask;
+  const auto row_at = [&](Int3 p) { return (std::ptrdiff_t(p.z) * size.y + p.y) * size.x; };
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int d = -reach; d <= reach; d++) {
+        Int3 other{0, j, k};
+        if (axis > 0) other[axis] += d;
+        if (other[axis] < 0 || other[axis] >= size[axis]) continue;
+        const int shift = axis == 0 ? d : 0;
+        const int begin = std::max(0, -shift), end = std::min(size.x, size.x - shift);
+        std::uint8_t* out = mask.data() + row_at({0, j, k});
+        const std::uint8_t* in = from.data() + row_at(other) + shift;
+        TURGOR_LANES
+        for (int i = begin; i < end; i++) out[i] |= in[i];
+      }
+}
+
+/// The 26 neighbours of a voxel, those across faces first, then across edges.
+std::array<Int3, 26> neighbours_by_distance() {
+  std::array<Int3, 26> ways;
+  std::size_t count = 0;
+  for (int distance = 1; distance <= 3; distance++)
+    for (int n = 0; n < 27; n++) {
+      const Int3 way{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+      if (std::abs(way.x) + std::abs(way.y) + std::abs(way.z) == distance) ways[count++] = way;
+    }
+  return ways;
+}
+
+/// A slab with the layers around it that its fringe may come from.
+struct Window {
+  Int3 size;
+  int low = 0, begin = 0, end = 0;  // first layer; layers of the slab itself
+
+  Window(const Grid& out, int slab, int reach) {
+    begin = slab * kSlabLayers, end = std::min(begin + kSlabLayers, out.size.z);
+    low = std::max(0, begin - reach);
+    size = {out.size.x, out.size.y, std::min(out.size.z, end + reach) - low};
+  }
+  std::size_t index(Int3 p) const {
+    return (std::size_t(p.z - low) * std::size_t(size.y) + std::size_t(p.y)) * std::size_t(size.x) +
+           std::size_t(p.x);
+  }
+  Int3 voxel(std::size_t index) const {
+    const auto row = index / std::size_t(size.x);
+    return {int(index % std::size_t(size.x)), int(row % std::size_t(size.y)),
+            int(row / std::size_t(size.y)) + low};
+  }
+  bool contains(Int3 p) const {
+    return p.x >= 0 && p.y >= 0 && p.z >= low && p.x < size.x && p.y < size.y && p.z < low + size.z;
+  }
+  std::size_t count() const { return std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z); }
+};
+
+/// Which voxel of the rim the air near it goes with: by voxel of the window, −1 = none.
+struct Fringe {
+  const Window& window;
+  std::vector<Vec3> shifts;
+  std::vector<int> source;
+
+  Fringe(const FringeInputs& inputs, const Grid& out, int slab, const Window& w, int reach)
+      : window(w), source(w.count(), -1) {
+    std::vector<std::size_t> ring;
+    for (int s = std::max(0, slab - 1); s <= slab + 1 && s < int(inputs.rim.size()); s++)
+      for (const RimVoxel& rim : inputs.rim[std::size_t(s)])
+        if (window.contains(rim.voxel)) {
+          source[window.index(rim.voxel)] = int(shifts.size());
+          shifts.push_back(rim.shift);
+          ring.push_back(window.index(rim.voxel));
+        }
+    for (int n = 0; n < reach; n++) ring = grow(inputs, out, ring);
+  }
+
+  /// The voxels beside a ring that neither tissue nor an earlier ring has. Each goes with its nearest
+  /// neighbour.
+  std::vector<std::size_t> grow(const FringeInputs& inputs, const Grid& out,
+                                const std::vector<std::size_t>& ring) {
+    static const std::array<Int3, 26> kWays = neighbours_by_distance();
+    constexpr int kNext = -2;
+    std::vector<std::size_t> next;
+    for (const std::size_t from : ring)
+      for (const Int3 way : kWays) {
+        const Int3 p = window.voxel(from) + way;
+        if (!window.contains(p) || source[window.index(p)] != -1) continue;
+        if (inputs.covered[sample_index(out, p.x, p.y, p.z)]) continue;
+        source[window.index(p)] = kNext;
+        next.push_back(window.index(p));
+      }
+    std::vector<int> found;
+    for (const std::size_t at : next)
+      for (const Int3 way : kWays) {
+        const Int3 p = window.voxel(at) + way;
+        if (!window.contains(p) || source[window.index(p)] < 0) continue;
+        found.push_back(source[window.index(p)]);
+        break;
+      }
+    for (std::size_t n = 0; n < next.size(); n++) source[next[n]] = found[n];
+    return next;
+  }
+};
+
+/// Which voxels of a window showed body in the CT.
+Mask body_at_rest(const RestBody& body, const PlaceInCt& place, const Window& window) {
+  Mask rest(window.count());
+  std::size_t n = 0;
+  for (int k = window.low; k < window.low + window.size.z; k++)
+    for (int j = 0; j < window.size.y; j++) {
+      const Vec3d first = place({0, j, k});
+      for (int i = 0; i < window.size.x; i++)
+        rest[n++] = body.holds(first + place.step.column[0] * double(i));
+    }
+  return rest;
+}
+
+/// Tells the body's fringe from what lies beside the body.
+struct FringeOfBody {
+  const FringeInputs& inputs;
+  std::int16_t dense;  // from here on it is no air [HU]
+
+  /// Of a place that is no body: does it go with the skin? Air does, and a crumb of skin that is less than
+  /// half of a block; the table does not.
+  bool operator()(Vec3d at, float value) const { return value < float(dense) || is_crumb(at); }
+
+  /// Tissue is where its cells are, and nowhere else; its blur may begin within them, by a voxel.
+  bool is_tissue(Vec3d at, float value) const {
+    if (!inputs.rest.holds(at)) return false;
+    if (value >= float(dense)) return true;
+    for (const Vec3d way : {Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}})
+      if (!inputs.rest.holds(at + way) || !inputs.rest.holds(at - way)) return false;
+    return true;
+  }
+
+ private:
+  bool is_crumb(Vec3d at) const {
+    constexpr int kReach = 2;
+    const CtVolume& ct = inputs.ct;
+    const Int3 p{int(std::lrint(at.x)), int(std::lrint(at.y)), int(std::lrint(at.z))};
+    if (!contains(ct.grid, p)) return false;
+    if (inputs.beside.has_row(p.y, p.z) && inputs.beside.row(p.y, p.z)[p.x / inputs.beside.cell.x])
+      return false;
+    const Int3 low = max(p - Int3{kReach, kReach, kReach}, Int3{0, 0, 0}),
+               high = min(p + Int3{kReach, kReach, kReach}, ct.grid.size - Int3{1, 1, 1});
+    for (int k = low.z; k <= high.z; k++)
+      for (int j = low.y; j <= high.y; j++)
+        for (int i = low.x; i <= high.x; i++)
+          if (ct.at(i, j, k) >= dense && inputs.rest.holds(Vec3d(Int3{i, j, k}))) return true;
+    return false;
+  }
+};
+
+}  // namespace
+
+RestBody::RestBody(const Exec& exec, const Model& model, Vec3d first_node, Vec3d cell_size)
+    : model_(model),
+      first_node_(first_node),
+      per_cell_{1 / cell_size.x, 1 / cell_size.y, 1 / cell_size.z},
+      cells_(model.tissue.size(), Cell::kAir),
+      near_air_(model.tissue.size()) {
+  const Lattice& l = model.lattice;
+  const Int3 last = l.size - Int3{2, 2, 2};  // cell
+  parallel_for(exec, std::size_t(std::max(0, last.z + 1)), [&](std::size_t k) {
+    for (int j = 0; j <= last.y; j++)
+      for (int i = 0; i <= last.x; i++) {
+        const auto slot = std::size_t(node_slot(l, i, j, int(k)));
+        int count = 0;
+        for (int c = 0; c < 8; c++)
+          count +=
+              is_body(model.tissue[slot + std::size_t(slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, i & 1))]);
+        cells_[slot] = count == 0 ? Cell::kAir : count == 8 ? Cell::kBody : Cell::kRim;
+      }
+  });
+  for (int k = 0; k <= last.z; k++)
+    for (int j = 0; j <= last.y; j++)
+      for (int i = 0; i <= last.x; i++) {
+        if (cells_[std::size_t(node_slot(l, i, j, k))] != Cell::kRim) continue;
+        for (int n = 0; n < 27; n++) {
+          const Int3 other = Int3{i, j, k} + Int3{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+          near_air_[std::size_t(node_slot(l, min(max(other, Int3{0, 0, 0}), last)))] = 1;
+        }
+      }
+}
+
+bool RestBody::holds(Vec3d at) const {
+  constexpr int kBits = 16;  // snapped, so that rounding does not decide ties
+  const Vec3d node = hadamard(at - first_node_, per_cell_) * double(1 << kBits);
+  const Int3 snapped{int(std::lrint(node.x)), int(std::lrint(node.y)), int(std::lrint(node.z))};
+  const Int3 cell{snapped.x >> kBits, snapped.y >> kBits, snapped.z >> kBits};
+  const Lattice& l = model_.lattice;
+  if (!contains(l, cell)) return false;
+  const Cell kind = cells_[std::size_t(node_slot(l, cell))];
+  if (kind != Cell::kRim) return kind == Cell::kBody;
+  const auto corners =
+      kuhn_corners(cell, kuhn_tet_at(snapped - Int3{cell.x << kBits, cell.y << kBits, cell.z << kBits}));
+  return std::any_of(corners.begin(), corners.end(), [&](Int3 node_at) {
+    return is_body(model_.tissue[std::size_t(node_slot(l, node_at))]);
+  });
+}
+
+bool RestBody::is_near_air(Vec3d at) const {
+  const Vec3d node = hadamard(at - first_node_, per_cell_);
+  const Int3 cell{int(std::floor(node.x)), int(std::floor(node.y)), int(std::floor(node.z))};
+  return contains(model_.lattice, cell) && near_air_[std::size_t(node_slot(model_.lattice, cell))];
+}
+
+PlaceInCt::PlaceInCt(const Grid& out, const Grid& ct) {
+  const auto at = [&](Int3 p) { return index_at(ct, point_at(out, Vec3d(p))); };
+  first = at({0, 0, 0});
+  step = {{at({1, 0, 0}) - first, at({0, 1, 0}) - first, at({0, 0, 1}) - first}};
+}
+
+RimVoxel rim_voxel(const PlaceInCt& place, Int3 voxel, Vec3 at) {
+  const Vec3d shift = (Vec3d(at) - place(voxel)) * 1024.0;
+  return {voxel, Vec3(Vec3d{std::rint(shift.x), std::rint(shift.y), std::rint(shift.z)} * (1 / 1024.0))};
+}
+
+void fill_beside_body(const FringeInputs& inputs, int slab, CtVolume& out) {
+  const int reach = reach_in(out.grid, inputs.ct.grid);
+  const Window window(out.grid, slab, reach);
+  const PlaceInCt place(out.grid, inputs.ct.grid);
+  const Fringe fringe(inputs, out.grid, slab, window, reach);
+  const Mask rest = body_at_rest(inputs.rest, place, window);
+  Mask near_rest = rest;
+  for (int axis = 0; axis < 3; axis++) widen(near_rest, window.size, axis, reach);
+
+  const Sampler sample(inputs.ct);
+  const FringeOfBody is_fringe{inputs, std::int16_t(std::ceil(inputs.model.params.tissue.air_max))};
+  const bool same = same_grid(out.grid, inputs.ct.grid);
+  for (std::size_t n = window.index({0, 0, window.begin}); n < window.index({0, 0, window.end}); n++) {
+    const std::size_t voxel = n + sample_index(out.grid, 0, 0, window.low);
+    if (inputs.covered[voxel]) continue;
+    const int source = fringe.source[n];
+    if (same && !near_rest[n] && source < 0) {
+      out.samples[voxel] = inputs.ct.samples[voxel];
+      continue;
+    }
+    const Vec3d at = place(window.voxel(n));
+    const float here = sample(Vec3(at));
+    float value = here;
+    if ((near_rest[n] || source >= 0) && (rest[n] || is_fringe(at, here))) {
+      if (near_rest[n]) value = kAirHu;
+      const Vec3d before = at + (source < 0 ? Vec3d{} : Vec3d(fringe.shifts[std::size_t(source)]));
+      const float moved = sample(Vec3(before));
+      if (source >= 0 && is_fringe(before, moved) && !is_fringe.is_tissue(before, moved)) value = moved;
+    }
+    out.samples[voxel] = std::int16_t(std::lrint(value));
+  }
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,111 @@
+#include "turgor/models/lattice/pbd_loops.hpp"
+
+#include <map>
+#include <utility>
+
+#include "turgor/core/assert.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// The rounds of a group of skin (order_in_rounds): triangle c of a round is of the same cell as triangle c
+/// of the next one.
+void add_skin_cells(const Model& model, int group, PbdSchedule& schedule) {
+  const Skin& skin = model.skin;
+  const auto cell_of = [&](int t) {
+    const Int3 v = skin.triangles[std::size_t(t)].vertex;
+    Int3 low = model.lattice.size - Int3{2, 2, 2};
+    for (int c = 0; c < 3; c++) low = min(low, slot_node(model.lattice, v[c]));
+    return node_slot(model.lattice, low);
+  };
+  const int first = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group)])],
+            end = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group) + 1])];
+  std::map<int, int> last;  // by cell: its triangle that has none behind it
+  for (int t = first; t < end; t++) {
+    const auto [at, is_first] = last.try_emplace(cell_of(t), t);
+    if (is_first)
+      schedule.heads.push_back(t);
+    else
+      schedule.next[std::size_t(std::exchange(at->second, t))] = t;
+  }
+}
+
+}  // namespace
+
+CellTet cell_tet(const Lattice& l, int parity, const std::array<Int3, 4>& tet) {
+  CellTet out{};
+  for (std::size_t c = 0; c < 4; c++) out.offset[c] = slot_offset(l, tet[c], parity);
+  const auto rest = [&](std::size_t c) { return hadamard(l.step, Vec3(tet[c] - tet[0])); };
+  out.e1 = rest(1), out.e2 = rest(2), out.e3 = rest(3);
+  int e = 0;
+  for (std::size_t p = 0; p < 4; p++)
+    for (std::size_t q = p + 1; q < 4; q++, e++) {
+      const Int3 offset = tet[q] - tet[p];
+      const bool forward = family_of(offset) >= 0;
+      out.edge[e] = {int(forward ? p : q), family_of(forward ? offset : -offset)};
+    }
+  return out;
+}
+
+PbdSchedule pbd_schedule(const Model& model) {
+  PbdSchedule schedule;
+  for (const Run run : model.moving.all)
+    for (int s = run.begin; s < run.begin + run.count; s += kGroup) schedule.moving.push_back(s);
+  schedule.joining_of = groups_by_colours(model.lattice, model.joining, schedule.joining);
+  schedule.next.assign(model.skin.triangles.size(), -1);
+  const int layers = model.skin.layer_begin.empty() ? 0 : model.lattice.size.z - 1;
+  for (int colour = 0; colour < kColourCount; colour++) {
+    schedule.heads_of.begin[colour] = int(schedule.heads.size());
+    for (int k = colour >> 2; k < layers; k += 2) add_skin_cells(model, 4 * k + (colour & 3), schedule);
+  }
+  schedule.heads_of.begin[kColourCount] = int(schedule.heads.size());
+  return schedule;
+}
+
+PbdRules pbd_rules(const Model& model) {
+  const Lattice& l = model.lattice;
+  PbdRules rules{.half = l.half,
+                 .rest_volume = model.volume_scale > 0 ? model.rest_volume : 0,
+                 .skin_ratio = rest_area_ratio(model.params.skin),
+                 .skin_amplification = Real(model.params.skin.amplification)};
+  for (std::size_t f = 0; f < kFamilyCount; f++) {
+    rules.edge[f] = hadamard(l.step, Vec3(kFamilies[f]));
+    rules.rest[f] = model.rest_length[f];
+  }
+  for (int parity = 0; parity < 2; parity++) {
+    for (std::size_t f = 0; f < kFamilyCount; f++)
+      rules.family_offset[parity][f] = slot_offset(l, kFamilies[f], parity);
+    for (std::size_t t = 0; t < kKuhnTets.size(); t++)
+      rules.tet[parity][t] = cell_tet(l, parity, kKuhnTets[t]);
+  }
+  return rules;
+}
+
+PbdView pbd_view(const Model& model, const PbdSchedule& schedule, State& state, std::uint32_t& largest) {
+  TURGOR_ASSERT(
+      model.params.solver.method == Method::kPbd && model.params.solver.schedule == Schedule::kColours,
+      "the model was made for projections by colours");
+  return {.rules = pbd_rules(model),
+          .slots = int(model.inverse_mass.size()),
+          .nodes = node_arrays(model, state),
+          .bx = state.u_before.x.data(),
+          .by = state.u_before.y.data(),
+          .bz = state.u_before.z.data(),
+          .vx = state.v.x.data(),
+          .vy = state.v.y.data(),
+          .vz = state.v.z.data(),
+          .removed = state.removed.data(),
+          .moving = schedule.moving.data(),
+          .moving_count = int(schedule.moving.size()),
+          .joining = schedule.joining.data(),
+          .joining_of = schedule.joining_of,
+          .triangles = model.skin.triangles.data(),
+          .skin_cut = state.skin_cut.data(),
+          .next = schedule.next.data(),
+          .heads = schedule.heads.data(),
+          .heads_of = schedule.heads_of,
+          .largest = &largest};
+}
+
+}  // namespace turgor::lattice
