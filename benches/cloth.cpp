@@ -2,8 +2,10 @@
 // crossings. Rates: vertices a second; bytes a sweep must move at least.
 #include <benchmark/benchmark.h>
 
+#include "tests/models/cloth_meshes.hpp"
 #include "tests/models/cloth_sheets.hpp"
 #include "tests/models/cloth_storm.hpp"
+#include "turgor/contact/cloth_obstacle.hpp"
 #include "turgor/geometry/surface_check.hpp"
 #include "turgor/models/cloth/system.hpp"
 
@@ -59,6 +61,24 @@ void sizes(benchmark::internal::Benchmark* b) {
 BENCHMARK(frame_alone)->Apply(sizes);
 BENCHMARK(frame_with_self_collision)->Apply(sizes);
 BENCHMARK(sweeps)->Apply(sizes);
+
+/// A hundred frames of a sheet in cells of 5 mm that falls over a ball; its longest edges are so many
+/// hundredths of the thickness.
+void fall_over_a_ball(benchmark::State& bench) {
+  Params params{.fabric = {.law = Law::kSheet}, .solver = {.method = Method::kBlocks, .sweeps = 200}};
+  params.collision.thickness = 0.005 * std::sqrt(2.0) / (double(bench.range(0)) / 100);
+  TriMesh mesh = rectangle(Pattern::kAlternating, -0.15, 0.15, 0.3, 0.005);
+  for (Vec3& x : mesh.vertices) x += Vec3{0.004f, -0.145f, 0.065f};
+  const Model model = must_build(mesh, params);
+  const contact::Shape ball = contact::Sphere{0.05};
+  Inputs inputs = in_vacuum();
+  inputs.obstacles.push_back(contact::cloth_obstacle(ball, {}, {}, kFrame));
+  for (auto _ : bench) {
+    State state = make_state(model);
+    for (int n = 0; n < 100; n++) step(Exec(1), model, state, inputs, kFrame);
+  }
+}
+BENCHMARK(fall_over_a_ball)->Arg(148)->Arg(152)->Unit(benchmark::kMillisecond);
 
 void random_step(benchmark::State& bench) {
   Params params;
