@@ -44,6 +44,7 @@ ordered_json to_json(const SkinTensionBench& bench) {
                     {"descent_frame_one_thread_ms", r.descent_frame_one},
                     {"descent_frame_ms", r.descent_frame},
                     {"pbd_frame_by_schedule", to_json(r.pbd_frames)},
+                    {"pbd_frame_on_gpu_ms", r.gpu_frame > 0 ? ordered_json(r.gpu_frame) : ordered_json()},
                     {"descent_frame_by_schedule", to_json(r.descent_frames)},
                     {"residual_pbd_n", r.residual_pbd},
                     {"residual_descent_n", r.residual_descent},
@@ -55,6 +56,7 @@ ordered_json to_json(const SkinTensionBench& bench) {
   return {
       {"bench", "skin-tension"},
       {"threads", bench.threads},
+      {"gpu", bench.gpu},
       {"copy_bandwidth_gb_per_s", bench.copy_bandwidth * 1e-9},
       {"dense_product_gflops", bench.arithmetic_rate * 1e-9},
       {"growth", growth},
@@ -91,12 +93,14 @@ void print(const SkinTensionBench& bench) {
     fmt::print("{:<11}{:>40}{:>40}\n", r.name,
                fmt::format("{:.2f}, {:.2f}", r.bandwidth_fraction, r.arithmetic_fraction),
                fmt::format("{:.2f}, {:.2f}", r.descent_bandwidth_fraction, r.descent_arithmetic_fraction));
-  fmt::print("\n{:<11}{:>40}{:>40}\n", "frame [ms]", "paper's: by slabs, by colours",
-             "descent: by slabs, by colours");
+  fmt::print("\nGPU: {}\n{:<11}{:>40}{:>40}\n", bench.gpu, "frame [ms]",
+             "paper's: by slabs, by colours, on a GPU", "descent: by slabs, by colours");
+  const auto on_gpu = [](double ms) { return ms > 0 ? fmt::format("{:.2f}", ms) : "-"; };
   for (const SkinTensionRow& r : bench.rows)
-    fmt::print("{:<11}{:>40}{:>40}\n", r.name,
-               fmt::format("{:.1f}, {:.1f}", r.pbd_frames.slabs, r.pbd_frames.colours),
-               fmt::format("{:.1f}, {:.1f}", r.descent_frames.slabs, r.descent_frames.colours));
+    fmt::print(
+        "{:<11}{:>40}{:>40}\n", r.name,
+        fmt::format("{:.1f}, {:.1f}, {}", r.pbd_frames.slabs, r.pbd_frames.colours, on_gpu(r.gpu_frame)),
+        fmt::format("{:.1f}, {:.1f}", r.descent_frames.slabs, r.descent_frames.colours));
   fmt::print("\n{:<11}{:>24}{:>26}{:>26}{:>28}\n", "", "descent frame 1T/all[ms]", "residual pbd/descent[N]",
              "resample half/full[ms]", "growth: ns a node, pbd/desc");
   for (const SkinTensionRow& r : bench.rows) {

@@ -6,6 +6,7 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/body_nodes.hpp"
+#include "turgor/models/lattice/gpu_body.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/resample.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
@@ -77,6 +78,15 @@ ScheduleTimes measure_schedules(const Exec& exec, const BodyNodes& nodes, Params
   return times;
 }
 
+double gpu_frame_ms(const Gpu& gpu, const BodyNodes& nodes, Params params) {
+  params.solver.schedule = lattice::Schedule::kColours;
+  const Model model = lattice::assemble(Exec(), nodes, nullptr, params).value();
+  const auto body = lattice::put(gpu, model);
+  if (!body) return 0;
+  lattice::put_state(**body, make_state(model));
+  return median_ms(kFrames, [&] { lattice::step(**body, model, {}, kDt); });
+}
+
 SkinTensionTimes measure_pbd(const Exec& exec, const BodyNodes& nodes, const Model& without,
                              const Model& with) {
   SkinTensionTimes times;
@@ -142,6 +152,7 @@ SkinTensionRow measure(const Exec& exec, const SkinTensionBench& limits, const D
   }
   row.pbd_frames = measure_schedules(exec, nodes, pbd);
   row.descent_frames = measure_schedules(exec, nodes, descent);
+  if (const Result<Gpu> gpu = open_gpu()) row.gpu_frame = gpu_frame_ms(*gpu, nodes, pbd);
   progress(0.7);
   const Model model = lattice::assemble(exec, nodes, nullptr, descent).value();
   row.descent_frame_one = frame_ms(one, model);
@@ -193,6 +204,8 @@ SkinTensionBench bench_skin_tension(const Exec& exec, int shrink, const std::opt
   SkinTensionBench bench{.threads = exec.threads(),
                          .copy_bandwidth = copy_bandwidth(exec),
                          .arithmetic_rate = arithmetic_rate(exec)};
+  const Result<Gpu> gpu = open_gpu();
+  bench.gpu = gpu ? gpu->name : gpu.error().message;
   bench.bar_frame_one = bar_ms(Exec(1), bench.bar_tets);
   bench.bar_frame = bar_ms(exec, bench.bar_tets);
   double done = 0, all = 0;

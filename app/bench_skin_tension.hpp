@@ -35,12 +35,14 @@ struct SkinTensionRow {
   double descent_bandwidth_fraction = 0, descent_arithmetic_fraction = 0;
   double descent_frame_one = 0, descent_frame = 0;  // 5 sweeps with skin [ms]
   ScheduleTimes pbd_frames, descent_frames;         // with skin, all threads
+  double gpu_frame = 0;                             // pbd with skin, the state staying there; 0: no GPU [ms]
   double residual_pbd = 0, residual_descent = 0;    // rms after a frame [N]
   double resample_half = 0, resample_full = 0;      // to half and to full size [ms]
 };
 
 struct SkinTensionBench {
   int threads = 0;
+  std::string gpu;                          // its name, or why there is none
   double copy_bandwidth = 0;                // all threads [B/s]
   double arithmetic_rate = 0;               // all threads, single precision [1/s]
   double bar_frame_one = 0, bar_frame = 0;  // 51 000 tetrahedra, springs and volumes, 5 sweeps [ms]

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "block_body.hpp"
+#include "turgor/models/lattice/descent_loops.hpp"
 #include "turgor/models/lattice/gpu_body.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/pbd_loops.hpp"
@@ -24,14 +25,15 @@ struct CutBlock {
   State state;
 };
 /// A tense block with fixed sides, pushed out of shape and cut.
-CutBlock cut_block(Method method, Int3 size = {13, 11, 9}, bool volumes = true) {
+CutBlock cut_block(Method method, Int3 size = {13, 11, 9}, bool volumes = true,
+                   TissueLaw law = TissueLaw::kSprings, SkinLaw skin = SkinLaw::kFibre) {
   const auto is_side = [size](Int3 p) {
     return p.x == 0 || p.y == 0 || p.z == 0 || p.x == size.x - 1 || p.y == size.y - 1;
   };
   Params params;
   params.solver = {.method = method, .schedule = Schedule::kColours, .pbd_volume = volumes};
-  params.tissue.volume = method == Method::kPbd ? 0 : 1;
-  params.skin.law = method == Method::kPbd ? SkinLaw::kArea : SkinLaw::kFibre;
+  params.tissue = {.law = law, .volume = method == Method::kDescent && volumes ? 1.0 : 0.0};
+  params.skin.law = method == Method::kPbd ? SkinLaw::kArea : skin;
   CutBlock block{block_model({.size = size, .is_fixed = is_side}, params), {}};
   block.state = make_state(block.model);
   const auto wave = [](int a, int b) { return Real(1e-3 * std::sin(1.3 * a + 0.7 * b)); };
@@ -148,6 +150,67 @@ void expect_loops_like_steps(Int3 size, bool volumes) {
 TEST(lattice_colours, the_loops_that_a_gpu_runs_do_in_any_order_what_a_step_does) {
   expect_loops_like_steps({13, 11, 9}, true);
   expect_loops_like_steps({20, 12, 7}, false);
+}
+
+/// A finger on some of the top, and a place between two nodes.
+std::vector<NodeContact> finger(const Model& model) {
+  const int z = model.lattice.size.z - 2;  // a layer of air above
+  std::vector<NodeContact> contacts;
+  for (int i = 3; i < 8; i++)
+    contacts.push_back({.slot = node_slot(model.lattice, i, 4, z),
+                        .normal = {0, 0, -1},
+                        .target = {0, 0, -2e-3f},
+                        .friction = 0.3f,
+                        .is_held = i == 5});
+  contacts.push_back(contacts[0]);
+  contacts.back().other = node_slot(model.lattice, 4, 4, z);
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const NodeContact& a, const NodeContact& b) { return a.slot < b.slot; });
+  return contacts;
+}
+
+void expect_descent_loops_like_sweeps(Int3 size, TissueLaw law, SkinLaw skin, bool volumes) {
+  std::set<std::uint64_t> hashes;
+  const auto after = [&](const auto& sweep) {
+    CutBlock block = cut_block(Method::kDescent, size, volumes, law, skin);
+    std::vector<NodeContact> contacts = finger(block.model);
+    const Inputs inputs{.gravity = {1, 0, -9.81}, .contacts = contacts};
+    predict(kOne, block.model, block.state, inputs, kDt);
+    for (const Order order : {Order::kForward, Order::kForward, Order::kBackward})
+      sweep(block, inputs, order);
+    return std::pair(std::move(block.state), contacts);
+  };
+  const Model model = cut_block(Method::kDescent, size, volumes, law, skin).model;
+  const auto here = after([](CutBlock& b, const Inputs& inputs, Order order) {
+    sweep_descent(kOne, b.model, b.state, inputs, kDt, order);
+  });
+  EXPECT_EQ(here.first.copies.empty(), law == TissueLaw::kSprings);
+  const auto go = [&](const auto& run) {
+    const auto there = after([&run](CutBlock& b, const Inputs& inputs, Order order) {
+      const DescentSchedule schedule = descent_schedule(b.model);
+      const CopySchedule copies = copy_schedule(b.model, b.state);
+      sweep_descent_with(run, descent_view(b.model, schedule, copies, b.state, inputs, kDt), order);
+    });
+    hashes.insert(state_hash(model, there.first));
+    const Apart found = apart(model, there.first, here.first);
+    EXPECT_GT(found.largest, 1e-3) << "m";
+    EXPECT_LT(found.most, 2e-5 * found.largest) << "m: fused multiply-adds may differ";
+    for (std::size_t c = 0; c < here.first.copies.size(); c++)
+      EXPECT_NEAR(there.first.copies[c].z, here.first.copies[c].z, 2e-5 * found.largest) << "m, copy " << c;
+    for (std::size_t c = 0; c < here.second.size(); c++)
+      EXPECT_LT(norm(there.second[c].force - here.second[c].force), 1e-3f * norm(here.second[2].force))
+          << "N";
+  };
+  go(CpuRun{Exec(2)});
+  for (const unsigned seed : {1u, 2u}) go(ShuffledRun{seed});
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST(lattice_colours, descent_s_loops_for_a_gpu_do_in_any_order_what_its_sweeps_do) {
+  expect_descent_loops_like_sweeps({13, 11, 9}, TissueLaw::kSprings, SkinLaw::kFibre, true);
+  expect_descent_loops_like_sweeps({20, 12, 7}, TissueLaw::kSprings, SkinLaw::kArea, false);
+  expect_descent_loops_like_sweeps({13, 11, 9}, TissueLaw::kSolid, SkinLaw::kArea, false);
+  expect_descent_loops_like_sweeps({20, 12, 7}, TissueLaw::kSolid, SkinLaw::kFibre, false);
 }
 
 TEST(lattice_colours, the_loops_take_a_body_back_to_where_its_step_began) {

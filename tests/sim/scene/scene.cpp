@@ -211,7 +211,7 @@ TEST(Scene, OneSentencePerMistakeWithPlaceExpectedAndFound) {
       {small_scene("", "[world]\ndevice = \"cuda\""),
        "world.device: expected \"cpu\", \"gpu\", found \"cuda\""},
       {small_scene("", "[world]\ndevice = \"gpu\""),
-       "body.torso.solver: world.device = \"gpu\" knows solver.method = \"pbd\" with solver.schedule = "
+       "world.device = \"gpu\" knows solver.method = \"pbd\" with solver.schedule = "
        "\"colours\" alone"},
       {small_scene("skin = { law = \"area\" }\nsolver = { method = \"pbd\" }", "[world]\ndevice = \"gpu\""),
        "with solver.schedule = \"colours\" alone so far"},

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/system.hpp"
 
 namespace turgor::cloth {
 
@@ -192,6 +192,13 @@ void find_bearing(const Exec& exec, const Model& model, State& state, const Inpu
     set_answer(c, state, dt, c.impulse > 0 || closes, slips, u, answer);
   }
   if (!list.empty()) stiffen_diagonal(state);
+}
+
+void stiffen_bearing(State& state) {
+  Bearing& bearing = state.bearing;
+  for (std::size_t n = 0; n < bearing.contacts.touched.size(); n++)
+    bearing.inverse[n] = diagonal_inverse(state.system, std::size_t(bearing.contacts.touched[n]));
+  stiffen_diagonal(state);
 }
 
 bool settle_bearing(const Model& model, State& state, double dt) {

@@ -96,6 +96,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   assemble(exec, model, state, inputs, dt);
   if (uses_gradients(model.params.solver.method)) find_bearing(exec, model, state, inputs, dt);
   solve_change(exec, model, state, dt);
+  if (uses_gradients(model.params.solver.method)) solve_what_turned(exec, model, state, inputs, dt);
   if (uses_gradients(model.params.solver.method))
     report.iterations = state.system.iterations, report.residual = state.system.residual;
   else if (inputs.measure_residual)

@@ -233,10 +233,7 @@ void solve_by_sweeps(const Exec& exec, const Model& model, State& state, Method 
   }
 }
 
-namespace {
-
-/// The sheet and what bears it: solved until no contact opens, closes or gives way any more. What is left of
-/// stiff forces would be much of the force of a contact: there is less left of them.
+// What is left of stiff forces would be much of the force of a contact: there is less left of them.
 void solve_with_bearing(const Exec& exec, const Model& model, State& state, double dt) {
   constexpr int kRounds = 4, kSqueezedRounds = 10;
   constexpr double kCare = 0.1;
@@ -255,8 +252,6 @@ void solve_with_bearing(const Exec& exec, const Model& model, State& state, doub
   state.system.iterations = iterations;
   if (!is_borne) move_free_parts(exec, model, state, state.system.left, dt);
 }
-
-}  // namespace
 
 void solve_change(const Exec& exec, const Model& model, State& state, double dt) {
   const Solver& solver = model.params.solver;

@@ -13,6 +13,13 @@ void assemble(const Exec& exec, const Model& model, State& state, const Inputs& 
 /// Solves for System::change, as Solver says.
 void solve_change(const Exec& exec, const Model& model, State& state, double dt);
 
+/// Solves once more, around where that leads, while it turns edges far and obstacles stop the sheet.
+void solve_what_turned(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+/// Of a system that was assembled again: what contacts of bearing.hpp add to its diagonal.
+void stiffen_bearing(State& state);
+/// By conjugate gradients, until no contact opens, closes or gives way any more; from the present change on.
+void solve_with_bearing(const Exec& exec, const Model& model, State& state, double dt);
+
 /// Parts of the solvers, for tests and benches. One sweep leads `change` to
 /// before + omega (W_ii⁻¹ (force + s Σ J_ij change_j) − before).
 /// Gives every part that nothing holds the velocity that the total of a force gives it as a whole.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/models/lattice/node_forces.hpp"
+
 namespace turgor::lattice {
 
 namespace {
@@ -52,21 +54,8 @@ void gather_cells(const NodeArrays& n, const SolidLaw& solid, const NodeBlock& b
                   const CellsAround& cells, int slot, int begin, SystemBuffer& __restrict out) {
   const SolidLaw law = solid;
   TURGOR_LANES
-  for (int i = 0; i < kSpareSlots; i++) {
-    const int a = slot + i;
-    NodeSystem s;
-    Vec3 u[kBlockNodes];
-#pragma GCC unroll 27
-    for (int b = 0; b < kBlockNodes; b++) u[b] = n.u(a + block.offset[b]) - n.u(a);
-#pragma GCC unroll 8
-    for (int at = 0; at < kCellCorners; at++) {
-      Vec3 d[kCellCorners];
-#pragma GCC unroll 8
-      for (int c = 0; c < kCellCorners; c++) d[c] = u[block_index(cell_corner(c) - cell_corner(at))];
-      add_cell(s, cell_gradient(d, at, law.slope), at, law, cells.young[at][i]);
-    }
-    out.set(begin + i, s);
-  }
+  for (int i = 0; i < kSpareSlots; i++)
+    out.set(begin + i, cells_around(n, law, block, slot + i, [&](int at) { return cells.young[at][i]; }));
 }
 
 /// Of the cells around sixteen nodes, those without a cut edge, and those that hold their edges: parts do,
@@ -118,14 +107,8 @@ void add_springs(const NodeArrays& n, const Neighbours& around, const LooseEdges
                  SystemBuffer& __restrict out) {
   TURGOR_LANES
   for (int i = 0; i < kSpareSlots; i++) {
-    const int a = slot + i;
     NodeSystem s = out.get(begin + i);
-#pragma GCC unroll 14
-    for (int e = 0; e < kNeighbourCount; e++) {
-      const Real k = loose.spring[e][i];
-      const Real there = k > 0 ? Real(1) : Real(0);  // slots without a node lie still, wherever this one goes
-      add_spring(s, around.edge[e] + (n.u(a + around.offset[e]) - n.u(a)) * there, around.rest[e], k);
-    }
+    add_loose_edges(s, n, around, slot + i, [&](int e) { return loose.spring[e][i]; });
     out.set(begin + i, s);
   }
 }

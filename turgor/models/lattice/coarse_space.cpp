@@ -13,6 +13,8 @@ namespace {
 constexpr std::size_t kLeastLevels = 3, kMostLevels = 6, kMostNodes = 1000;
 /// Beside blades too: with more, what they went through is made of larger blocks.
 constexpr std::size_t kMostUnknowns = 3000;
+/// Bodies of so many pieces go without.
+constexpr int kTooMany = 20000;
 
 struct SpaceBuilder {
   const Model& model;
@@ -183,6 +185,7 @@ std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const S
   }
   space->version = cut_version(state), space->dt = dt;
   space->cells = cells_that_move(model);
+  if (space->unknowns > kTooMany) space->unknowns = 0;
   if (space->unknowns > 0) factor_coarse_space(model, state, levels, cells, *space);
   return space;
 }

@@ -32,6 +32,13 @@ struct ColourRows {
   }
 };
 
+/// What is done when, by colour c: entries [begin[c], begin[c + 1]).
+struct ColourBegin {
+  int begin[kColourCount + 1] = {};
+};
+/// Appends the first slots of the groups of runs, colour by colour.
+ColourBegin groups_by_colours(const Lattice& lattice, const Runs& runs, std::vector<int>& groups);
+
 /// Calls kernel(half_row).
 template <class Kernel>
 struct OnHalfRow {

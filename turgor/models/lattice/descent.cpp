@@ -13,6 +13,7 @@
 #include "turgor/models/lattice/moving.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/node_contact.hpp"
+#include "turgor/models/lattice/node_forces.hpp"
 #include "turgor/models/lattice/parts.hpp"
 #include "turgor/models/lattice/rows.hpp"
 #include "turgor/models/lattice/skin_forces.hpp"
@@ -43,8 +44,7 @@ void find_uncut(const NodeArrays& n, const Neighbours& around, int slot, bool wi
   }
 }
 
-/// Springs and volumes around the nodes of [slot, slot + kSpareSlots). Distances to the neighbours are
-/// computed once and serve both.
+/// Springs and volumes around the nodes of [slot, slot + kSpareSlots).
 template <bool kWithCuts, bool kWithVolumes>
 void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_volume, Real volume_scale,
                      int slot, int begin, SystemBuffer& __restrict out) {
@@ -52,34 +52,10 @@ void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_vo
   if constexpr (kWithCuts) find_uncut(n, around, slot, kWithVolumes, uncut);
   TURGOR_LANES
   for (int i = 0; i < kSpareSlots; i++) {
-    const int a = slot + i;
-    NodeSystem s;
-    Vec3 d[kNeighbourCount];
-    Real root[kNeighbourCount];
-#pragma GCC unroll 14
-    for (int e = 0; e < kNeighbourCount; e++) {
-      const int b = a + around.offset[e];
-      d[e] = around.edge[e] + (n.u(b) - n.u(a));
-      root[e] = n.root[b];
-      Real k = around.scale[e] * n.root[a] * root[e];
-      if constexpr (kWithCuts) k *= uncut.spring[e][i];
-      add_spring(s, d[e], around.rest[e], k);
-    }
-    if constexpr (kWithVolumes) {
-#pragma GCC unroll 24
-      for (int t = 0; t < 24; t++) {
-        const TetAround tet = kTetsAround[std::size_t(t)];
-        const auto root_of = [&](int neighbour) { return neighbour < 0 ? n.root[a] : root[neighbour]; };
-        Real k = tet_stiffness(root_of(tet.far[0]), root_of(tet.far[1]), root[tet.corner[0]],
-                               root[tet.corner[1]], root[tet.corner[2]]);
-        k *= volume_scale / rest_volume;
-        if constexpr (kWithCuts) k *= uncut.tet[t][i];
-        const VolumeGradients g = volume_gradients(d[tet.corner[0]], d[tet.corner[1]], d[tet.corner[2]]);
-        const Real sixth = Real(1) / 6;
-        add_volume(s, (g.g1 + g.g2 + g.g3) * -sixth, k, dot(d[tet.corner[0]], g.g1) * sixth - rest_volume);
-      }
-    }
-    out.set(begin + i, s);
+    const auto spring = [&](int e) { return kWithCuts ? uncut.spring[e][i] : Real(1); };
+    const auto tet = [&](int t) { return kWithCuts ? uncut.tet[t][i] : Real(1); };
+    out.set(begin + i, springs_around<kWithVolumes>(n, around, kTetsAround.data(), rest_volume, volume_scale,
+                                                    slot + i, spring, tet));
   }
 }
 
@@ -168,7 +144,7 @@ struct Descend {
     const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
     if (!touched.empty()) press(touched, slot, buffer);
     solve(slot, count, buffer);
-    for (NodeContact& c : touched) c.force = contact_force(c, displacement(c)).force;
+    for (NodeContact& c : touched) c.force = contact_force(c, contact_displacement(c, gather.nodes)).force;
     if (sleeps() && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
   }
 
@@ -180,41 +156,16 @@ struct Descend {
     }
   }
 
-  /// Of the place that touches.
-  Vec3 displacement(const NodeContact& c) const {
-    const Vec3 own = gather.nodes.u(c.slot);
-    return c.other < 0 ? own : (own + gather.nodes.u(c.other)) * Real(0.5);
-  }
-
   /// Adds contacts to the systems of their nodes.
   void press(std::span<NodeContact> touched, int slot, SystemBuffer& buffer) const {
     for (std::size_t begin = 0, end = 0; begin < touched.size(); begin = end) {
       while (end < touched.size() && touched[end].slot == touched[begin].slot) end++;
       const int at = touched[begin].slot - slot;
       NodeSystem system = buffer.get(at);
-      press_node(touched.subspan(begin, end - begin), system);
+      const int node = touched[begin].slot;
+      press_node(touched.subspan(begin, end - begin), gather.nodes, inertia(node) - gather.nodes.u(node),
+                 inertia.dt * inertia.dt * gather.nodes.w[node], system);
       buffer.set(at, system);
-    }
-  }
-
-  /// Contacts of one node are equally stiff, and share what one alone would have. Whether one alone touches
-  /// is told by where the node would go without it; beside others, by whether it bears, for what those hold
-  /// out it would pull back in.
-  void press_node(std::span<NodeContact> touched, NodeSystem& s) const {
-    const int slot = touched[0].slot;
-    const Real mobility = inertia.dt * inertia.dt * gather.nodes.w[slot];
-    const Real share = kContactStiffness / Real(touched.size());
-    const Real stiffness = share * ((s.xx + s.yy + s.zz) / 3 + 1 / mobility);
-    const Vec3 without = newton_step(s, inertia(slot) - gather.nodes.u(slot), mobility);
-    for (NodeContact& c : touched) {
-      c.stiffness = stiffness;
-      const Real part = c.other < 0 ? Real(1) : Real(0.5);  // of the node's step that the place goes along
-      const Vec3 u = displacement(c);
-      const bool is_there = touched.size() == 1 ? touches(c, u + without * part) : bears(c);
-      const ContactForce pushed = contact_force(c, u, is_there);
-      s.f += pushed.force;
-      add_outer(s, c.normal, (pushed.along - pushed.across) * part);
-      add_isotropic(s, pushed.across * part);
     }
   }
 

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "turgor/models/lattice/kernels.hpp"
+#include "turgor/models/lattice/rows.hpp"
 
 namespace turgor::lattice {
 
@@ -41,6 +42,32 @@ TURGOR_HD inline bool bears(const NodeContact& c) { return dot(c.force, c.normal
 /// contact?
 TURGOR_HD inline bool touches(const NodeContact& c, Vec3 u_without) {
   return bears(c) || dot(c.target - u_without, c.normal) > 0;
+}
+
+/// Of the place that touches [m].
+TURGOR_HD inline Vec3 contact_displacement(const NodeContact& c, const NodeArrays& n) {
+  const Vec3 own = n.u(c.slot);
+  return c.other < 0 ? own : (own + n.u(c.other)) * Real(0.5);
+}
+
+/// Adds the contacts of one node to its system. They are equally stiff, and share what one alone would have.
+/// Whether one alone touches is told by where the node would go without it; beside others, by whether it
+/// bears, for what those hold out it would pull back in. `mobility`: h² w [m/N].
+TURGOR_HD inline void press_node(std::span<NodeContact> touched, const NodeArrays& n, Vec3 to_inertial,
+                                 Real mobility, NodeSystem& s) {
+  const Real share = kContactStiffness / Real(touched.size());
+  const Real stiffness = share * ((s.xx + s.yy + s.zz) / 3 + 1 / mobility);
+  const Vec3 without = newton_step(s, to_inertial, mobility);
+  for (NodeContact& c : touched) {
+    c.stiffness = stiffness;
+    const Real part = c.other < 0 ? Real(1) : Real(0.5);  // of the node's step that the place goes along
+    const Vec3 u = contact_displacement(c, n);
+    const bool is_there = touched.size() == 1 ? touches(c, u + without * part) : bears(c);
+    const ContactForce pushed = contact_force(c, u, is_there);
+    s.f += pushed.force;
+    add_outer(s, c.normal, (pushed.along - pushed.across) * part);
+    add_isotropic(s, pushed.across * part);
+  }
 }
 
 /// The contacts of the nodes of [slot, slot + count).

@@ -272,49 +272,17 @@ void part_cells(const Model& model, State& state) {
 }
 
 PartForces::PartForces(const Model& m, State& s)
-    : model(m),
-      nodes(node_arrays(m, s)),
+    : nodes(node_arrays(m, s)),
       parts(s.parts),
-      copies(s.copies),
-      solid(solid_law(m.lattice.step, m.params.tissue.poisson)),
-      skin(m) {}
-
-NodeSystem PartForces::gather(const PartNode& node) const {
-  NodeSystem s;
-  s.f -= node.pull;
-  const Vec3 here = u(node.corner);
-  for (int n = node.first; n < node.first + node.count; n++) {
-    const PartUse use = parts.uses[std::size_t(n)];
-    if (use.part < 0) {
-      add(s, skin_part(parts.skin[std::size_t(-1 - use.part)], use.at));
-      continue;
-    }
-    const CellPart& cell = parts.cells[std::size_t(use.part)];
-    Vec3 d[kCellCorners];
-    for (int c = 0; c < kCellCorners; c++) d[c] = u(cell.corner[std::size_t(c)]) - here;
-    add_cell(s, cell_gradient(d, use.at, solid.slope), use.at, solid, cell.young);
-  }
-  return s;
-}
-
-NodeSystem PartForces::skin_part(const SkinPart& part, int at) const {
-  const SkinTriangle& t = model.skin.triangles[std::size_t(part.triangle)];
-  const Vec3 places[3] = {{}, t.edge1, t.edge2};
-  const int b = (at + 1) % 3, c = (at + 2) % 3;
-  const Vec3 here = u(part.corner[at]) + places[at];
-  const Vec3 edge1 = u(part.corner[b]) + places[b] - here, edge2 = u(part.corner[c]) + places[c] - here;
-  NodeSystem s;
-  if (skin.law == SkinLaw::kFibre) {
-    add_skin_fibre(s, edge1, edge2, {t.along[at], t.along[b], t.along[c]},
-                   {t.across[at], t.across[b], t.across[c]}, t.area, skin.fibre);
-  } else {
-    const Real rest = skin.rest_ratio * t.area;
-    add_skin_area(s, {}, edge1, edge2, rest, skin.stiffness / rest, skin.amplification);
-  }
-  s.f = s.f * part.share;
-  for (Real* entry : {&s.xx, &s.yy, &s.zz, &s.xy, &s.xz, &s.yz}) *entry *= part.share;
-  return s;
-}
+      elements{nodes,
+               slot_count(m.lattice),
+               s.copies.data(),
+               s.parts.cells.data(),
+               s.parts.skin.data(),
+               s.parts.uses.data(),
+               m.skin.triangles.data(),
+               solid_law(m.lattice.step, m.params.tissue.poisson),
+               SkinForces(m)} {}
 
 namespace {
 std::span<const PartNode> between(const std::vector<PartNode>& nodes, int slot, int count) {
@@ -337,19 +305,6 @@ std::span<const PartNode> PartForces::copies_of(int k) const {
   const auto begin = std::size_t(parts.layer_begin[std::size_t(k)]),
              end = std::size_t(parts.layer_begin[std::size_t(k) + 1]);
   return std::span(parts.copies).subspan(begin, end - begin);
-}
-
-void PartForces::solve(const PartNode& copy) const {
-  constexpr Real kWeightless = 1e3f;  // mobility, by stiffness
-  CopyShift& at = copies[std::size_t(copy.corner - slot_count(model.lattice))];
-  if (nodes.w[copy.slot] == 0) {
-    const Vec3 held = nodes.u(copy.slot);
-    at = {held.x, held.y, held.z};
-    return;
-  }
-  const NodeSystem s = gather(copy);
-  const Vec3 way = newton_step(s, {}, kWeightless / nonzero((s.xx + s.yy + s.zz) / 3));
-  at = {at.x + way.x, at.y + way.y, at.z + way.z};
 }
 
 }  // namespace turgor::lattice

@@ -9,21 +9,6 @@ namespace turgor::lattice {
 
 namespace {
 
-/// First slots of the groups of runs, colour by colour.
-void add_groups(const Model& model, const Runs& runs, std::vector<int>& groups, ColourBegin& of) {
-  const Lattice& l = model.lattice;
-  for (int colour = 0; colour < kColourCount; colour++) {
-    of.begin[colour] = int(groups.size());
-    const ColourRows rows(l.size, colour);
-    for (std::size_t n = 0; n < rows.count(); n++) {
-      const auto [parity, j, k] = rows[n];
-      for (const Run run : runs.of_half_row(row_slot(l, j, k) / l.half + parity))
-        for (int s = run.begin; s < run.begin + run.count; s += kGroup) groups.push_back(s);
-    }
-  }
-  of.begin[kColourCount] = int(groups.size());
-}
-
 /// The rounds of a group of skin (order_in_rounds): triangle c of a round is of the same cell as triangle c
 /// of the next one.
 void add_skin_cells(const Model& model, int group, PbdSchedule& schedule) {
@@ -67,7 +52,7 @@ PbdSchedule pbd_schedule(const Model& model) {
   PbdSchedule schedule;
   for (const Run run : model.moving.all)
     for (int s = run.begin; s < run.begin + run.count; s += kGroup) schedule.moving.push_back(s);
-  add_groups(model, model.joining, schedule.joining, schedule.joining_of);
+  schedule.joining_of = groups_by_colours(model.lattice, model.joining, schedule.joining);
   schedule.next.assign(model.skin.triangles.size(), -1);
   const int layers = model.skin.layer_begin.empty() ? 0 : model.lattice.size.z - 1;
   for (int colour = 0; colour < kColourCount; colour++) {

@@ -20,11 +20,6 @@ struct PbdRules {
   Real skin_ratio, skin_amplification;  // rest area by that in the CT [1]; β [1]
 };
 
-/// What is done when, by colour c: entries [begin[c], begin[c + 1]).
-struct ColourBegin {
-  int begin[kColourCount + 1];
-};
-
 struct PbdSchedule {
   std::vector<int> moving;   // first slots of groups in which something can move
   std::vector<int> joining;  // and of those whose cells hold something that can, by colours

@@ -24,8 +24,6 @@ struct Places {
   }
 };
 
-Vec3 lane(const Real (&values)[3][kSkinLanes], int i) { return {values[0][i], values[1][i], values[2][i]}; }
-
 }  // namespace
 
 void SkinForces::gather(const SkinCorners& corners, const NodeArrays& nodes,
@@ -34,22 +32,13 @@ void SkinForces::gather(const SkinCorners& corners, const NodeArrays& nodes,
   const SkinForces by = *this;  // a copy that the stores below cannot reach
   if (law == SkinLaw::kFibre) {
     TURGOR_LANES
-    for (int i = 0; i < kSkinLanes; i++) {
-      NodeSystem s;
-      add_skin_fibre(s, places.edge(corners, 1, i), places.edge(corners, 2, i), lane(corners.along, i),
-                     lane(corners.across, i), corners.area[i], by.fibre);
-      out.set(i, s);
-    }
+    for (int i = 0; i < kSkinLanes; i++)
+      out.set(i, by.of_fibres(corners, i, places.edge(corners, 1, i), places.edge(corners, 2, i)));
     return;
   }
   TURGOR_LANES
-  for (int i = 0; i < kSkinLanes; i++) {
-    NodeSystem s;
-    const Real rest = by.rest_ratio * corners.area[i];
-    add_skin_area(s, {}, places.edge(corners, 1, i), places.edge(corners, 2, i), rest, by.stiffness / rest,
-                  by.amplification);
-    out.set(i, s);
-  }
+  for (int i = 0; i < kSkinLanes; i++)
+    out.set(i, by.of_area(corners, i, places.edge(corners, 1, i), places.edge(corners, 2, i)));
 }
 
 }  // namespace turgor::lattice

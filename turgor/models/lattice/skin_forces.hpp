@@ -22,6 +22,28 @@ struct SkinForces {
         stiffness(Real(model.params.skin.stiffness)),
         amplification(Real(model.params.skin.amplification)) {}
 
+  /// What a corner asks of its own node, from which the edges lead.
+  TURGOR_HD NodeSystem of_fibres(const SkinCorners& c, int i, Vec3 edge1, Vec3 edge2) const {
+    NodeSystem s;
+    add_skin_fibre(s, edge1, edge2, {c.along[0][i], c.along[1][i], c.along[2][i]},
+                   {c.across[0][i], c.across[1][i], c.across[2][i]}, c.area[i], fibre);
+    return s;
+  }
+  TURGOR_HD NodeSystem of_area(const SkinCorners& c, int i, Vec3 edge1, Vec3 edge2) const {
+    NodeSystem s;
+    const Real rest = rest_ratio * c.area[i];
+    add_skin_area(s, {}, edge1, edge2, rest, stiffness / rest, amplification);
+    return s;
+  }
+  /// One of them.
+  TURGOR_HD NodeSystem gather(const SkinCorners& c, int i, const NodeArrays& n) const {
+    const Vec3 here = n.u(c.vertex[0][i]);
+    const auto edge = [&](int q) {
+      return Vec3{c.edge[q - 1][0][i], c.edge[q - 1][1][i], c.edge[q - 1][2][i]} +
+             (n.u(c.vertex[q][i]) - here);
+    };
+    return law == SkinLaw::kFibre ? of_fibres(c, i, edge(1), edge(2)) : of_area(c, i, edge(1), edge(2));
+  }
   /// What each of these corners asks of its own node.
   void gather(const SkinCorners& corners, const NodeArrays& nodes, CornerSystems& out) const;
 };

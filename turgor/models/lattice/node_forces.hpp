@@ -1,0 +1,85 @@
+// What the springs, the tetrahedra and the cells around one node ask of it: the body of loops over lanes of a
+// CPU, and of a thread of a GPU. What a blade went through, the caller knows, of many nodes at once or of
+// one.
+#pragma once
+
+#include "turgor/models/lattice/cells.hpp"
+#include "turgor/models/lattice/neighbours.hpp"
+#include "turgor/models/lattice/rows.hpp"
+
+#ifdef __CUDACC__
+#define TURGOR_UNROLL _Pragma("unroll")
+#else
+#define TURGOR_UNROLL _Pragma("GCC unroll 27")
+#endif
+
+namespace turgor::lattice {
+
+/// Springs and volumes around node a. Distances to the neighbours are computed once and serve both.
+/// `spring(e)` and `tet(t)`: 1 where no blade went through, or 0. `tets` is kTetsAround.
+template <bool kWithVolumes, class Spring, class Tet>
+[[gnu::always_inline]] TURGOR_HD inline NodeSystem springs_around(const NodeArrays& n,
+                                                                  const Neighbours& around,
+                                                                  const TetAround* tets, Real rest_volume,
+                                                                  Real volume_scale, int a,
+                                                                  const Spring& spring, const Tet& tet) {
+  NodeSystem s;
+  Vec3 d[kNeighbourCount];
+  Real root[kNeighbourCount];
+  TURGOR_UNROLL
+  for (int e = 0; e < kNeighbourCount; e++) {
+    const int b = a + around.offset[e];
+    d[e] = around.edge[e] + (n.u(b) - n.u(a));
+    root[e] = n.root[b];
+    add_spring(s, d[e], around.rest[e], around.scale[e] * n.root[a] * root[e] * spring(e));
+  }
+  if constexpr (kWithVolumes) {
+    TURGOR_UNROLL
+    for (int t = 0; t < 24; t++) {
+      const TetAround& at = tets[t];
+      const auto root_of = [&](int neighbour) { return neighbour < 0 ? n.root[a] : root[neighbour]; };
+      Real k = tet_stiffness(root_of(at.far[0]), root_of(at.far[1]), root[at.corner[0]], root[at.corner[1]],
+                             root[at.corner[2]]);
+      k *= volume_scale / rest_volume;
+      k *= tet(t);
+      const VolumeGradients g = volume_gradients(d[at.corner[0]], d[at.corner[1]], d[at.corner[2]]);
+      const Real sixth = Real(1) / 6;
+      add_volume(s, (g.g1 + g.g2 + g.g3) * -sixth, k, dot(d[at.corner[0]], g.g1) * sixth - rest_volume);
+    }
+  }
+  return s;
+}
+
+/// The eight cells around node a, which is corner n of cell n; `young(n)`: of what is whole [Pa].
+template <class Young>
+[[gnu::always_inline]] TURGOR_HD inline NodeSystem cells_around(const NodeArrays& n, const SolidLaw& law,
+                                                                const NodeBlock& block, int a,
+                                                                const Young& young) {
+  NodeSystem s;
+  Vec3 u[kBlockNodes];
+  TURGOR_UNROLL
+  for (int b = 0; b < kBlockNodes; b++) u[b] = n.u(a + block.offset[b]) - n.u(a);
+  TURGOR_UNROLL
+  for (int at = 0; at < kCellCorners; at++) {
+    Vec3 d[kCellCorners];
+    TURGOR_UNROLL
+    for (int c = 0; c < kCellCorners; c++) d[c] = u[block_index(cell_corner(c) - cell_corner(at))];
+    add_cell(s, cell_gradient(d, at, law.slope), at, law, young(at));
+  }
+  return s;
+}
+
+/// The edges of node a that no whole cell holds; `stiffness(e)`: 0 for others [N/m].
+template <class Stiffness>
+[[gnu::always_inline]] TURGOR_HD inline void add_loose_edges(NodeSystem& s, const NodeArrays& n,
+                                                             const Neighbours& around, int a,
+                                                             const Stiffness& stiffness) {
+  TURGOR_UNROLL
+  for (int e = 0; e < kNeighbourCount; e++) {
+    const Real k = stiffness(e);
+    const Real there = k > 0 ? Real(1) : Real(0);  // slots without a node lie still, wherever this one goes
+    add_spring(s, around.edge[e] + (n.u(a + around.offset[e]) - n.u(a)) * there, around.rest[e], k);
+  }
+}
+
+}  // namespace turgor::lattice
