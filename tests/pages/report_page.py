@@ -46,7 +46,7 @@ def request(method, path, body=None):
 class Browser:
     def __init__(self, driver, program):
         self.process = subprocess.Popen([driver, f"--port={PORT}"], stdout=subprocess.DEVNULL,
-                                        stderr=subprocess.DEVNULL)
+                                        stderr=subprocess.DEVNULL, start_new_session=True)
         arguments = ["--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
                      "--enable-unsafe-swiftshader", "--window-size=1200,1400"]
         options = {"binary": program, "args": arguments}
@@ -102,8 +102,9 @@ class Browser:
             request("DELETE", self.session)
         finally:
             self.process.terminate()
-            with contextlib.suppress(ProcessLookupError):  # it may outlive its driver
-                os.kill(self.browser, signal.SIGKILL)
+            for kill, number in (os.killpg, self.process.pid), (os.kill, self.browser):  # browsers outlive their driver
+                with contextlib.suppress(ProcessLookupError):
+                    kill(number, signal.SIGKILL)
 
 
 def pixels(png):
