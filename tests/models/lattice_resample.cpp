@@ -280,7 +280,7 @@ TEST(lattice_resample, every_voxel_comes_from_the_one_tetrahedron_that_holds_it)
     long compared = 0;
     for (int slab = 0; slab < slab_count(body); slab++)
       EXPECT_EQ(walk_slab(body, slab, {.first_node = {-0.5, -0.5, -0.5}, .cell_size = {4, 4, 4}},
-                          [&](Int3 p, Vec3 at, float) {
+                          [&](Int3, Int3 p, Vec3 at, float) {
                             const std::size_t v = sample_index(ct.grid, p.x, p.y, p.z);
                             visits[v]++;
                             if (unsure[v]) return;
@@ -312,7 +312,7 @@ TEST(lattice_resample, inside_a_moved_body_no_voxel_is_missed_even_on_faces) {
     std::vector<int> visits(sample_count(ct.grid));
     for (int slab = 0; slab < slab_count(body); slab++)
       walk_slab(body, slab, {.first_node = {-0.5, -0.5, -0.5}, .cell_size = {4, 4, 4}},
-                [&](Int3 p, Vec3, float) { visits[sample_index(ct.grid, p.x, p.y, p.z)]++; });
+                [&](Int3, Int3 p, Vec3, float) { visits[sample_index(ct.grid, p.x, p.y, p.z)]++; });
     for_voxels(ct.grid, [&](Int3 p) {
       const double x = p.x + 0.5 - by - 0.125 * (p.y + 0.5 + by), y = p.y + 0.5 + by,
                    z = p.z + 0.5 - 0.5 * by;

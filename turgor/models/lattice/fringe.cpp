@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "turgor/models/lattice/ct_sampler.hpp"
 #include "turgor/models/lattice/placed_body.hpp"
@@ -55,30 +56,55 @@ std::array<Int3, 26> neighbours_by_distance() {
   return ways;
 }
 
-/// A slab with the layers around it that its fringe may come from.
+/// A tile of a slab, and the voxels around it that its fringe may come from.
 struct Window {
-  Int3 size;
-  int low = 0, begin = 0, end = 0;  // first layer; layers of the slab itself
+  static constexpr int kTile = 32;  // along x and y
 
-  Window(const Grid& out, int slab, int reach) {
-    begin = slab * kSlabLayers, end = std::min(begin + kSlabLayers, out.size.z);
-    low = std::max(0, begin - reach);
-    size = {out.size.x, out.size.y, std::min(out.size.z, end + reach) - low};
-  }
+  Int3 begin, end;  // the tile
+  Int3 low, size;   // with what is around it
+
+  Window(const Grid& out, Int3 tile, int reach)
+      : begin(hadamard(tile, {kTile, kTile, kSlabLayers})),
+        end(min(begin + Int3{kTile, kTile, kSlabLayers}, out.size)),
+        low(max(begin - Int3{reach, reach, reach}, {0, 0, 0})),
+        size(min(end + Int3{reach, reach, reach}, out.size) - low) {}
   std::size_t index(Int3 p) const {
-    return (std::size_t(p.z - low) * std::size_t(size.y) + std::size_t(p.y)) * std::size_t(size.x) +
-           std::size_t(p.x);
+    return (std::size_t(p.z - low.z) * std::size_t(size.y) + std::size_t(p.y - low.y)) * std::size_t(size.x) +
+           std::size_t(p.x - low.x);
   }
   Int3 voxel(std::size_t index) const {
     const auto row = index / std::size_t(size.x);
-    return {int(index % std::size_t(size.x)), int(row % std::size_t(size.y)),
-            int(row / std::size_t(size.y)) + low};
+    return low + Int3{int(index % std::size_t(size.x)), int(row % std::size_t(size.y)),
+                      int(row / std::size_t(size.y))};
   }
   bool contains(Int3 p) const {
-    return p.x >= 0 && p.y >= 0 && p.z >= low && p.x < size.x && p.y < size.y && p.z < low + size.z;
+    const Int3 high = low + size;
+    return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x < high.x && p.y < high.y && p.z < high.z;
   }
   std::size_t count() const { return std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z); }
 };
+
+/// Have all rows of a box this mark?
+bool is_all(std::span<const std::uint8_t> mask, const Grid& grid, Int3 begin, Int3 end, std::uint8_t mark) {
+  for (int k = begin.z; k < end.z; k++)
+    for (int j = begin.y; j < end.y; j++) {
+      const auto row = mask.subspan(sample_index(grid, begin.x, j, k), std::size_t(end.x - begin.x));
+      if (std::any_of(row.begin(), row.end(), [&](std::uint8_t m) { return m != mark; })) return false;
+    }
+  return true;
+}
+
+bool comes_before(const RimVoxel& a, const RimVoxel& b) {
+  return std::tie(a.voxel.z, a.voxel.y, a.voxel.x) < std::tie(b.voxel.z, b.voxel.y, b.voxel.x);
+}
+
+/// Those of a row from a voxel on, before `end`.
+std::span<const RimVoxel> rim_of_row(const FringeInputs& inputs, Int3 from, int end) {
+  const std::vector<RimVoxel>& rim = inputs.rim[std::size_t(from.z / kSlabLayers)];
+  const auto first = std::lower_bound(rim.begin(), rim.end(), RimVoxel{from, {}}, comes_before);
+  const auto last = std::lower_bound(first, rim.end(), RimVoxel{{end, from.y, from.z}, {}}, comes_before);
+  return {first, last};
+}
 
 /// Which voxel of the rim the air near it goes with: by voxel of the window, −1 = none.
 struct Fringe {
@@ -86,12 +112,12 @@ struct Fringe {
   std::vector<Vec3> shifts;
   std::vector<int> source;
 
-  Fringe(const FringeInputs& inputs, const Grid& out, int slab, const Window& w, int reach)
+  Fringe(const FringeInputs& inputs, const Grid& out, const Window& w, int reach)
       : window(w), source(w.count(), -1) {
     std::vector<std::size_t> ring;
-    for (int s = std::max(0, slab - 1); s <= slab + 1 && s < int(inputs.rim.size()); s++)
-      for (const RimVoxel& rim : inputs.rim[std::size_t(s)])
-        if (window.contains(rim.voxel)) {
+    for (int k = w.low.z; k < w.low.z + w.size.z; k++)
+      for (int j = w.low.y; j < w.low.y + w.size.y; j++)
+        for (const RimVoxel& rim : rim_of_row(inputs, {w.low.x, j, k}, w.low.x + w.size.x)) {
           source[window.index(rim.voxel)] = int(shifts.size());
           shifts.push_back(rim.shift);
           ring.push_back(window.index(rim.voxel));
@@ -131,13 +157,27 @@ struct Fringe {
 Mask body_at_rest(const RestBody& body, const PlaceInCt& place, const Window& window) {
   Mask rest(window.count());
   std::size_t n = 0;
-  for (int k = window.low; k < window.low + window.size.z; k++)
-    for (int j = 0; j < window.size.y; j++) {
+  const Int3 high = window.low + window.size;
+  for (int k = window.low.z; k < high.z; k++)
+    for (int j = window.low.y; j < high.y; j++) {
       const Vec3d first = place({0, j, k});
-      for (int i = 0; i < window.size.x; i++)
+      for (int i = window.low.x; i < high.x; i++)
         rest[n++] = body.holds(first + place.step.column[0] * double(i));
     }
   return rest;
+}
+
+/// Neither was there body in the CT nor is there any now.
+bool is_untouched(const FringeInputs& inputs, const Grid& out, const PlaceInCt& place, const Window& window) {
+  const Int3 end = window.low + window.size, last = end - Int3{1, 1, 1};
+  if (!is_all(inputs.covered, out, window.low, end, 0)) return false;
+  Vec3d low = place(window.low), high = low;
+  for (int corner = 1; corner < 8; corner++) {
+    const Vec3d at = place({corner & 1 ? last.x : window.low.x, corner & 2 ? last.y : window.low.y,
+                            corner & 4 ? last.z : window.low.z});
+    low = min(low, at), high = max(high, at);
+  }
+  return inputs.rest.is_air(low, high);
 }
 
 /// Tells the body's fringe from what lies beside the body.
@@ -224,10 +264,19 @@ bool RestBody::holds(Vec3d at) const {
   });
 }
 
-bool RestBody::is_near_air(Vec3d at) const {
-  const Vec3d node = hadamard(at - first_node_, per_cell_);
-  const Int3 cell{int(std::floor(node.x)), int(std::floor(node.y)), int(std::floor(node.z))};
-  return contains(model_.lattice, cell) && near_air_[std::size_t(node_slot(model_.lattice, cell))];
+bool RestBody::is_air(Vec3d low, Vec3d high) const {
+  const Lattice& l = model_.lattice;
+  const auto cell_at = [&](Vec3d at, int more) {
+    const Vec3d node = hadamard(at - first_node_, per_cell_);
+    return Int3{int(std::floor(node.x)), int(std::floor(node.y)), int(std::floor(node.z))} +
+           Int3{more, more, more};
+  };
+  const Int3 from = max(cell_at(low, -1), {0, 0, 0}), to = min(cell_at(high, 2), l.size - Int3{1, 1, 1});
+  for (int k = from.z; k < to.z; k++)
+    for (int j = from.y; j < to.y; j++)
+      for (int i = from.x; i < to.x; i++)
+        if (cells_[std::size_t(node_slot(l, i, j, k))] != Cell::kAir) return false;
+  return true;
 }
 
 PlaceInCt::PlaceInCt(const Grid& out, const Grid& ct) {
@@ -241,11 +290,32 @@ RimVoxel rim_voxel(const PlaceInCt& place, Int3 voxel, Vec3 at) {
   return {voxel, Vec3(Vec3d{std::rint(shift.x), std::rint(shift.y), std::rint(shift.z)} * (1 / 1024.0))};
 }
 
-void fill_beside_body(const FringeInputs& inputs, int slab, CtVolume& out) {
-  const int reach = reach_in(out.grid, inputs.ct.grid);
-  const Window window(out.grid, slab, reach);
-  const PlaceInCt place(out.grid, inputs.ct.grid);
-  const Fringe fringe(inputs, out.grid, slab, window, reach);
+void keep_rim(const Grid& out, std::span<const std::uint8_t> covered, std::vector<RimVoxel>& rim) {
+  std::erase_if(rim, [&](const RimVoxel& r) {
+    const Int3 low = max(r.voxel - Int3{1, 1, 1}, {0, 0, 0}), end = min(r.voxel + Int3{2, 2, 2}, out.size);
+    return is_all(covered, out, low, end, 1);
+  });
+  std::sort(rim.begin(), rim.end(), comes_before);
+}
+
+namespace {
+
+void fill_surroundings(const FringeInputs& inputs, const PlaceInCt& place, const Window& tile,
+                       CtVolume& out) {
+  const Sampler sample(inputs.ct);
+  const bool same = same_grid(out.grid, inputs.ct.grid);
+  for (int k = tile.begin.z; k < tile.end.z; k++)
+    for (int j = tile.begin.y; j < tile.end.y; j++) {
+      const std::size_t row = sample_index(out.grid, 0, j, k);
+      for (int i = tile.begin.x; i < tile.end.x; i++)
+        out.samples[row + std::size_t(i)] = same ? inputs.ct.samples[row + std::size_t(i)]
+                                                 : std::int16_t(std::lrint(sample(Vec3(place({i, j, k})))));
+    }
+}
+
+void fill_tile(const FringeInputs& inputs, const PlaceInCt& place, const Window& window, int reach,
+               CtVolume& out) {
+  const Fringe fringe(inputs, out.grid, window, reach);
   const Mask rest = body_at_rest(inputs.rest, place, window);
   Mask near_rest = rest;
   for (int axis = 0; axis < 3; axis++) widen(near_rest, window.size, axis, reach);
@@ -253,15 +323,11 @@ void fill_beside_body(const FringeInputs& inputs, int slab, CtVolume& out) {
   const Sampler sample(inputs.ct);
   const FringeOfBody is_fringe{inputs, std::int16_t(std::ceil(inputs.model.params.tissue.air_max))};
   const bool same = same_grid(out.grid, inputs.ct.grid);
-  for (std::size_t n = window.index({0, 0, window.begin}); n < window.index({0, 0, window.end}); n++) {
-    const std::size_t voxel = n + sample_index(out.grid, 0, 0, window.low);
-    if (inputs.covered[voxel]) continue;
+  const auto value_at = [&](Int3 p, std::size_t voxel) {
+    const std::size_t n = window.index(p);
     const int source = fringe.source[n];
-    if (same && !near_rest[n] && source < 0) {
-      out.samples[voxel] = inputs.ct.samples[voxel];
-      continue;
-    }
-    const Vec3d at = place(window.voxel(n));
+    if (same && !near_rest[n] && source < 0) return inputs.ct.samples[voxel];
+    const Vec3d at = place(p);
     const float here = sample(Vec3(at));
     float value = here;
     if ((near_rest[n] || source >= 0) && (rest[n] || is_fringe(at, here))) {
@@ -270,8 +336,30 @@ void fill_beside_body(const FringeInputs& inputs, int slab, CtVolume& out) {
       const float moved = sample(Vec3(before));
       if (source >= 0 && is_fringe(before, moved) && !is_fringe.is_tissue(before, moved)) value = moved;
     }
-    out.samples[voxel] = std::int16_t(std::lrint(value));
-  }
+    return std::int16_t(std::lrint(value));
+  };
+  for (int k = window.begin.z; k < window.end.z; k++)
+    for (int j = window.begin.y; j < window.end.y; j++)
+      for (int i = window.begin.x; i < window.end.x; i++) {
+        const std::size_t voxel = sample_index(out.grid, i, j, k);
+        if (!inputs.covered[voxel]) out.samples[voxel] = value_at({i, j, k}, voxel);
+      }
+}
+
+}  // namespace
+
+void fill_beside_body(const FringeInputs& inputs, int slab, CtVolume& out) {
+  const int reach = reach_in(out.grid, inputs.ct.grid);
+  const PlaceInCt place(out.grid, inputs.ct.grid);
+  for (int y = 0; y * Window::kTile < out.grid.size.y; y++)
+    for (int x = 0; x * Window::kTile < out.grid.size.x; x++) {
+      const Window tile(out.grid, {x, y, slab}, reach);
+      if (is_all(inputs.covered, out.grid, tile.begin, tile.end, 1)) continue;
+      if (is_untouched(inputs, out.grid, place, tile))
+        fill_surroundings(inputs, place, tile, out);
+      else
+        fill_tile(inputs, place, tile, reach, out);
+    }
 }
 
 }  // namespace turgor::lattice

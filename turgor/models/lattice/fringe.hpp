@@ -17,8 +17,10 @@ class RestBody {
   RestBody(const Exec& exec, const Model& model, Vec3d first_node, Vec3d cell_size);
 
   bool holds(Vec3d at) const;
-  /// In a cell with a node that is no body and one that is, or in one beside such a cell?
-  bool is_near_air(Vec3d at) const;
+  /// No body in the cells of a box.
+  bool is_air(Vec3d low, Vec3d high) const;
+  /// A cell with a node that is no body and one that is, or one beside such a cell?
+  bool is_near_air(Int3 cell) const { return near_air_[std::size_t(node_slot(model_.lattice, cell))]; }
 
  private:
   const Model& model_;
@@ -45,6 +47,8 @@ struct RimVoxel {
 };
 /// `at`: where the tissue lay. In parts of 1/1024, so that what has not moved has no shift.
 RimVoxel rim_voxel(const PlaceInCt& place, Int3 voxel, Vec3 at);
+/// Leaves those with a voxel beside them that no tissue covers, row by row.
+void keep_rim(const Grid& out, std::span<const std::uint8_t> covered, std::vector<RimVoxel>& rim);
 
 /// An output whose tissue is drawn.
 struct FringeInputs {
@@ -53,7 +57,7 @@ struct FringeInputs {
   const RestBody& rest;
   const BesideBody& beside;
   std::span<const std::uint8_t> covered;       // by voxel of the output: 1 = tissue
-  std::span<const std::vector<RimVoxel>> rim;  // by slab of kSlabLayers
+  std::span<const std::vector<RimVoxel>> rim;  // by slab of kSlabLayers, as keep_rim leaves it
 };
 
 /// Fills the voxels of a slab that no tissue covers. Air within three voxels of the skin goes with the

@@ -71,7 +71,7 @@ void walk_placed(SlabWalk& walk, Int3 cell, const std::array<Int3, 4>& place, co
   const Vec3d first = walk.rest.first_node + hadamard(Vec3d(cell), walk.rest.cell_size);
   const auto ratio = float(tet.det * walk.to_ratio);
   visit_voxels<Tet>(tet, walk.window, first, walk.rest.cell_size, [&](Int3 voxel, Vec3 at) {
-    if (keep(at)) visit(voxel, at, ratio);
+    if (keep(at)) visit(cell, voxel, at, ratio);
   });
 }
 
@@ -141,9 +141,9 @@ void walk_cell(SlabWalk& walk, Int3 cell, const Visit& visit) {
 
 }  // namespace detail
 
-/// Calls visit(voxel, place in the CT, volume ratio) for every voxel centre of one slab that lies in tissue,
-/// once for every tetrahedron it lies in: once, but where the body folds over itself. Returns the number of
-/// tetrahedra turned inside out.
+/// Calls visit(cell, voxel, place in the CT, volume ratio) for every voxel centre of one slab that lies in
+/// tissue, once for every tetrahedron it lies in: once, but where the body folds over itself. Returns the
+/// number of tetrahedra turned inside out.
 template <class Visit>
 long walk_slab(const PlacedBody& body, int slab, const RestFrame& rest, const Visit& visit) {
   const int layers = body.out.size.z, bits = body.window.bits;

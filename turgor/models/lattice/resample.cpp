@@ -24,12 +24,12 @@ struct CtWriter {
   std::int64_t mass = 0;           // Σ HU + 1000 over the voxels of the body
   std::vector<RimVoxel> rim = {};  // that fringe may go with
 
-  void tissue(std::size_t voxel, Int3 p, Vec3 at, float ratio) {
+  void tissue(Int3 cell, std::size_t voxel, Int3 p, Vec3 at, float ratio) {
     float value = sample(at);
     if (options.conserve_mass) value = (value - kAirHu) / ratio + kAirHu;
     out.samples[voxel] = to_hu(value);
     mass += out.samples[voxel] - kAirHu;
-    if (options.keep_surroundings && rest.is_near_air(Vec3d(at))) rim.push_back(rim_voxel(place, p, at));
+    if (options.keep_surroundings && rest.is_near_air(cell)) rim.push_back(rim_voxel(place, p, at));
   }
 };
 
@@ -37,7 +37,7 @@ struct DisplacementWriter {
   const Grid& nodes;
   VectorVolume& out;
 
-  void tissue(std::size_t voxel, Int3 p, Vec3 at, float) {
+  void tissue(Int3, std::size_t voxel, Int3 p, Vec3 at, float) {
     out.samples[voxel] = Vec3(point_at(nodes, Vec3d(at)) - point_at(out.grid, Vec3d(p)));
   }
 };
@@ -45,7 +45,7 @@ struct DisplacementWriter {
 struct JacobianWriter {
   ScalarVolume& out;
 
-  void tissue(std::size_t voxel, Int3, Vec3, float ratio) { out.samples[voxel] = ratio; }
+  void tissue(Int3, std::size_t voxel, Int3, Vec3, float ratio) { out.samples[voxel] = ratio; }
 };
 
 struct Counts {
@@ -57,12 +57,12 @@ template <class Writer>
 Counts resample_slab(const PlacedBody& body, int slab, const RestFrame& rest, Writer& writer,
                      std::vector<std::uint8_t>& covered) {
   Counts counts;
-  counts.folds = walk_slab(body, slab, rest, [&](Int3 p, Vec3 at, float ratio) {
+  counts.folds = walk_slab(body, slab, rest, [&](Int3 cell, Int3 p, Vec3 at, float ratio) {
     const std::size_t voxel = sample_index(body.out, p.x, p.y, p.z);
     counts.overlaps += covered[voxel];
     if (covered[voxel]) return;
     covered[voxel] = 1;
-    writer.tissue(voxel, p, at, ratio);
+    writer.tissue(cell, voxel, p, at, ratio);
   });
   return counts;
 }
@@ -99,6 +99,7 @@ void fill_rest(const Exec& exec, const Model& model, const CtVolume& ct, const R
   }
   std::vector<std::vector<RimVoxel>> rim;
   for (CtWriter& slab : tissue.slabs) rim.push_back(std::move(slab.rim));
+  parallel_for(exec, rim.size(), [&](std::size_t s) { keep_rim(out.grid, tissue.covered, rim[s]); });
   const BesideBody beside = find_beside_body(exec, ct, model.params.tissue.air_max);
   const FringeInputs inputs{
       .model = model, .ct = ct, .rest = rest, .beside = beside, .covered = tissue.covered, .rim = rim};
