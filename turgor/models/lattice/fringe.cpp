@@ -14,7 +14,7 @@ namespace {
 
 /// A scanner blurs an edge by hardly more than this [voxels of the CT].
 constexpr double kBlur = 3;
-/// Air that has hardly moved stays what it was where it would come out of tissue [voxels of the CT].
+/// Skin that has moved by less has the air that it had, tissue or not [voxels of the CT].
 constexpr double kHardly = 0.5;
 
 using Mask = std::vector<std::uint8_t>;
@@ -337,9 +337,10 @@ void fill_tile(const FringeInputs& inputs, const PlaceInCt& place, const Window&
       const Vec3d shift = source < 0 ? Vec3d{} : Vec3d(fringe.shifts[std::size_t(source)]),
                   before = at + shift;
       const float moved = sample(Vec3(before));
-      if (source >= 0 && is_fringe(before, moved) && !is_fringe.is_tissue(before, moved))
+      const bool hardly = dot(shift, shift) < kHardly * kHardly;
+      if (source >= 0 && is_fringe(before, moved) && (hardly || !is_fringe.is_tissue(before, moved)))
         value = moved;
-      else if (source >= 0 && !rest[n] && dot(shift, shift) < kHardly * kHardly)
+      else if (source >= 0 && hardly && !rest[n])
         value = here;
     }
     return std::int16_t(std::lrint(value));
