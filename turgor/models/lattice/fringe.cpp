@@ -14,6 +14,8 @@ namespace {
 
 /// A scanner blurs an edge by hardly more than this [voxels of the CT].
 constexpr double kBlur = 3;
+/// What lies so much further from the skin now than it did is still known by it [voxels of the output].
+constexpr int kBeyond = 2;
 /// Skin that has moved by less has the air that it had, tissue or not [voxels of the CT].
 constexpr double kHardly = 0.5;
 
@@ -113,9 +115,10 @@ struct Fringe {
   const Window& window;
   std::vector<Vec3> shifts;
   std::vector<int> source;
+  Mask beyond;  // by voxel of the window: farther than the fringe is wide
 
   Fringe(const FringeInputs& inputs, const Grid& out, const Window& w, int reach)
-      : window(w), source(w.count(), -1) {
+      : window(w), source(w.count(), -1), beyond(w.count()) {
     std::vector<std::size_t> ring;
     for (int k = w.low.z; k < w.low.z + w.size.z; k++)
       for (int j = w.low.y; j < w.low.y + w.size.y; j++)
@@ -125,6 +128,10 @@ struct Fringe {
           ring.push_back(window.index(rim.voxel));
         }
     for (int n = 0; n < reach; n++) ring = grow(inputs, out, ring);
+    for (int n = 0; n < kBeyond; n++) {
+      ring = grow(inputs, out, ring);
+      for (const std::size_t at : ring) beyond[at] = 1;
+    }
   }
 
   /// The voxels beside a ring that neither tissue nor an earlier ring has. Each goes with its nearest
@@ -327,7 +334,7 @@ void fill_tile(const FringeInputs& inputs, const PlaceInCt& place, const Window&
   const bool same = same_grid(out.grid, inputs.ct.grid);
   const auto value_at = [&](Int3 p, std::size_t voxel) {
     const std::size_t n = window.index(p);
-    const int source = fringe.source[n];
+    const int source = fringe.beyond[n] && !near_rest[n] ? -1 : fringe.source[n];
     if (same && !near_rest[n] && source < 0) return inputs.ct.samples[voxel];
     const Vec3d at = place(p);
     const float here = sample(Vec3(at));
@@ -360,7 +367,7 @@ void fill_beside_body(const FringeInputs& inputs, int slab, CtVolume& out) {
   const PlaceInCt place(out.grid, inputs.ct.grid);
   for (int y = 0; y * Window::kTile < out.grid.size.y; y++)
     for (int x = 0; x * Window::kTile < out.grid.size.x; x++) {
-      const Window tile(out.grid, {x, y, slab}, reach);
+      const Window tile(out.grid, {x, y, slab}, reach + kBeyond);
       if (is_all(inputs.covered, out.grid, tile.begin, tile.end, 1)) continue;
       if (is_untouched(inputs, out.grid, place, tile))
         fill_surroundings(inputs, place, tile, out);
