@@ -16,8 +16,6 @@ namespace {
 constexpr double kBlur = 3;
 /// What lies so much further from the skin now than it did is still known by it [voxels of the output].
 constexpr int kBeyond = 2;
-/// Skin that has moved by less has the air that it had, tissue or not [voxels of the CT].
-constexpr double kHardly = 0.5;
 
 using Mask = std::vector<std::uint8_t>;
 
@@ -341,14 +339,9 @@ void fill_tile(const FringeInputs& inputs, const PlaceInCt& place, const Window&
     float value = here;
     if ((near_rest[n] || source >= 0) && (rest[n] || is_fringe(at, here))) {
       if (near_rest[n]) value = kAirHu;
-      const Vec3d shift = source < 0 ? Vec3d{} : Vec3d(fringe.shifts[std::size_t(source)]),
-                  before = at + shift;
+      const Vec3d before = at + (source < 0 ? Vec3d{} : Vec3d(fringe.shifts[std::size_t(source)]));
       const float moved = sample(Vec3(before));
-      const bool hardly = dot(shift, shift) < kHardly * kHardly;
-      if (source >= 0 && is_fringe(before, moved) && (hardly || !is_fringe.is_tissue(before, moved)))
-        value = moved;
-      else if (source >= 0 && hardly && !rest[n])
-        value = here;
+      if (source >= 0 && is_fringe(before, moved) && !is_fringe.is_tissue(before, moved)) value = moved;
     }
     return std::int16_t(std::lrint(value));
   };
