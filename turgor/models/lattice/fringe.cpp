@@ -14,7 +14,8 @@ namespace {
 
 /// A scanner blurs an edge by hardly more than this [voxels of the CT].
 constexpr double kBlur = 3;
-/// What lies so much further from the skin now than it did is still known by it [voxels of the output].
+/// So much further from the skin it is still told whether that has hardly moved, by less than a voxel of the
+/// CT: then it has not left [voxels of the output].
 constexpr int kBeyond = 2;
 
 using Mask = std::vector<std::uint8_t>;
@@ -130,6 +131,12 @@ struct Fringe {
       ring = grow(inputs, out, ring);
       for (const std::size_t at : ring) beyond[at] = 1;
     }
+  }
+
+  bool has_hardly_moved(std::size_t n) const {
+    if (source[n] < 0) return false;
+    const Vec3 shift = shifts[std::size_t(source[n])];
+    return dot(shift, shift) < 1;
   }
 
   /// The voxels beside a ring that neither tissue nor an earlier ring has. Each goes with its nearest
@@ -332,7 +339,8 @@ void fill_tile(const FringeInputs& inputs, const PlaceInCt& place, const Window&
   const bool same = same_grid(out.grid, inputs.ct.grid);
   const auto value_at = [&](Int3 p, std::size_t voxel) {
     const std::size_t n = window.index(p);
-    const int source = fringe.beyond[n] && !near_rest[n] ? -1 : fringe.source[n];
+    const int source =
+        fringe.beyond[n] && !(near_rest[n] && fringe.has_hardly_moved(n)) ? -1 : fringe.source[n];
     if (same && !near_rest[n] && source < 0) return inputs.ct.samples[voxel];
     const Vec3d at = place(p);
     const float here = sample(Vec3(at));
