@@ -123,12 +123,12 @@ void print(const SkinTensionBench& bench) {
 
 void check_file(const std::string& path) {
   if (path.empty()) return;
-  if (Status goal = check_file_goal(path); !goal) throw Failure{2, goal.error().message};
+  required(check_file_goal(path));
 }
 
 void write_text(const std::string& path, const std::string& text) {
   if (path.empty()) return;
-  if (Status written = write_file(path, text); !written) throw Failure{2, written.error().message};
+  required(write_file(path, text));
 }
 
 void add_cloth_bench(CLI::App& bench, Global& global) {
@@ -197,13 +197,12 @@ void add_rhombus_bench(CLI::App& bench) {
 }
 
 void soak(double minutes, const std::string& json) {
-  Result<HapticSoak> done = [minutes] {
+  const HapticSoak done = [minutes] {
     ProgressBar bar("soaking");
-    return soak_haptics(minutes, bar.callback());
+    return required(soak_haptics(minutes, bar.callback()));
   }();
-  if (!done) throw Failure{2, done.error().message};
-  print(*done);
-  write_text(json, to_json_text(*done));
+  print(done);
+  write_text(json, to_json_text(done));
 }
 
 void add_haptics_bench(CLI::App& bench, Global& global) {

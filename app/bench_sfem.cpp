@@ -57,15 +57,10 @@ Model built(const Exec& exec, SolidMesh mesh, sfem::Material material,
   body.mesh = std::move(mesh);
   body.materials = {material};
   for (const Vec3d x : body.mesh.vertices) body.fixed.push_back(is_fixed(x));
-  Result<Model> model = sfem::build(exec, std::move(body), {.touch_depth = 1});
-  if (!model) throw Failure{2, model.error().message};
-  return std::move(*model);
+  return required(sfem::build(exec, std::move(body), {.touch_depth = 1}));
 }
 
-void compute(const Exec& exec, Model& model) {
-  if (const Status status = sfem::compute_green(exec, model, kMemory); !status)
-    throw Failure{2, status.error().message};
-}
+void compute(const Exec& exec, Model& model) { required(sfem::compute_green(exec, model, kMemory)); }
 
 bool is_bottom(Vec3d x) { return x.z < 1e-9; }
 
@@ -138,8 +133,7 @@ SurfaceRow measure_surface(const Exec& exec) {
   constexpr int kForces = 40;
   Model model =
       built(exec, hex_block({0.2, 0.2, 0.008}, {50, 50, 1}), {3e3, 0.45}, [](Vec3d x) { return x.x < 1e-9; });
-  if (const Status status = sfem::prepare_columns(exec, model); !status)
-    throw Failure{2, status.error().message};
+  required(sfem::prepare_columns(exec, model));
   std::vector<int> vertices(model.green.nodes.begin(), model.green.nodes.begin() + kForces);
   sfem::fetch_columns(exec, model, vertices);
   const std::vector<double> forces(3 * kForces, 1e-3);

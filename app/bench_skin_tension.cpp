@@ -113,12 +113,6 @@ double residual_after_frame(const Exec& exec, const Model& solver, const Model& 
   return lattice::measure_residual(exec, judge, state, inputs, kDt).rms;
 }
 
-double slots_in(const lattice::Runs& runs) {
-  double slots = 0;
-  for (const lattice::Run run : runs.all) slots += run.count;
-  return slots;
-}
-
 /// Parts of the machine's two limits that a sweep over so many slots reaches.
 void set_fractions(const SkinTensionBench& limits, double slots, double ms, double bytes, double flops,
                    double& of_bandwidth, double& of_arithmetic) {
@@ -147,8 +141,8 @@ SkinTensionRow measure(const Exec& exec, const SkinTensionBench& limits, const D
     row.all_threads = measure_pbd(exec, nodes, without, with);
     State state = make_state(without);
     const double sweep_ms = median_ms(kFrames, [&] { lattice::sweep_pbd(exec, without, state); });
-    set_fractions(limits, slots_in(without.joining), sweep_ms, kPbdBytes, kPbdFlops, row.bandwidth_fraction,
-                  row.arithmetic_fraction);
+    set_fractions(limits, double(slots_in(without.joining)), sweep_ms, kPbdBytes, kPbdFlops,
+                  row.bandwidth_fraction, row.arithmetic_fraction);
   }
   row.pbd_frames = measure_schedules(exec, nodes, pbd);
   row.descent_frames = measure_schedules(exec, nodes, descent);
@@ -163,7 +157,7 @@ SkinTensionRow measure(const Exec& exec, const SkinTensionBench& limits, const D
     State state = make_state(without);
     const double sweep_ms =
         median_ms(kFrames, [&] { lattice::sweep_descent(exec, without, state, {}, kDt); });
-    set_fractions(limits, slots_in(without.moving), sweep_ms, kDescentBytes, kDescentFlops,
+    set_fractions(limits, double(slots_in(without.moving)), sweep_ms, kDescentBytes, kDescentFlops,
                   row.descent_bandwidth_fraction, row.descent_arithmetic_fraction);
   }
   Params area = pbd;

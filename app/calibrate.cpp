@@ -65,14 +65,13 @@ double stiffness_at_press(const Exec& exec, const World& world, double tip, cons
   const SfemBody& body = world.sfem_bodies[0];
   const SurfacePart part = surface_part(body.model);
   const rhombus::Model surface = required(rhombus::build(part.body, {}));
-  const Result<std::vector<double>> stiffness =
-      elastic_stiffness(exec, body.model, part, surface.surface, usual_contact(tip));
-  if (!stiffness) throw Failure{2, scene.string() + ": " + stiffness.error().message};
+  const std::vector<double> stiffness = required(
+      elastic_stiffness(exec, body.model, part, surface.surface, usual_contact(tip)), scene.string() + ": ");
   const auto deepest = std::max_element(tool.samples.begin(), tool.samples.end(),
                                         [](auto& a, auto& b) { return a.depth < b.depth; });
   const rhombus::Foot foot = rhombus::find_foot(surface.surface, surface.tree, deepest->position);
   rhombus::Model scaled = surface;
-  scaled.stiffness = *stiffness;
+  scaled.stiffness = stiffness;
   return rhombus::stiffness_at(scaled, foot.at);
 }
 
@@ -181,12 +180,12 @@ void calibrate(const Exec& exec, const CalibrateOptions& options) {
   const bool measured = options.input.extension() != ".toml";
   const Given given = measured ? Given{required(read_force_curve(options.input)), options.tip * 1e-3, 1}
                                : curve_of_scene(exec, options);
-  Result<rhombus::Fit> fit = rhombus::calibrate(given.curve, start_of_fit(options, given.tip));
-  if (!fit) throw Failure{2, options.input.string() + ": " + fit.error().message};
-  write_curves(given.curve, *fit, folder.path());
-  required(write_file(folder.path() / kReportFile, json_text(to_json(options, given, *fit)) + "\n"));
+  const rhombus::Fit fit = required(rhombus::calibrate(given.curve, start_of_fit(options, given.tip)),
+                                    options.input.string() + ": ");
+  write_curves(given.curve, fit, folder.path());
+  required(write_file(folder.path() / kReportFile, json_text(to_json(options, given, fit)) + "\n"));
   commit_results(folder);
-  print(given, *fit, folder.goal());
+  print(given, fit, folder.goal());
 }
 
 }  // namespace

@@ -32,8 +32,7 @@ double frame_seconds(const Exec& exec, const Scene& scene, World& world) {
   const Timer all;
   for (int f = 0; f < std::min(kMostFrames, frame_count(scene)) && all.seconds() < kMostSeconds; f++) {
     const Timer one;
-    const Result<FrameReport> report = step(exec, world);
-    if (!report) throw Failure{2, report.error().message};
+    required(step(exec, world));
     seconds.push_back(one.seconds());
   }
   if (seconds.empty()) return 0;
@@ -57,16 +56,15 @@ void print_bodies(const ShownWorld& shown) {
 
 void check_scene(const Exec& exec, const Scene& scene) {
   const Timer loading;
-  Result<World> world = load_world(exec, scene);
-  if (!world) throw Failure{2, world.error().message};
+  World world = required(load_world(exec, scene));
   const double load = loading.seconds();
   ShownWorld shown;
-  show(exec, *world, shown);
+  show(exec, world, shown);
   fmt::print("{}: a run would accept it\n", scene.file.string());
   print_bodies(shown);
-  std::vector<std::string> doubts = notes_of(*world);
+  std::vector<std::string> doubts = notes_of(world);
   for (std::string& doubt : odd_sizes(shown)) doubts.push_back(std::move(doubt));
-  const double frame = frame_seconds(exec, scene, *world);
+  const double frame = frame_seconds(exec, scene, world);
   const int frames = frame_count(scene);
   fmt::print("  loading      {}\n", wall_time(load));
   fmt::print("  memory       {}\n", amount(memory_taken(), {"bytes", "bytes"}));

@@ -31,10 +31,10 @@ struct Failure {
   std::string message;
 };
 
-/// The value, or the end of the command.
+/// The value, or the end of the command with what was wrong, `where` in front of it.
 template <class T>
-T required(Result<T> result) {
-  if (!result) throw Failure{2, result.error().message};
+T required(Result<T> result, const std::string& where = {}) {
+  if (!result) throw Failure{2, where + result.error().message};
   return std::move(*result);
 }
 

@@ -35,13 +35,12 @@ void print_devices(const std::vector<DeviceListing>& listings) {
 }
 
 void run_devices(const haptics::DeviceOptions& options, const std::string& json) {
-  if (!json.empty())
-    if (Status goal = check_file_goal(json); !goal) throw Failure{2, goal.error().message};
+  if (!json.empty()) required(check_file_goal(json));
   const std::vector<DeviceListing> listings = haptics::list_devices(options);
   print_devices(listings);
   if (json.empty()) return;
   const std::string text = describe(listings).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  if (Status written = write_file(json, text); !written) throw Failure{2, written.error().message};
+  required(write_file(json, text));
 }
 
 }  // namespace

@@ -15,20 +15,18 @@ struct ImportOptions {
   bool straighten = false;
 };
 
-Result<CtFile> read_with_bar(const ImportOptions& options, const Exec& exec) {
+CtFile read_with_bar(const ImportOptions& options, const Exec& exec) {
   ProgressBar bar("reading");
-  return read_ct(exec, options.path, {options.series, bar.callback(), options.straighten});
+  return required(read_ct(exec, options.path, {options.series, bar.callback(), options.straighten}));
 }
 
 void run_import(const ImportOptions& options, const Global& global) {
-  if (Status goal = check_volume_goal(options.output); !goal) throw Failure{2, goal.error().message};
-  const Result<CtFile> file = read_with_bar(options, Exec(global.threads));
-  if (!file) throw Failure{2, file.error().message};
-  for (const std::string& note : file->notes) turgor::note(note);
-  if (Status written = write_ct(options.output, file->ct); !written)
-    throw Failure{2, written.error().message};
-  const Int3 size = file->ct.grid.size;
-  fmt::print("{}: {} x {} x {} samples from {}\n", options.output, size.x, size.y, size.z, file->format);
+  required(check_volume_goal(options.output));
+  const CtFile file = read_with_bar(options, Exec(global.threads));
+  for (const std::string& note : file.notes) turgor::note(note);
+  required(write_ct(options.output, file.ct));
+  const Int3 size = file.ct.grid.size;
+  fmt::print("{}: {} x {} x {} samples from {}\n", options.output, size.x, size.y, size.z, file.format);
 }
 
 }  // namespace

@@ -63,16 +63,15 @@ Json describe(const std::string& path, const CtFile& file) {
 
 /// Also says so when the file does not name its labels.
 Json describe_labels(const std::string& path, const CtVolume& ct, Json& notes) {
-  const Result<LabelFile> read = read_labels_of(path, ct.grid);
-  if (!read) throw Failure{2, read.error().message};
-  if (!read->has_names)
+  const LabelFile read = required(read_labels_of(path, ct.grid));
+  if (!read.has_names)
     notes.push_back(path + ": the file names none of its labels: names are those of TotalSegmentator");
   const auto name_of = [&](int label) {
-    const auto found = read->names.find(label);
-    return found == read->names.end() ? std::string{} : found->second;
+    const auto found = read.names.find(label);
+    return found == read.names.end() ? std::string{} : found->second;
   };
   Json list = Json::array();
-  for (const LabelMeasure& m : measure_labels(read->labels, &ct))
+  for (const LabelMeasure& m : measure_labels(read.labels, &ct))
     list.push_back({{"label", m.label},
                     {"name", name_of(m.label)},
                     {"voxels", m.voxels},
@@ -159,7 +158,7 @@ Json inform_about_mesh(const InfoOptions& options, const Exec& exec) {
 
 /// Said before what takes long.
 void check_json_goal(const InfoOptions& options) {
-  if (Status goal = check_file_goal(options.json); !goal) throw Failure{2, goal.error().message};
+  required(check_file_goal(options.json));
   std::error_code ignored;
   for (const std::string& input : {options.path, options.labels})
     if (std::filesystem::equivalent(options.json, input, ignored))
@@ -173,7 +172,7 @@ void run_info(const InfoOptions& options, const Global& global) {
       is_mesh_file(options.path) ? inform_about_mesh(options, exec) : inform_about_ct(options, exec);
   if (options.json.empty()) return;
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  if (Status written = write_file(options.json, text); !written) throw Failure{2, written.error().message};
+  required(write_file(options.json, text));
 }
 
 }  // namespace

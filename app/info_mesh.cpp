@@ -64,18 +64,17 @@ Json describe_regions(const SolidMesh& mesh) {
 }
 
 Json describe_solid(const std::string& path, double scale) {
-  const Result<ReadSolid> read = read_solid(path, scale);
-  if (!read) throw Failure{2, read.error().message};
-  const SolidMesh& mesh = read->mesh;
+  const ReadSolid read = required(read_solid(path, scale));
+  const SolidMesh& mesh = read.mesh;
   const std::vector<int> parts = connected_parts(mesh);
   Json json{{"path", path},
-            {"format", read->format},
+            {"format", read.format},
             {"kind", mesh.corners == 4 ? "tetrahedra" : "hexahedra"},
             {"vertices", mesh.vertices.size()},
             {"elements", element_count(mesh)},
             {"parts", 1 + *std::max_element(parts.begin(), parts.end())},
             {"surface_triangles", surface(mesh).triangles.size()},
-            {"inverted_repaired", read->inverted}};
+            {"inverted_repaired", read.inverted}};
   add_box(mesh.vertices, json);
   json["volume_m3"] = volume(mesh);
   if (mesh.corners == 4) {
@@ -88,14 +87,13 @@ Json describe_solid(const std::string& path, double scale) {
     add_edges(mesh.vertices, hexahedron_edges(mesh), json);
   }
   json["regions"] = describe_regions(mesh);
-  if (!read->notes.empty()) json["notes"] = read->notes;
+  if (!read.notes.empty()) json["notes"] = read.notes;
   return json;
 }
 
 Json describe_surface(const Exec& exec, const std::string& path, double scale) {
-  const Result<ReadSurface> read = read_surface(path, scale);
-  if (!read) throw Failure{2, read.error().message};
-  const TriMesh& mesh = read->mesh;
+  const ReadSurface read = required(read_surface(path, scale));
+  const TriMesh& mesh = read.mesh;
   const Result<CheckedSurface> closed = check_surface(exec, mesh);
   double area = 0;
   std::vector<std::pair<int, int>> edges;
@@ -105,7 +103,7 @@ Json describe_surface(const Exec& exec, const std::string& path, double scale) {
     edges.insert(edges.end(), {{a, b}, {b, c}, {c, a}});
   }
   Json json{{"path", path},
-            {"format", read->format},
+            {"format", read.format},
             {"kind", "triangles"},
             {"vertices", mesh.vertices.size()},
             {"elements", mesh.triangles.size()},
@@ -114,7 +112,7 @@ Json describe_surface(const Exec& exec, const std::string& path, double scale) {
   json["area_m2"] = area;
   if (closed) json["volume_m3"] = closed->volume;
   add_edges(mesh.vertices, edges, json);
-  std::vector<std::string> notes = read->notes;
+  std::vector<std::string> notes = read.notes;
   if (closed) notes.insert(notes.end(), closed->notes.begin(), closed->notes.end());
   if (!closed) notes.push_back("bounds no body: " + closed.error().message);
   if (!notes.empty()) json["notes"] = notes;

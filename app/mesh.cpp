@@ -27,19 +27,14 @@ struct MeshOptions {
   double scale = 1;
 };
 
-OrganMesh finished(Result<OrganMesh> body, const std::string& input) {
-  if (!body) throw Failure{2, fmt::format("{}: {}", input, body.error().message)};
-  return std::move(*body);
-}
-
 OrganMesh mesh_surface(const MeshOptions& options, const Exec& exec) {
   if (!options.labels.empty())
     throw Failure{2, options.input + " is a surface; --label is for segmentations"};
-  const Result<ReadSurface> read = read_surface(options.input, options.scale);
-  if (!read) throw Failure{2, read.error().message};
+  const ReadSurface read = required(read_surface(options.input, options.scale));
   ProgressBar bar("meshing");
-  OrganMesh body = finished(mesh_of_surface(exec, read->mesh, options.size, bar.callback()), options.input);
-  body.notes.insert(body.notes.begin(), read->notes.begin(), read->notes.end());
+  OrganMesh body =
+      required(mesh_of_surface(exec, read.mesh, options.size, bar.callback()), options.input + ": ");
+  body.notes.insert(body.notes.begin(), read.notes.begin(), read.notes.end());
   return body;
 }
 
@@ -48,21 +43,19 @@ std::vector<int> label_numbers(const MeshOptions& options) {
   SceneLabels names = labels_of(options.input);
   std::vector<int> numbers;
   for (const std::string& name : options.labels) {
-    const Result<int> label = find_label(name, names);
-    if (!label) throw Failure{2, "--label: " + label.error().message};
-    numbers.push_back(*label);
+    numbers.push_back(required(find_label(name, names), "--label: "));
     if (const std::string said = std::exchange(names.note, {}); !said.empty()) note(said);
   }
   return numbers;
 }
 
 OrganMesh mesh_labels(const MeshOptions& options, const Exec& exec) {
-  const Result<LabelFile> file = read_labels(options.input);
-  if (!file) throw Failure{2, file.error().message};
+  const LabelFile file = required(read_labels(options.input));
   if (options.scale != 1) throw Failure{2, "--scale is for surfaces; a segmentation knows its millimetres"};
   const std::vector<int> labels = label_numbers(options);
   ProgressBar bar("meshing");
-  return finished(mesh_of_labels(exec, file->labels, labels, options.size, bar.callback()), options.input);
+  return required(mesh_of_labels(exec, file.labels, labels, options.size, bar.callback()),
+                  options.input + ": ");
 }
 
 Status write_mesh(const std::filesystem::path& path, const SolidMesh& mesh) {
@@ -95,13 +88,12 @@ void run_mesh(const MeshOptions& options, const Global& global) {
   const std::string extension = std::filesystem::path(options.output).extension().string();
   if (extension != ".vtu" && extension != ".msh")
     throw Failure{2, fmt::format("{}: expected a name that ends in .vtu or .msh", options.output)};
-  if (Status goal = check_file_goal(options.output); !goal) throw Failure{2, goal.error().message};
+  required(check_file_goal(options.output));
   const Exec exec(global.threads);
   const OrganMesh body =
       is_surface_file(options.input) ? mesh_surface(options, exec) : mesh_labels(options, exec);
   for (const std::string& note : body.notes) turgor::note(note);
-  if (Status written = write_mesh(options.output, body.mesh); !written)
-    throw Failure{2, written.error().message};
+  required(write_mesh(options.output, body.mesh));
   print_mesh(body, options);
 }
 

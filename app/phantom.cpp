@@ -79,9 +79,9 @@ void run_surface(const PhantomOptions& options) {
     throw Failure{2, fmt::format("--output: expected a file that ends in .obj, found {}", options.output)};
   if (!options.size.empty() || !options.spacing_mm.empty() || !options.labels.empty())
     throw Failure{2, fmt::format("phantom {}: a surface has no --size, --spacing or --labels", options.kind)};
-  if (Status goal = check_file_goal(options.output); !goal) throw Failure{2, goal.error().message};
+  required(check_file_goal(options.output));
   const TriMesh mesh = options.kind == "liver" ? phantom_liver(options.detail) : phantom_forceps();
-  if (Status written = write_obj(options.output, mesh); !written) throw Failure{2, written.error().message};
+  required(write_obj(options.output, mesh));
   fmt::print("{}: {} of {} vertices and {} triangles\n", options.output, options.kind, mesh.vertices.size(),
              mesh.triangles.size());
 }
@@ -93,13 +93,11 @@ void run_phantom(const PhantomOptions& options, const Global& global) {
   if (const double samples = double(params.size.x) * params.size.y * params.size.z;
       samples > double(1ull << 33))
     throw Failure{2, fmt::format("--size: {:.3g} samples; expected at most 2^33", samples)};
-  if (Status goals = check_goals(options); !goals) throw Failure{2, goals.error().message};
+  required(check_goals(options));
   LabelVolume labels;
   const CtVolume ct = make_with_bar(params, exec, options.labels.empty() ? nullptr : &labels);
-  if (Status written = write_phantom(options, ct, exec); !written) throw Failure{2, written.error().message};
-  if (!options.labels.empty())
-    if (Status written = write_labels(options.labels, labels); !written)
-      throw Failure{2, written.error().message};
+  required(write_phantom(options, ct, exec));
+  if (!options.labels.empty()) required(write_labels(options.labels, labels));
   fmt::print("{}: {} of {} x {} x {} samples, {:.4g} x {:.4g} x {:.4g} mm\n", options.output, options.kind,
              params.size.x, params.size.y, params.size.z, params.spacing.x * 1e3, params.spacing.y * 1e3,
              params.spacing.z * 1e3);

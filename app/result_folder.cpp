@@ -9,14 +9,13 @@ void add_force_option(CLI::App& command, bool& force) {
 }
 
 OutputFolder open_result_folder(const std::filesystem::path& goal, bool force) {
-  Result<OutputFolder> folder = OutputFolder::create(goal, force ? Foreign::kRemove : Foreign::kRefuse);
-  if (!folder) throw Failure{2, folder.error().message};
-  if (const std::string doomed = doomed_note(*folder); !doomed.empty()) note(doomed);
-  return std::move(*folder);
+  OutputFolder folder = required(OutputFolder::create(goal, force ? Foreign::kRemove : Foreign::kRefuse));
+  if (const std::string doomed = doomed_note(folder); !doomed.empty()) note(doomed);
+  return folder;
 }
 
 void commit_results(OutputFolder& folder) {
-  if (const Status status = folder.commit(); !status) throw Failure{2, status.error().message};
+  required(folder.commit());
   if (const std::string kept = kept_note(folder); !kept.empty()) note(kept);
 }
 

@@ -11,9 +11,7 @@ namespace turgor {
 namespace {
 
 #ifdef TURGOR_HAS_WINDOW
-void view(const WindowOptions& options) {
-  if (const Status status = view_scene(options); !status) throw Failure{2, status.error().message};
-}
+void view(const WindowOptions& options) { required(view_scene(options)); }
 #else
 struct WindowOptions {
   std::filesystem::path scene, out;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 
+#include "turgor/geometry/dilate.hpp"
 #include "turgor/geometry/row_components.hpp"
 
 namespace turgor::lattice {
@@ -49,38 +49,6 @@ struct PoolLayer {
     }
   }
 };
-
-/// out(p) = op over mask(p + shift), shift 0 and `way` along each axis in turn: boxes grow or shrink by a
-/// cell. Cells beyond the border count as the border's own.
-template <class Op>
-Mask combined(const Exec& exec, const Mask& mask, Int3 size, int way, const Op& op) {
-  Mask from = mask, to(mask.size());
-  const std::ptrdiff_t strides[3] = {1, size.x, std::ptrdiff_t(size.x) * size.y};
-  for (int axis = 0; axis < 3; axis++) {
-    parallel_for(exec, std::size_t(size.z), [&](std::size_t k) {
-      for (int j = 0; j < size.y; j++) {
-        const std::size_t row = (k * std::size_t(size.y) + std::size_t(j)) * std::size_t(size.x);
-        const int place = axis == 1 ? j : int(k);
-        const bool at_end = axis > 0 && (place + way < 0 || place + way >= size[axis]);
-        const int begin = axis == 0 && way < 0 ? 1 : 0, end = axis == 0 && way > 0 ? size.x - 1 : size.x;
-        const std::uint8_t* here = from.data() + row;
-        const std::uint8_t* there = here + (at_end ? 0 : way * strides[axis]);
-        std::uint8_t* result = to.data() + row;
-        if (begin > 0) result[0] = here[0];
-        if (end < size.x) result[size.x - 1] = here[size.x - 1];
-        for (int i = begin; i < end; i++) result[i] = op(here[i], there[i]);
-      }
-    });
-    std::swap(from, to);
-  }
-  return from;
-}
-
-constexpr std::bit_or<std::uint8_t> either;
-
-Mask with_neighbours(const Exec& exec, const Mask& mask, Int3 size) {
-  return combined(exec, combined(exec, mask, size, 1, either), size, -1, either);
-}
 
 /// The largest part of the cells that are dense throughout: any gap of a voxel ends it, and so does a sheet
 /// thinner than a cell.
@@ -174,7 +142,9 @@ BesideBody find_beside_body(const Exec& exec, const CtVolume& ct, double air_max
   const auto bound = std::int16_t(std::clamp(std::ceil(air_max), -32768.0, 32767.0));
   parallel_for(exec, std::size_t(size.z), PoolLayer{ct, found, bound, any.data(), all.data()});
 
-  const Mask core = core_of(all, size), near_core = with_neighbours(exec, core, size);
+  const Mask core = core_of(all, size);
+  Mask near_core = core;
+  dilate(exec, near_core, size, 1);
   Mask rest(count);
   for (std::size_t n = 0; n < count; n++) rest[n] = any[n] & std::uint8_t(1 - near_core[n]);
   const RowComponents parts = row_components(rest, size);
@@ -187,7 +157,7 @@ BesideBody find_beside_body(const Exec& exec, const CtVolume& ct, double air_max
       std::fill_n(found.mask.begin() + ((std::ptrdiff_t(run.k) * size.y + run.j) * size.x + run.begin),
                   run.end - run.begin, std::uint8_t(1));
   // Where it touches the body's rim, it takes the rim's cells that are not the body's core.
-  found.mask = with_neighbours(exec, found.mask, size);
+  dilate(exec, found.mask, size, 1);
   for (std::size_t n = 0; n < count; n++) {
     found.mask[n] = found.mask[n] & any[n] & std::uint8_t(1 - core[n]);
     found.row_mask[n / std::size_t(size.x)] |= found.mask[n];

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "turgor/geometry/dilate.hpp"
 #include "turgor/models/lattice/ct_sampler.hpp"
 #include "turgor/models/lattice/placed_body.hpp"
 
@@ -26,25 +27,6 @@ int reach_in(const Grid& out, const Grid& ct) {
   for (int axis = 0; axis < 3; axis++)
     reach = std::max(reach, std::ceil(kBlur * ct.spacing[axis] / out.spacing[axis] - 1e-6));
   return int(std::min(reach, double(kSlabLayers)));
-}
-
-/// mask(p) = any of the voxels within `reach` of p along one axis, row by row.
-void widen(Mask& mask, Int3 size, int axis, int reach) {
-  const Mask from = mask;
-  const auto row_at = [&](Int3 p) { return (std::ptrdiff_t(p.z) * size.y + p.y) * size.x; };
-  for (int k = 0; k < size.z; k++)
-    for (int j = 0; j < size.y; j++)
-      for (int d = -reach; d <= reach; d++) {
-        Int3 other{0, j, k};
-        if (axis > 0) other[axis] += d;
-        if (other[axis] < 0 || other[axis] >= size[axis]) continue;
-        const int shift = axis == 0 ? d : 0;
-        const int begin = std::max(0, -shift), end = std::min(size.x, size.x - shift);
-        std::uint8_t* out = mask.data() + row_at({0, j, k});
-        const std::uint8_t* in = from.data() + row_at(other) + shift;
-        TURGOR_LANES
-        for (int i = begin; i < end; i++) out[i] |= in[i];
-      }
 }
 
 /// The 26 neighbours of a voxel, those across faces first, then across edges.
@@ -332,7 +314,7 @@ void fill_tile(const FringeInputs& inputs, const PlaceInCt& place, const Window&
   const Fringe fringe(inputs, out.grid, window, reach);
   const Mask rest = body_at_rest(inputs.rest, place, window);
   Mask near_rest = rest;
-  for (int axis = 0; axis < 3; axis++) widen(near_rest, window.size, axis, reach);
+  dilate(Exec(1), near_rest, window.size, reach);
 
   const Sampler sample(inputs.ct);
   const FringeOfBody is_fringe{inputs, std::int16_t(std::ceil(inputs.model.params.tissue.air_max))};

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/skin.hpp"
 
 namespace turgor::lattice {
 
@@ -13,17 +14,14 @@ namespace {
 /// of the next one.
 void add_skin_cells(const Model& model, int group, PbdSchedule& schedule) {
   const Skin& skin = model.skin;
-  const auto cell_of = [&](int t) {
-    const Int3 v = skin.triangles[std::size_t(t)].vertex;
-    Int3 low = model.lattice.size - Int3{2, 2, 2};
-    for (int c = 0; c < 3; c++) low = min(low, slot_node(model.lattice, v[c]));
-    return node_slot(model.lattice, low);
+  const auto cell = [&](int t) {
+    return node_slot(model.lattice, cell_of(model.lattice, skin.triangles[std::size_t(t)].vertex));
   };
   const int first = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group)])],
             end = skin.batch_begin[std::size_t(skin.layer_begin[std::size_t(group) + 1])];
   std::map<int, int> last;  // by cell: its triangle that has none behind it
   for (int t = first; t < end; t++) {
-    const auto [at, is_first] = last.try_emplace(cell_of(t), t);
+    const auto [at, is_first] = last.try_emplace(cell(t), t);
     if (is_first)
       schedule.heads.push_back(t);
     else

@@ -28,6 +28,12 @@ struct Runs {
   }
 };
 
+inline std::size_t slots_in(const Runs& runs) {
+  std::size_t slots = 0;
+  for (const Run run : runs.all) slots += std::size_t(run.count);
+  return slots;
+}
+
 /// The groups with a slot for which `wanted` holds, joined to runs. `wanted` sees the slots of nodes alone.
 template <class Wanted>
 Runs find_runs(const Lattice& l, const Wanted& wanted) {

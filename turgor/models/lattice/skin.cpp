@@ -99,13 +99,6 @@ std::vector<int> order_in_batches(const Lattice& l, int k, std::vector<Int3>& tr
   return sizes;
 }
 
-/// The lowest node of a cell that a triangle lies in.
-Int3 cell_of(const Lattice& l, Int3 triangle) {
-  Int3 low = l.size - Int3{2, 2, 2};
-  for (int c = 0; c < 3; c++) low = min(low, slot_node(l, triangle[c]));
-  return low;
-}
-
 /// The triangles of all layers by the layer and the colour of their cells: group 4 k + p of Skin.
 std::vector<std::vector<Int3>> group_by_colours(const Lattice& l,
                                                 const std::vector<std::vector<Int3>>& layers) {
@@ -272,6 +265,12 @@ std::vector<Corner> collect_corners(const Lattice& lattice, Skin& skin) {
 }
 
 }  // namespace
+
+Int3 cell_of(const Lattice& l, Int3 triangle) {
+  Int3 low = l.size - Int3{2, 2, 2};
+  for (int c = 0; c < 3; c++) low = min(low, slot_node(l, triangle[c]));
+  return low;
+}
 
 void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
   Skin& skin = model.skin;

@@ -13,6 +13,9 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model);
 /// the CT as before.
 void measure_pull(const Exec& exec, const Model& model, Skin& skin);
 
+/// The lowest node of a cell that a triangle of the skin lies in, given by its three slots.
+Int3 cell_of(const Lattice& lattice, Int3 triangle);
+
 /// Family and lower end of the edge between two slots that are neighbours.
 struct Edge {
   int slot = 0;
