@@ -9,12 +9,19 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Geometric mean of the corners' moduli, as an edge has that of its ends; 0 when one is no body [Pa].
+/// Geometric mean of the corners' moduli, as an edge has that of its ends; of those that move, where a cell
+/// has such: bone that is held begins at its nodes. 0 when a corner is no body [Pa].
 Real cell_young(const Model& model, Int3 corner) {
-  double product = 1;
-  for (int n = 0; n < kCellCorners; n++)
-    product *= double(model.root_stiffness[std::size_t(node_slot(model.lattice, corner + cell_corner(n)))]);
-  return Real(std::sqrt(std::sqrt(product)));
+  double all = 1, moving = 1;
+  int count = 0;
+  for (int n = 0; n < kCellCorners; n++) {
+    const auto slot = std::size_t(node_slot(model.lattice, corner + cell_corner(n)));
+    const double root = model.root_stiffness[slot];
+    all *= root;
+    if (model.inverse_mass[slot] > 0) moving *= root, count++;
+  }
+  if (all == 0 || count == 0 || count == kCellCorners) return Real(std::sqrt(std::sqrt(all)));
+  return Real(std::pow(moving, 2.0 / count));
 }
 
 bool is_whole(const Model& model, Int3 corner) {
