@@ -31,6 +31,17 @@ inline CtVolume ball_ct(int n, double radius) {
   return make_ct({n, n, n}, [=](Vec3d p) { return norm(p - Vec3d{middle, middle, middle}) < radius; });
 }
 
+inline std::int16_t at_or_air(const CtVolume& ct, Int3 p) {
+  return contains(ct.grid, p) ? ct.at(p.x, p.y, p.z) : kAirHu;
+}
+
+template <class See>
+void for_voxels(const Grid& grid, const See& see) {
+  for (int k = 0; k < grid.size.z; k++)
+    for (int j = 0; j < grid.size.y; j++)
+      for (int i = 0; i < grid.size.x; i++) see(Int3{i, j, k});
+}
+
 /// A body from a CT: no skin, for what moves it is the test.
 inline Model body_of(const CtVolume& ct, Int3 block) {
   Params params;

@@ -326,13 +326,14 @@ void fill_tile(const FringeInputs& inputs, const PlaceInCt& place, const Window&
     if (same && !near_rest[n] && source < 0) return inputs.ct.samples[voxel];
     const Vec3d at = place(p);
     const float here = sample(Vec3(at));
-    float value = here;
-    if ((near_rest[n] || source >= 0) && (rest[n] || is_fringe(at, here))) {
-      if (near_rest[n]) value = kAirHu;
-      const Vec3d before = at + (source < 0 ? Vec3d{} : Vec3d(fringe.shifts[std::size_t(source)]));
-      const float moved = sample(Vec3(before));
-      if (source >= 0 && is_fringe(before, moved) && !is_fringe.is_tissue(before, moved)) value = moved;
-    }
+    if (!(near_rest[n] || source >= 0) || !(rest[n] || is_fringe(at, here)))
+      return std::int16_t(std::lrint(here));
+    const Vec3d before = at + (source < 0 ? Vec3d{} : Vec3d(fringe.shifts[std::size_t(source)]));
+    const float moved = sample(Vec3(before));
+    const bool from_fringe = is_fringe(before, moved);
+    float value = near_rest[n] ? kAirHu : here;
+    if (source >= 0 && from_fringe && !is_fringe.is_tissue(before, moved)) value = moved;
+    if (!from_fringe && !rest[n] && fringe.has_hardly_moved(n)) value = here;  // a cover of the table
     return std::int16_t(std::lrint(value));
   };
   for (int k = window.begin.z; k < window.end.z; k++)

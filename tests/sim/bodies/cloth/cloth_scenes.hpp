@@ -10,6 +10,8 @@
 
 namespace turgor::test {
 
+constexpr double kGravity = 9.81;  // [m/s²]
+
 /// A block of 60 × 60 × 30 mm of 5 kPa that stands on its bottom, "pad".
 inline constexpr const char* kPad = R"(
 [world]
@@ -22,6 +24,18 @@ young = 5e3
 poisson = 0
 precision = "double"
 cache = false
+)";
+
+/// A heavy sheet that covers it, 3 mm above.
+inline constexpr const char* kSheetOnPad = R"(
+[body.sheet]
+model = "cloth"
+sheet = { corner = [0, 0, 0.033], side = [0.06, 0, 0], up = [0, 0.06, 0], columns = 24, rows = 24 }
+fabric = { density = 10 }
+collision = { self = false, thickness = 0.001 }
+wind = { density = 0 }
+[body.sheet.obstacle.pad]
+body = "pad"
 )";
 
 inline World must_load_scene(const Scene& scene, const Exec& exec = Exec(1)) {

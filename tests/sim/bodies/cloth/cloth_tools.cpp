@@ -15,8 +15,6 @@ namespace {
 
 using namespace test;
 
-constexpr double kGravity = 9.81;
-
 /// A sheet of 0.2 m with its first column held, in cells of 10 mm.
 constexpr const char* kSheet = R"(
 [world]
