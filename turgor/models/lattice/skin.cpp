@@ -7,7 +7,6 @@
 
 #include "turgor/models/lattice/colours.hpp"
 #include "turgor/models/lattice/skin_forces.hpp"
-#include "turgor/models/lattice/skin_places.hpp"
 
 namespace turgor::lattice {
 
@@ -165,7 +164,6 @@ void measure_triangle(const Vec3d (&x)[3], Vec3d line, SkinTriangle& triangle) {
 
 struct MeasureTriangle {
   const Model& model;
-  const SkinPlaces& places;
   const VectorVolume* lines;
   SkinTriangle* triangles;
   Vec3* given;  // null without lines
@@ -176,7 +174,7 @@ struct MeasureTriangle {
     Vec3d x[3], centre;
     double hu = 0;
     for (int c = 0; c < 3; c++) {
-      x[c] = places[triangle.vertex[c]];
+      x[c] = Vec3d(rest_position(model.lattice, slot_node(model.lattice, triangle.vertex[c])));
       centre += x[c] / 3;
       hu += model.hu[std::size_t(triangle.vertex[c])] / 3.0;
     }
@@ -297,8 +295,7 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
   skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
   if (lines != nullptr) skin.lines.resize(skin.triangles.size());
   parallel_for(exec, skin.triangles.size(),
-               MeasureTriangle{model, SkinPlaces(exec, model.lattice, skin.triangles), lines,
-                               skin.triangles.data(), lines ? skin.lines.data() : nullptr},
+               MeasureTriangle{model, lines, skin.triangles.data(), lines ? skin.lines.data() : nullptr},
                1024);
   const std::vector<Corner> corners = collect_corners(model.lattice, skin);
   if (model.params.solver.method == Method::kPbd) return lay_out_batches(skin);
