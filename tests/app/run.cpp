@@ -13,7 +13,8 @@ using namespace test;
 
 TEST(Run, LeavesPicturesMeshesTheCtARecordingAndAReport) {
   const fs::path folder = fresh_folder();
-  write(folder / "s.toml", small_scene("", "displacement = \"u.nrrd\"\njacobian = \"j.nrrd\"\n"));
+  write(folder / "s.toml",
+        small_scene("", "displacement = \"u.nrrd\"\njacobian = \"j.nrrd\"\nvolume_rendering = \"skin\"\n"));
   const Ended ended = run_program("run s.toml --out results/first", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   EXPECT_NE(ended.printed.find("  gape, largest                     "), std::string::npos) << ended.printed;

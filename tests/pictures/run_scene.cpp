@@ -69,7 +69,7 @@ TEST(RunScene, DrawsAtAnyRateAndMeasuresTheSame) {
 
 TEST(RunScene, AReplayDrawsTheSamePicturesAndMeshes) {
   const fs::path folder = test::fresh_folder();
-  const Scene scene = test::four_kinds_scene(folder, {"output.video=false"});
+  const Scene scene = test::four_kinds_scene(folder, {"output.frames=true"});
   const Json ran = must_run(scene, folder / "ran");
   const Result<Json> again =
       replay_recording(Exec(2), folder / "ran/recording.h5", {}, {.out = folder / "again"});
@@ -156,9 +156,9 @@ TEST(RunScene, EveryWoundHasAVideoFromNear) {
 
 TEST(RunScene, ACameraOfTheSceneTakesPicturesOfItsOwn) {
   const fs::path folder = test::fresh_folder();
-  const Scene scene = test::four_kinds_scene(
-      folder,
-      {"camera.side.from=[0.3, 0.03, 0.1]", "camera.side.at=[0.03, 0.03, 0]", "camera.side.angle=20"});
+  const Scene scene =
+      test::four_kinds_scene(folder, {"camera.side.from=[0.3, 0.03, 0.1]", "camera.side.at=[0.03, 0.03, 0]",
+                                      "camera.side.angle=20", "output.frames=true"});
   ASSERT_EQ(scene.cameras.size(), 1u);
   const Json report = must_run(scene, folder / "out");
   EXPECT_TRUE(fs::exists(folder / "out/frames/side-0000.png"));
@@ -206,7 +206,8 @@ TEST(RunScene, ForcepsOnARhombusBodyAloneAreDrawnWithTheirJawsAsTheyAreAlsoInARe
       "surface = { phantom = \"liver\", detail = 0.3 }\n[tool.forceps]\nbody = \"liver\"\n"
       "shape = { forceps = \"phantom\" }\n"
       "grasp = { at_fraction = [0.3, 0.5, 1], depth = 0.004, pull = 0.006, start = 0, duration = 0.1 }\n"
-      "[output]\nvideo = false\nsnapshots = { every = 0.2, size = [160, 120] }\n",
+      "[camera.aside]\nfrom = [0.5, 0, 0]\nat = [0, 0, 0]\n"
+      "[output]\nsnapshots = { every = 0.2, size = [160, 120] }\n",
       folder / "forceps.toml");
   ASSERT_TRUE(scene) << scene.error().message;
   std::set<double> openings;
@@ -218,8 +219,12 @@ TEST(RunScene, ForcepsOnARhombusBodyAloneAreDrawnWithTheirJawsAsTheyAreAlsoInARe
   };
   const Json ran = must_run(*scene, folder / "ran", callbacks);
   EXPECT_GT(openings.size(), 1u) << "they close";
-  ASSERT_TRUE(replay_recording(Exec(2), folder / "ran/recording.h5", {}, {.out = folder / "again"}));
-  for (const char* name : {"liver-near.png", "liver-displacement.png", "frames/body-0010.png"})
+  ASSERT_TRUE(replay_recording(Exec(2), folder / "ran/recording.h5", {"output.frames=true"},
+                               {.out = folder / "again"}));
+  EXPECT_FALSE(fs::exists(folder / "ran/frames")) << "nobody asked for them";
+  EXPECT_EQ(test::names_in(folder / "again/frames").size(), 6u) << "three snapshots from two places";
+  EXPECT_FALSE(fs::exists(folder / "ran/body-before-after.png")) << "in the end the tools are away";
+  for (const char* name : {"liver-near.png", "liver-displacement.png", "aside-before-after.png"})
     EXPECT_EQ(test::bytes_of(folder / "ran" / name), test::bytes_of(folder / "again" / name)) << name;
   EXPECT_FALSE(fs::exists(folder / "ran/liver-pressure.png")) << "this model knows no pressure";
 }

@@ -70,6 +70,18 @@ TEST(OutputFolder, LeavesNothingWithoutCommit) {
   EXPECT_EQ(names_in(root), std::set<std::string>{"out"});
 }
 
+TEST(OutputFolder, FoldersAroundItGoAgainWhenNothingIsInThem) {
+  const fs::path root = fresh_folder();
+  { ASSERT_TRUE(OutputFolder::create(root / "study/patient/out")); }
+  EXPECT_EQ(names_in(root), std::set<std::string>{});
+  fs::create_directory(root / "mine");
+  { ASSERT_TRUE(OutputFolder::create(root / "mine/out")); }
+  EXPECT_EQ(names_in(root), std::set<std::string>{"mine"}) << "it was there before";
+  leave_output(root / "study/out", "kept");
+  { ASSERT_TRUE(OutputFolder::create(root / "study/other")); }
+  EXPECT_EQ(names_in(root / "study"), std::set<std::string>{"out"});
+}
+
 std::string error_of(const fs::path& goal, Foreign foreign = Foreign::kRefuse) {
   const Result<OutputFolder> folder = OutputFolder::create(goal, foreign);
   return folder ? "" : folder.error().message;

@@ -20,15 +20,15 @@ png_image png_header(const Image& image) {
 
 }  // namespace
 
-Status write_png(const std::filesystem::path& path, const Image& image, PngEffort effort) {
-  const Result<std::vector<std::uint8_t>> bytes = encode_png(image, effort);
+Status write_png(const std::filesystem::path& path, const Image& image) {
+  const Result<std::vector<std::uint8_t>> bytes = encode_png(image);
   if (!bytes) return Error{fmt::format("{}: {}", path.string(), bytes.error().message)};
   return write_file(path, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
 }
 
-Result<std::vector<std::uint8_t>> encode_png(const Image& image, PngEffort effort) {
+Result<std::vector<std::uint8_t>> encode_png(const Image& image) {
   png_image header = png_header(image);
-  if (effort == PngEffort::kFast) header.flags |= PNG_IMAGE_FLAG_FAST;
+  header.flags = PNG_IMAGE_FLAG_FAST;
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::vector<std::uint8_t> bytes(size);
   if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr))

@@ -142,10 +142,16 @@ Status write_fields(const LatticeBody& body, const Grid& grid, Outputs& outputs)
   return Done{};
 }
 
+bool is_cut(const World& world, std::size_t body) {
+  return std::any_of(world.cuts.begin(), world.cuts.end(),
+                     [body](const Cut& cut) { return std::size_t(cut.body) == body && cut.path; });
+}
+
 Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   const LatticeBody& body = world.lattice_bodies[index];
-  const bool wanted = !output.deformed_ct.empty() || output.sections || !output.volume_rendering.empty();
+  const bool sections = output.sections && is_cut(world, index);
+  const bool wanted = !output.deformed_ct.empty() || sections || !output.volume_rendering.empty();
   const Grid grid =
       output.deformed_size ? lattice::resized(body.ct.grid, *output.deformed_size) : body.ct.grid;
   if (const Status status = write_fields(body, grid, outputs); !status || !wanted) return status;
@@ -161,7 +167,7 @@ Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
   if (!output.volume_rendering.empty())
     if (const Status status = add_volume_rendering(body, outputs.at_rest[index], outputs); !status)
       return status;
-  if (!output.sections) return Done{};
+  if (!sections) return Done{};
   const Result<Window> window = window_preset(output.window);
   if (!window) return window.error();
   for (const Cut& cut : world.cuts) {

@@ -93,8 +93,9 @@ constexpr const char* kScript = R"js(
 
   const size = whole.getSize(new THREE.Vector3()).length() || 0.1, middle = whole.getCenter(new THREE.Vector3());
   const arrows = (motion.frames[0].forces_N || []).map(() => {
-    const arrow = new THREE.ArrowHelper(new THREE.Vector3(0, 0, 1), middle, size / 5, 0xfacc46);
-    for (const part of [arrow.line, arrow.cone]) part.material.depthTest = false, part.renderOrder = 1;  // also where it points into the body
+    const arrow = new THREE.Group(), material = new THREE.MeshBasicMaterial({color: 0xfacc46, depthTest: false});  // also where it points into the body
+    const shaft = new THREE.CylinderBufferGeometry(0.02, 0.02, 0.8, 16).translate(0, 0.4, 0), head = new THREE.CylinderBufferGeometry(0, 0.06, 0.22, 24).translate(0, 0.89, 0);
+    for (const part of [shaft, head].map((geometry) => new THREE.Mesh(geometry, material))) part.renderOrder = 1, arrow.add(part);
     return scene.add(arrow), arrow;
   });
   const usual = Math.max(...motion.things.map((thing) => thing.kind === 'body' ? thing.usual_force_N : 0), 1e-9);
@@ -120,13 +121,13 @@ constexpr const char* kScript = R"js(
     const frame = motion.frames[shown = f], colored = at('color').value === 'displacement';
     motion.things.forEach((thing, t) => {
       const [surface] = frame.things[t];
-      thing.shapes.forEach((shape, s) => { if (shape) shape.mesh.visible = s === surface; });
+      thing.shapes.forEach((shape, s) => { if (shape) shape.mesh.visible = s === surface && !(colored && thing.kind === 'inside'); });
       paint(thing.shapes[surface], frame.things[t].moved, thing.quantum, colored && thing.kind === 'body');
     });
     frame.forces_N.forEach(([place, force], n) => {
       const f3 = new THREE.Vector3(...force), newtons = f3.length(), arrow = arrows[n], length = size / 5 * Math.min(3, Math.max(0.25, newtons / usual));
       arrow.visible = newtons > 1e-3 * usual;
-      if (arrow.visible) arrow.position.set(...place), arrow.setDirection(f3.normalize()), arrow.setLength(length, 0.25 * length, 0.12 * length);
+      if (arrow.visible) arrow.position.set(...place), arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), f3.normalize()), arrow.scale.setScalar(length);
     });
     const felt = frame.forces_N.map(([, force]) => Math.hypot(...force)).filter((n) => n > 0).map((n) => n.toPrecision(3) + ' N').join(', ');
     at('now').textContent = frame.time_s.toFixed(2) + ' s' + (felt ? '  ' + felt : '');
@@ -134,6 +135,13 @@ constexpr const char* kScript = R"js(
   };
   const pressed = motion.frames.map((frame) => Math.max(0, ...frame.forces_N.map(([, force]) => Math.hypot(...force))));
   const hardest = pressed.indexOf(Math.max(...pressed)), touch = pressed[hardest] > 0;
+  const start = touch ? hardest : motion.frames.length - 1, seen = whole.clone();  // bodies at rest and as they are seen first, and tools
+  motion.things.forEach((thing, t) => {
+    const now = motion.frames[start].things[t], {rest} = thing.shapes[now[0]], count = rest.length / 3;
+    if (thing.kind === 'body' || thing.kind === 'tool')
+      for (let v = 0; v < count; v++) seen.expandByPoint(new THREE.Vector3(...[0, 1, 2].map((axis) => rest[3 * v + axis] + now.moved[axis * count + v] * thing.quantum)));
+  });
+  const around = seen.getCenter(new THREE.Vector3()), room = seen.getSize(new THREE.Vector3()).length() || 0.1;
   const outward = () => {  // from where the tool comes, or from the front
     if (!touch) return new THREE.Vector3(0, -1, 0);
     const forces = motion.frames[hardest].forces_N, [place] = forces.reduce((a, b) => Math.hypot(...a[1]) > Math.hypot(...b[1]) ? a : b);
@@ -143,8 +151,8 @@ constexpr const char* kScript = R"js(
     const out = outward(), side = new THREE.Vector3(0, 0, 1).cross(out);
     if (side.length() < 0.5) side.set(0.3, -1, 0);  // from head or feet one sees more from the front
     const from = out.add(side.normalize().multiplyScalar(0.7)).add(new THREE.Vector3(0, 0, 0.35)).normalize();
-    controls.target.copy(middle), camera.position.copy(middle).add(from.multiplyScalar(1.5 * size));
-    camera.near = size / 200, camera.far = 20 * size, camera.updateProjectionMatrix(), controls.update(), stale = true;
+    controls.target.copy(around), camera.position.copy(around).add(from.multiplyScalar(1.5 * room));
+    camera.near = room / 200, camera.far = 20 * room, camera.updateProjectionMatrix(), controls.update(), stale = true;
   };
   const fit = () => {
     renderer.setPixelRatio(Math.min(2, window.devicePixelRatio)), renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
@@ -172,7 +180,7 @@ constexpr const char* kScript = R"js(
     if (stale) stale = false, renderer.render(scene, camera);
     requestAnimationFrame(turn);
   };
-  fit(), home(), show(touch ? hardest : motion.frames.length - 1), requestAnimationFrame(turn);
+  fit(), home(), show(start), requestAnimationFrame(turn);
   canvas.dataset.ready = 'yes';
 })();
 )js";

@@ -36,7 +36,7 @@ Status add_colored_view(const ShownWorld& shown, Outputs& outputs, const Surface
   return add_picture(outputs, view.name + "-colored.png", view.caption + ", in colours", *image, false);
 }
 
-/// Then the pictures under the largest forces say it all: in the end the tools are away.
+/// The pictures under the largest forces say it all: in the end the tools are away.
 bool shows_touch_alone(const World& world) {
   const bool all_touched = std::all_of(world.lattice_bodies.begin(), world.lattice_bodies.end(),
                                        [](const LatticeBody& body) { return !body.tool_indices.empty(); });
@@ -65,7 +65,7 @@ Status film_moment(const ShownWorld& shown, Film& film, Outputs& outputs) {
       outputs.folder / kVideoFolder / fmt::format("{}-{:06}.png", film.view, film.frames.size());
   film.frames.push_back(file);
   const AddTime time(outputs.facts.file_seconds);
-  return write_png(file, *image, PngEffort::kFast);
+  return write_png(file, *image);
 }
 
 Status finish_films(Outputs& outputs) {
@@ -96,7 +96,8 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
   Outputs outputs;
   outputs.exec = &exec, outputs.scene = &scene, outputs.folder = std::move(folder);
   std::error_code error;
-  std::vector<const char*> folders{"frames", "meshes", kVideoFolder};
+  std::vector<const char*> folders{"meshes", kVideoFolder};
+  if (scene.output.frames) folders.push_back("frames");
   if (!shown.tools.empty()) folders.insert(folders.end(), {"meshes/tools", "meshes/forces"});
   for (const char* name : folders)
     if (!fs::create_directory(outputs.folder / name, error))
@@ -107,6 +108,9 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
   Result<std::vector<SurfaceView>> views = make_views(scene, world, shown, outputs.at_rest);
   if (!views) return views.error();
   outputs.views = std::move(*views);
+  const std::size_t automatic = outputs.views.size() - scene.cameras.size();
+  for (std::size_t v = 0; v < automatic && shows_touch_alone(world); v++)
+    outputs.views[v].before_after = false;
   for (SurfaceView& view : outputs.views)
     if (view.colored && scene.output.color != SkinColor::kNone)
       view.camera = beside_legend(view.camera, outputs);
@@ -158,6 +162,23 @@ Status add_picture(Outputs& outputs, const std::string& file, const std::string&
 
 namespace {
 
+void keep_first(const ShownWorld& shown, Outputs& outputs) {
+  const auto wants_it = [](const SurfaceView& view) { return view.before_after; };
+  if (!outputs.first.bodies.empty() || std::none_of(outputs.views.begin(), outputs.views.end(), wants_it))
+    return;
+  outputs.first = shown;
+  for (ShownBody& body : outputs.first.bodies) body.kept.reset();
+}
+
+/// The picture of a snapshot by itself, where the scene asks for it.
+Status add_frame(const ShownWorld& shown, const SurfaceView& view, Outputs& outputs) {
+  if (!outputs.scene->output.frames) return Done{};
+  const std::optional<Image> image = draw_world(shown, outputs, view.camera, view.colored);
+  if (!image) return Done{};
+  const AddTime time(outputs.facts.file_seconds);
+  return write_png(outputs.folder / fmt::format("frames/{}-{:04}.png", view.name, shown.frame), *image);
+}
+
 void add_to_motion(const ShownWorld& shown, Outputs& outputs) {
   const AddTime time(outputs.facts.drawing_seconds);
   add_moment(shown, outputs.motion);
@@ -179,18 +200,9 @@ std::string motion_of_page(Outputs& outputs) {
 
 Status add_snapshot(const ShownWorld& shown, Outputs& outputs) {
   add_to_motion(shown, outputs);
-  for (SurfaceView& view : outputs.views) {
-    std::optional<Image> image = draw_world(shown, outputs, view.camera, view.colored);
-    if (!image) continue;
-    const std::string file = fmt::format("frames/{}-{:04}.png", view.name, shown.frame);
-    {
-      const AddTime time(outputs.facts.file_seconds);
-      if (const Status status = write_png(outputs.folder / file, *image); !status) return status;
-    }
-    if (view.first.width == 0)
-      view.first = view.colored ? draw_world(shown, outputs, view.camera, false).value_or(*image) : *image;
-    view.last = std::move(*image);
-  }
+  keep_first(shown, outputs);
+  for (const SurfaceView& view : outputs.views)
+    if (const Status status = add_frame(shown, view, outputs); !status) return status;
   return write_meshes(shown, outputs);
 }
 
@@ -215,8 +227,12 @@ namespace {
 Status add_before_after(const ShownWorld& shown, Outputs& outputs) {
   for (std::size_t v = outputs.views.size(); v-- > 0;) {
     const SurfaceView& view = outputs.views[v];
-    if (view.first.width == 0) continue;
-    const Image pair = side_by_side({view.first, view.last}, {"before", "after " + seconds_text(shown.time)});
+    if (!view.before_after) continue;
+    const Camera camera = v == 0 ? camera_of_both(outputs, outputs.first, shown) : view.camera;
+    const std::optional<Image> before = draw_world(outputs.first, outputs, camera, false),
+                               last = draw_world(shown, outputs, camera, view.colored);
+    if (!before || !last) continue;
+    const Image pair = side_by_side({*before, *last}, {"before", "after " + seconds_text(shown.time)});
     const Status status = add_picture(outputs, view.name + "-before-after.png",
                                       view.caption + ", before and after", pair, true);
     if (!status) return status;
@@ -240,7 +256,7 @@ Status finish_tables(const World& world, Outputs& outputs) {
 Status finish_outputs(const World& world, const ShownWorld& shown, const std::vector<Pressed>& pressed,
                       Outputs& outputs) {
   Status status = add_pressed_pictures(pressed, outputs);
-  if (status && !shows_touch_alone(world)) status = add_before_after(shown, outputs);
+  if (status) status = add_before_after(shown, outputs);
   if (status) status = finish_ct_outputs(world, outputs);
   if (status) status = finish_tables(world, outputs);
   if (status && outputs.scene->output.obj) status = write_objs(shown, pressed, outputs);

@@ -22,13 +22,13 @@
 
 namespace turgor {
 
-/// A picture that is drawn at every snapshot: the whole body, or one cut from near.
+/// From where pictures are drawn: the whole body, or one cut from near.
 struct SurfaceView {
   std::string name;     // of its files
   std::string caption;  // "the skin", "midline from near"
   Camera camera;
-  bool colored = false;  // by output.color; else skin and wound as one sees them
-  Image first, last;     // the first snapshot, as one sees it, and the latest
+  bool colored = false;      // by output.color; else skin and wound as one sees them
+  bool before_after = true;  // the first snapshot, as one sees it, beside the last
 };
 
 /// A video: one from near for every cut; without cuts, or where the scene has cameras, one of the last view.
@@ -44,6 +44,7 @@ struct Outputs {
   std::filesystem::path folder;
   RunFacts facts;
   std::vector<SurfaceView> views;
+  ShownWorld first;                            // snapshot, where a view wants it beside the last
   std::vector<lattice::State> at_rest;         // lattices as in the CT, for pictures of before
   std::vector<PvdEntry> series;                // of meshes
   std::map<std::string, VtkHdfSeries> vtkhdf;  // by file
@@ -72,6 +73,8 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
 /// views.cpp: from where it is seen; the whole first.
 Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& world, const ShownWorld& shown,
                                             const std::vector<lattice::State>& at_rest);
+/// views.cpp: the camera of the first view, around all that these two moments show.
+Camera camera_of_both(const Outputs& outputs, const ShownWorld& first, const ShownWorld& last);
 bool shows_skin(const ShownWorld& shown);
 /// Pictures and meshes of the world now.
 Status add_snapshot(const ShownWorld& shown, Outputs& outputs);

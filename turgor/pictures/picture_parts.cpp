@@ -93,7 +93,7 @@ void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, P
   if (body.look == Look::kCloth) surface = two_sided(std::move(surface));
   parts.add(std::move(surface), color_of(body.look), scale);
   parts.parts.back().closed = true;
-  if (body.inside.triangles.empty()) return;
+  if (scale || body.inside.triangles.empty()) return;  // it would hide the colours above it
   parts.add(body.inside, kInside);
   parts.parts.back().through = parts.parts.back().closed = true;
 }

@@ -10,10 +10,11 @@ namespace turgor {
 
 namespace {
 
-/// One that tools touch is flesh, though it may be skin elsewhere; as a recording has it.
+/// Skin that tools touch is drawn as flesh, as a recording has it.
 ShownBody as_flesh(const ShownBody& pressed) {
   ShownBody body = pressed;
-  body.look = Look::kFlesh, body.wall_begin = body.triangles.size();
+  if (body.look == Look::kSkin) body.look = Look::kFlesh;
+  body.wall_begin = body.triangles.size();
   place_vertices(body);
   return body;
 }
@@ -45,11 +46,14 @@ Vec3d outward_around(const ShownBody& body, Vec3d place, double reach) {
   return sum;
 }
 
-/// At what the pressing tool touches. From aside one sees the dent with the tool in it, from above, where it
-/// is left out, what lies below it.
-Camera camera_at_tool(const ShownBody& body, const ShownTool& tool, bool from_above, double aspect) {
-  const double reach = (from_above ? 0.7 : 0.8) * tool.size;
-  const Vec3d half{reach, reach, reach}, outward = outward_around(body, tool.pose.position, 2 * tool.size);
+/// From where one looks at a tool: from the touched surface towards the eye, and what is up there.
+struct Aim {
+  Vec3d direction, up;
+};
+
+/// From aside one sees the dent with the tool in it, from above, where it is left out, what lies below it.
+Aim aim_at_tool(const ShownBody& body, const ShownTool& tool, bool from_above) {
+  const Vec3d outward = outward_around(body, tool.pose.position, 2 * tool.size);
   // Tools that pull are pulled in; forceps come from where their handles are.
   const bool pulls = dot(tool.force, outward) < 0;
   const Vec3d out = tool.has_jaws ? tool.pose.axes.column[2] : normalized(pulls ? outward : tool.force);
@@ -57,7 +61,30 @@ Camera camera_at_tool(const ShownBody& body, const ShownTool& tool, bool from_ab
   const Vec3d side = normalized(cross(out, head));
   const Vec3d direction = from_above ? out + side * 0.45 + head * 0.25
                                      : out * (tool.has_jaws ? 0.25 : 0.7) + side * 0.9 + head * 0.55;
-  return frame_box({tool.pose.position - half, tool.pose.position + half}, direction, out, aspect);
+  return {direction, out};
+}
+
+/// At what the pressing tool touches.
+Camera camera_at_tool(const ShownTool& tool, const Aim& aim, double reach, double aspect) {
+  const Vec3d half{reach, reach, reach};
+  return frame_box({tool.pose.position - half, tool.pose.position + half}, aim.direction, aim.up, aspect);
+}
+
+constexpr double kArrowPart = 0.2;  // of a whole body's diagonal
+
+/// The body with the tool and its arrow: from where the run is seen, but forceps, which are a rod from above,
+/// from aside with all of their handles.
+Camera camera_of_whole(const ShownBody& body, const ShownTool& tool, const Aim& aside, const Outputs& outputs,
+                       double aspect) {
+  Box box = body.box;
+  const auto add = [&box](const Box& more) { box = {min(box.low, more.low), max(box.high, more.high)}; };
+  const Vec3d arrow =
+      tool.pose.position + normalized(aside.up) * (1.25 * kArrowPart * norm(box.high - box.low));
+  add({arrow, arrow});
+  if (tool.has_jaws) add(bounding_box(placed_mesh(tool)));
+  const Camera& view = outputs.views.front().camera;
+  return tool.has_jaws ? frame_box(box, aside.direction, aside.up, aspect)
+                       : frame_box(box, view.eye - view.target, view.up, aspect);
 }
 
 /// One picture of a body's surface, with tools and forces as they are.
@@ -104,12 +131,14 @@ Status add_pictures(const Pressed& pressed, Outputs& outputs) {
   const ShownBody body = as_flesh(pressed.body);
   const ShownTool& tool = pressing_tool(pressed.tools);
   const double aspect = double(outputs.scene->output.width) / outputs.scene->output.height;
-  const Camera whole = outputs.views.front().camera, near = camera_at_tool(body, tool, false, aspect),
-               above = camera_at_tool(body, tool, true, aspect);
+  const Aim aside = aim_at_tool(body, tool, false), on_top = aim_at_tool(body, tool, true);
+  const Camera whole = camera_of_whole(body, tool, aside, outputs, aspect),
+               near = camera_at_tool(tool, aside, 0.8 * tool.size, aspect),
+               above = camera_at_tool(tool, on_top, 0.7 * tool.size, aspect);
   Status status = add_pair(pressed, body, "near", "from near", near, 0.5 * tool.size, outputs);
   if (status)
-    status = add_pair(pressed, body, "whole", "as a whole", whole, 0.2 * norm(body.box.high - body.box.low),
-                      outputs);
+    status = add_pair(pressed, body, "whole", "as a whole", whole,
+                      kArrowPart * norm(body.box.high - body.box.low), outputs);
   if (status)
     status = add_colored(body, SkinColor::kDisplacement, "displacement", "displacement", above, outputs);
   if (status)

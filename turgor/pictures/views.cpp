@@ -26,18 +26,28 @@ SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::Blade
   const double length = norm(box.high - box.low);
   const Vec3d outward = -(grid.axes * mean_into(path));
   const Vec3d direction = outward + Vec3d{0.15, 0, -0.35};
-  return {cut.blade.name,
-          cut.blade.name + " from near",
-          frame_box(grown(box, std::max(0.01, 0.08 * length)), direction, {0, 0, 1}, aspect),
-          {},
-          {}};
+  return {cut.blade.name, cut.blade.name + " from near",
+          frame_box(grown(box, std::max(0.01, 0.08 * length)), direction, {0, 0, 1}, aspect)};
 }
 
+Box joined(const Box& a, const Box& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
+
+constexpr double kFarAway = std::numeric_limits<double>::max();
+constexpr Box kNothing{{kFarAway, kFarAway, kFarAway}, {-kFarAway, -kFarAway, -kFarAway}};
+
+/// Of bodies at rest.
 Box box_of(const ShownWorld& shown) {
-  constexpr double kFar = std::numeric_limits<double>::max();
-  Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+  Box box = kNothing;
   for (const ShownBody& body : shown.bodies)
-    if (!body.rest.empty()) box = {min(box.low, body.box.low), max(box.high, body.box.high)};
+    if (!body.rest.empty()) box = joined(box, body.box);
+  return box;
+}
+
+/// Of bodies where they are.
+Box box_now(const ShownWorld& shown) {
+  Box box = kNothing;
+  for (const ShownBody& body : shown.bodies)
+    for (const Vec3 x : body.x) box = {min(box.low, Vec3d(x)), max(box.high, Vec3d(x))};
   return box;
 }
 
@@ -58,10 +68,14 @@ void add_holds(const World& world, Box& box) {
     }
 }
 
-/// Room for the arrows beside tools, on the side from which they come.
-void add_arrows(const ShownWorld& shown, Box& box) {
+/// Room for the arrows beside tools, on the side from which they come, and for what cloth lies on beside it.
+void add_surroundings(const ShownWorld& shown, Box& box) {
   const double room = 0.15 * norm(box.high - box.low);
   const Box most = grown(box, room);
+  for (const TriMesh& obstacle : shown.obstacles) {
+    const Box whole = bounding_box(obstacle);
+    box = joined(box, {max(most.low, min(most.high, whole.low)), max(most.low, min(most.high, whole.high))});
+  }
   for (const ShownTool& tool : shown.tools) {
     const Vec3d place = max(most.low, min(most.high, tool.pose.position));
     box = {min(box.low, place), max(box.high, place)};
@@ -72,7 +86,7 @@ void add_arrows(const ShownWorld& shown, Box& box) {
 Box box_of_motion(const World& world, const ShownWorld& shown) {
   Box box = box_of(shown);
   add_holds(world, box);
-  add_arrows(shown, box);
+  add_surroundings(shown, box);
   return box;
 }
 
@@ -90,19 +104,25 @@ SurfaceView view_of_bodies(const World& world, const ShownWorld& shown, Vec3d ou
   const bool from_head = std::abs(out.z) > 0.8;  // then one sees more from the front
   const Vec3d direction = out + (from_head ? Vec3d{0.5, -1.1, 0} : Vec3d{0.45, 0, 0.2});
   const bool skin = shows_skin(shown);
-  return {skin ? "skin" : "body",
-          skin ? "the skin" : "the body",
-          frame_box(box_of_motion(world, shown), direction, {0, 0, 1}, aspect),
-          true,
-          {},
-          {}};
+  return {skin ? "skin" : "body", skin ? "the skin" : "the body",
+          frame_box(box_of_motion(world, shown), direction, {0, 0, 1}, aspect), true};
 }
 
 SurfaceView view_of_camera(const CameraScene& camera) {
-  return {camera.name, camera.name, {camera.from, camera.at, camera.up, camera.angle}, false, {}, {}};
+  return {camera.name, camera.name, {camera.from, camera.at, camera.up, camera.angle}};
 }
 
 }  // namespace
+
+Camera camera_of_both(const Outputs& outputs, const ShownWorld& first, const ShownWorld& last) {
+  const SurfaceView& view = outputs.views.front();
+  const OutputScene& output = outputs.scene->output;
+  Box box = joined(box_now(first), box_now(last));
+  add_surroundings(first, box), add_surroundings(last, box);
+  const Camera camera = frame_box(box, view.camera.eye - view.camera.target, view.camera.up,
+                                  double(output.width) / output.height);
+  return view.colored && output.color != SkinColor::kNone ? beside_legend(camera, outputs) : camera;
+}
 
 Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& world, const ShownWorld& shown,
                                             const std::vector<lattice::State>& at_rest) {

@@ -125,6 +125,9 @@ Result<OutputFolder> OutputFolder::create(const fs::path& wanted, Foreign foreig
   if (!goal->has_filename())
     return Error{fmt::format("{}: expected the name of a folder for the results", wanted.string())};
   std::error_code error;
+  MadeFolders made;
+  for (fs::path p = goal->parent_path(); p.has_relative_path() && !fs::exists(p, error); p = p.parent_path())
+    made.paths.push_back(p);
   fs::create_directories(goal->parent_path(), error);
   if (error)
     return Error{
@@ -132,14 +135,19 @@ Result<OutputFolder> OutputFolder::create(const fs::path& wanted, Foreign foreig
   clean_up(*goal);
   Result<std::vector<std::string>> doomed = check_goal(*goal, foreign);
   if (!doomed) return doomed.error();
-  OutputFolder folder(*goal, std::move(*doomed));
+  OutputFolder folder(*goal, std::move(made), std::move(*doomed));
   if (!fs::create_directory(folder.path(), error))
     return Error{fmt::format("{}: cannot make the folder: {}", folder.path().string(), error.message())};
   return folder;
 }
 
-OutputFolder::OutputFolder(fs::path goal, std::vector<std::string> doomed)
-    : goal_(std::move(goal)), doomed_(std::move(doomed)), partial_(goal_) {}
+MadeFolders::~MadeFolders() {
+  std::error_code ignored;  // of those that hold something
+  for (const fs::path& path : paths) fs::remove(path, ignored);
+}
+
+OutputFolder::OutputFolder(fs::path goal, MadeFolders made, std::vector<std::string> doomed)
+    : goal_(std::move(goal)), doomed_(std::move(doomed)), made_(std::move(made)), partial_(goal_) {}
 
 Status OutputFolder::check_input(const fs::path& file) const {
   std::error_code error;

@@ -19,6 +19,16 @@ constexpr const char* kReportFile = "report.json";
 /// What becomes of files in the goal that turgor did not write, or that were changed since.
 enum class Foreign { kRefuse, kRemove };
 
+/// Folders around the results that did not exist; those that stay empty go again.
+struct MadeFolders {
+  std::vector<std::filesystem::path> paths;  // inner ones first
+
+  MadeFolders() = default;
+  MadeFolders(MadeFolders&&) = default;
+  MadeFolders& operator=(MadeFolders&&) = default;
+  ~MadeFolders();
+};
+
 class OutputFolder {
  public:
   /// Error: the goal is a file, a folder that is not ours, or has foreign files; it says which.
@@ -38,11 +48,12 @@ class OutputFolder {
   const std::filesystem::path& kept() const { return kept_; }
 
  private:
-  OutputFolder(std::filesystem::path goal, std::vector<std::string> doomed);
+  OutputFolder(std::filesystem::path goal, MadeFolders made, std::vector<std::string> doomed);
   Status replace_goal();
 
   std::filesystem::path goal_, kept_;
   std::vector<std::string> doomed_;
+  MadeFolders made_;
   Unfinished partial_;
 };
 

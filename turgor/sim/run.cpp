@@ -16,7 +16,9 @@ struct Running {
   Simulated result;
 };
 
+/// Once a frame, also where there are a picture and a snapshot of it.
 void show_now(Running& run) {
+  if (!run.result.shown.bodies.empty() && run.result.shown.frame == run.world.frame) return;
   const Timer timer;
   show(run.exec, run.world, run.result.shown);
   run.result.show_seconds += timer.seconds();

@@ -105,7 +105,7 @@ PixelBox draw_legend(Image& image, const ColorScale& scale, int slot) {
 }
 
 PixelBox draw_scale_bar(Image& image, const Camera& camera) {
-  const int size = std::clamp(image.height / 44, 11, 40), margin = size;
+  const int size = std::clamp(image.height / 32, 11, 40), margin = size;
   const double height =
       2 * norm(camera.eye - camera.target) * camera_frame(camera).tan_half;  // of the picture [m]
   const double longest = 0.2 * height * image.width / image.height;
@@ -117,11 +117,12 @@ PixelBox draw_scale_bar(Image& image, const Camera& camera) {
     }
   const int pixels = int(std::lround(length / height * image.height)), bottom = image.height - margin;
   const PixelBox bar{margin, bottom - std::max(2, size / 5), margin + pixels, bottom};
-  fill(image, {bar.left - 1, bar.top - 1, bar.right + 1, bar.bottom + 1}, kPanel, 0.6f);
-  fill(image, bar, kInk, 1);
   const std::string text =
       length >= 0.999 ? fmt::format("{:.0f} m", length) : fmt::format("{:.3g} mm", 1e3 * length);
-  draw_text(image, text, bar.left, bar.top - size, {.size = size, .color = kInk, .halo = true});
+  const int right = std::max(bar.right, bar.left + text_width(text, size)), pad = size / 2;
+  fill(image, {bar.left - pad, bar.top - 3 * size / 2 - pad, right + pad, bar.bottom + pad}, kPanel, 0.6f);
+  fill(image, bar, kInk, 1);
+  draw_text(image, text, bar.left, bar.top - 5 * size / 6, {.size = size, .color = kInk});
   return bar;
 }
 

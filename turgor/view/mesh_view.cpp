@@ -16,7 +16,8 @@ Result<Image> draw_scene(const std::vector<MeshPart>& parts, const Camera& camer
   if (!gl) return gl.error();
   static const Result<MeshPrograms> programs = link_mesh_programs();  // guarded by holding the context
   if (!programs) return programs.error();
-  MeshDrawing drawing;
+  static MeshDrawing& drawing =
+      *new MeshDrawing;  // as the context, until the process ends: next to nothing is made anew
   drawing.programs = *programs;
   const Result<GLuint> drawn = draw_into_texture(drawing, parts, camera, width, height, care);
   if (!drawn) return drawn.error();

@@ -28,9 +28,11 @@ TEST(LatticeWarnings, a_blade_in_the_air_says_how_far_and_where_it_was_set_down)
   EXPECT_TRUE(warnings[0].starts_with("incision 'cut': `from`, (0.002, -0.05, -0.03) m, is 2"))
       << warnings[0];
   EXPECT_TRUE(warnings[1].starts_with("incision 'cut': `to`, (0.002, -0.05, 0.03) m, is 2")) << warnings[1];
-  for (const std::string& warning : warnings)
+  for (const std::string& warning : warnings) {
     EXPECT_NE(warning.find("off the skin: the blade was set on the skin between ("), std::string::npos)
         << warning;
+    EXPECT_EQ(warning.find("e-"), std::string::npos) << "what is next to nothing is 0: " << warning;
+  }
 }
 
 TEST(LatticeWarnings, a_cut_nearly_through_the_body_says_what_is_left_below) {

@@ -1,6 +1,7 @@
 #include "turgor/sim/report/lattice_warnings.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -27,6 +28,14 @@ double off_skin(const Model& model, const lattice::BladePath& path, Vec3d point)
   return nearest - double(std::max({step.x, step.y, step.z}));
 }
 
+/// To a hundredth of a millimetre: what is next to nothing is 0.
+std::string place_on_skin(const Model& model, Vec3d x) {
+  constexpr double kFine = 1e-5;  // [m]
+  Vec3d place = in_patient(model, x);
+  for (int axis = 0; axis < 3; axis++) place[axis] = kFine * std::round(place[axis] / kFine) + 0.0;
+  return place_text(place);
+}
+
 void warn_of_blade(const Cut& cut, const Model& model, std::vector<std::string>& warnings) {
   const lattice::BladePath& path = *cut.path;
   for (const auto& [name, point] : {std::pair{"from", cut.blade.from}, {"to", cut.blade.to}})
@@ -34,8 +43,8 @@ void warn_of_blade(const Cut& cut, const Model& model, std::vector<std::string>&
       warnings.push_back(fmt::format(
           "incision '{}': `{}`, {}, is {:.0f} mm off the skin: the blade was set on the skin between {} and "
           "{}",
-          cut.blade.name, name, place_text(point), 1e3 * off,
-          place_text(in_patient(model, path.skin.front())), place_text(in_patient(model, path.skin.back()))));
+          cut.blade.name, name, place_text(point), 1e3 * off, place_on_skin(model, path.skin.front()),
+          place_on_skin(model, path.skin.back())));
   double below = kCellsBelow;
   for (std::size_t n = 0; n + 1 < path.skin.size(); n++)
     below = std::min(below, lattice::cells_below(model, path.skin[n] + path.into[n] * path.depth,

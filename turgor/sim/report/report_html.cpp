@@ -190,9 +190,10 @@ std::string report_html(const Json& report, const fs::path& folder, const std::s
   const Json &scene = report.at("scene"), &machine = report.at("machine");
   const std::string name = xml_text(fs::path(scene.at("file").get<std::string>()).stem().string());
   std::string html = fmt::format(fmt::runtime(kPageHead), name);
-  html += fmt::format("<h1>{}</h1>\n<p class=\"soft\">{} frames a second; {} threads on {}; turgor {}</p>\n",
-                      name, shown(scene.at("frame_rate_per_s")), shown(machine.at("threads")),
-                      shown(machine.at("processor")), shown(report.at("version")));
+  html +=
+      fmt::format("<h1>{}</h1>\n<p class=\"soft\">{:g} frames a second; {} threads on {}; turgor {}</p>\n",
+                  name, scene.at("frame_rate_per_s").get<double>(), shown(machine.at("threads")),
+                  shown(machine.at("processor")), shown(report.at("version")));
   for (const Json& warning : report.at("warnings"))
     html += "<p class=\"warning\">" + shown(warning) + "</p>\n";
   html += key_figures(report);

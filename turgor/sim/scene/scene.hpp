@@ -55,10 +55,10 @@ enum class SkinColor : std::uint8_t { kNone, kDisplacement, kStretch, kPressure 
 
 /// [output]. File names are inside the output folder; empty = not written.
 struct OutputScene {
-  double every = 0.5;             // snapshots: pictures, meshes, recording [s]
+  double every = 0.5;             // snapshots: meshes, recording, frames [s]
   int width = 960, height = 720;  // of pictures [pixels]
   SkinColor color = SkinColor::kDisplacement;
-  std::string volume_rendering = "skin";  // a tissue preset
+  std::string volume_rendering;  // a tissue preset
   bool sections = true;
   std::string window = "abdomen";  // of grey values in sections
   std::string deformed_ct, displacement, jacobian;
@@ -70,10 +70,11 @@ struct OutputScene {
   bool obj = true;
   MeshSpace mesh_space;  // of all three
   bool recording = true;
+  bool frames = false;  // a picture of every view at every snapshot
   bool video = false;
 };
 
-/// [camera.NAME]: pictures of every snapshot from one more place.
+/// [camera.NAME]: pictures from one more place.
 struct CameraScene {
   std::string name;
   Vec3d from, at, up{0, 0, 1};  // [m], [m], any length

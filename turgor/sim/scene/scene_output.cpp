@@ -142,7 +142,9 @@ void read_output(SceneTable output, Scene& scene) {
                         "[low, high] of the displacement [m], the stretch [1] or the pressure [Pa]");
   }
   read_choice_or_off(output, "volume_rendering", out.volume_rendering, known_volume_presets(),
-                     "`\"skin\"`, `\"soft tissue\"`, `\"muscle\"`, `\"bone\"`, `\"lung\"`, or `false`");
+                     {"the CT before and after as a picture of one tissue: `\"skin\"`, `\"soft tissue\"`, "
+                      "`\"muscle\"`, `\"bone\"`, `\"lung\"`, or `false`",
+                      "false"});
   output.read("sections", out.sections, "sections of the CT through every cut, before and after");
   output.read_choice(
       "window", out.window, known_windows(),
@@ -185,6 +187,11 @@ void read_output(SceneTable output, Scene& scene) {
       "(`SPACE`), and 3D Slicer heeds that");
   output.read("recording", out.recording,
               "`recording.h5`, for `turgor run --replay` and for Python: see [recording.md](recording.md)");
+  output.read("frames", out.frames,
+              "`frames/NAME-….png`, a picture at every snapshot of the whole, of every cut from near and "
+              "from every camera; "
+              "a replay draws them later, too (`--set output.frames=true`). Without, the first and the last "
+              "stand side by side in `NAME-before-after.png`, and the page plays the run");
   output.read("video", out.video,
               "`video.mp4`, when ffmpeg is there; with several cuts, `video-NAME.mp4` of each from near; the "
               "page plays the run without");

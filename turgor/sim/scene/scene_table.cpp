@@ -21,6 +21,14 @@ bool allows(const Allowed& allowed, double value) {
                       : value >= allowed.low && value <= allowed.high;
 }
 
+/// What a length would be that was meant in millimetres; empty when that is no better.
+std::string if_in_mm(const Allowed& allowed, std::optional<double> value) {
+  if (!value || std::abs(*value) < 1 || std::string_view(allowed.unit) != "m" ||
+      !allows(allowed, *value / 1000))
+    return "";
+  return fmt::format(" m; {:g} mm are {:g}", *value, *value / 1000);
+}
+
 std::string text_of(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : std::string("none");
 }
@@ -97,12 +105,20 @@ void SceneTable::fail_value(std::string_view key, const toml::node& node, const 
   problems_.add(path_of(key), node, fmt::format("expected {}, found {}", expected, turgor::describe(node)));
 }
 
+void SceneTable::fail_number(std::string_view key, const toml::node& node, const std::string& expected,
+                             const Allowed& allowed) {
+  const auto number = node.is_number() ? node.value<double>() : std::nullopt;
+  problems_.add(path_of(key), node,
+                fmt::format("expected {}{}, found {}{}", expected, with_unit(allowed), turgor::describe(node),
+                            if_in_mm(allowed, number)));
+}
+
 void SceneTable::read(std::string_view key, double& value, const Allowed& allowed, Meaning meaning) {
   list(key, allowed, text_of(value), meaning);
   const toml::node* node = find(key);
   if (!node) return;
   const auto number = node->is_number() ? node->value<double>() : std::nullopt;
-  if (!number || !allows(allowed, *number)) return fail_value(key, *node, "a number" + with_unit(allowed));
+  if (!number || !allows(allowed, *number)) return fail_number(key, *node, "a number", allowed);
   value = *number;
 }
 
@@ -134,13 +150,12 @@ void SceneTable::read(std::string_view key, std::string& value, Meaning meaning)
 
 std::vector<double> SceneTable::numbers(std::string_view key, const toml::node& node,
                                         const Allowed& allowed) {
-  const std::string expected = "numbers" + with_unit(allowed);
   std::vector<double> values;
-  if (!node.is_array()) return fail_value(key, node, expected), values;
+  if (!node.is_array()) return fail_number(key, node, "numbers", allowed), values;
   for (const toml::node& element : *node.as_array()) {
     const auto number = element.is_number() ? element.value<double>() : std::nullopt;
     if (!number || !allows(allowed, *number))
-      return fail_value(key, element, expected), std::vector<double>{};
+      return fail_number(key, element, "numbers", allowed), std::vector<double>{};
     values.push_back(*number);
   }
   return values;

@@ -89,6 +89,9 @@ class SceneTable {
   void fail(std::string_view key, const std::string& what);
   /// Notes "expected …, found …" about a value.
   void fail_value(std::string_view key, const toml::node& node, const std::string& expected);
+  /// The same about a number, with what was likely meant by a length in millimetres.
+  void fail_number(std::string_view key, const toml::node& node, const std::string& expected,
+                   const Allowed& allowed);
   /// Notes that one of `keys` is needed, unless the table has one.
   void require(const std::vector<std::string>& keys, const std::string& what_for);
   /// "FILE:LINE:COLUMN: path" of this table.

@@ -1,0 +1,62 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turgor/pictures/outputs.hpp"
+
+namespace turgor {
+namespace {
+
+ShownWorld with_vertices(std::vector<Vec3> x) {
+  ShownWorld shown;
+  ShownBody& body = shown.bodies.emplace_back();
+  body.rest = {{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}};
+  body.triangles = {{0, 1, 2}};
+  body.x = std::move(x);
+  return shown;
+}
+
+TEST(Views, ACameraOfTwoMomentsShowsAllOfBoth) {
+  Scene scene;
+  Outputs outputs;
+  outputs.scene = &scene;
+  outputs.views = {{.name = "body", .caption = "the body", .camera = {.eye = {0.3, -1, 0.2}, .target = {}}}};
+  const ShownWorld first = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}}),
+                   last = with_vertices({{0.4f, -0.3f, 0.2f}, {0.5f, -0.2f, 0}, {0.2f, -0.1f, 0.6f}});
+  for (const bool colored : {false, true}) {
+    outputs.views[0].colored = colored;
+    const Camera camera = camera_of_both(outputs, first, last);
+    const CameraFrame frame = camera_frame(camera);
+    double farthest = 0;  // from the middle of the picture, where its upper edge is at 1
+    for (const ShownWorld* shown : {&first, &last})
+      for (const Vec3 x : shown->bodies[0].x) {
+        const Vec3d seen = Vec3d(x) - camera.eye;
+        const double half = -dot(seen, frame.back) * frame.tan_half;
+        ASSERT_GT(half, 0);
+        EXPECT_LT(std::abs(dot(seen, frame.up)) / half, 1);
+        EXPECT_LT(std::abs(dot(seen, frame.right)) / half, 4.0 / 3);
+        farthest = std::max(farthest, std::abs(dot(seen, frame.up)) / half);
+      }
+    EXPECT_GT(farthest, 0.5) << "and it is not far away";
+    EXPECT_LT(norm(cross(camera.eye - camera.target, outputs.views[0].camera.eye)), 1e-9) << "from there";
+  }
+}
+
+TEST(Views, WhatIsInABodyIsSeenThroughItButDoesNotHideItsColours) {
+  ShownBody body = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}}).bodies[0];
+  body.normals.assign(3, {0, -1, 0});
+  body.displacement.assign(3, {});
+  body.wall_begin = 1;
+  body.inside = {.vertices = body.x, .triangles = body.triangles, .normals = body.normals, .scalars = {}};
+  PictureParts plain, colored;
+  add_body(body, SkinColor::kNone, nullptr, plain);
+  const ColorScale scale{.low = 0, .high = 0.01f, .label = "displacement [mm]", .factor = 1000};
+  add_body(body, SkinColor::kDisplacement, &scale, colored);
+  ASSERT_EQ(plain.parts.size(), 2u);
+  EXPECT_TRUE(plain.parts[1].through);
+  ASSERT_EQ(colored.parts.size(), 1u);
+  EXPECT_EQ(colored.parts[0].scale, &scale);
+}
+
+}  // namespace
+}  // namespace turgor
