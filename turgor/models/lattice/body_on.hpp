@@ -10,6 +10,7 @@
 #include "turgor/models/lattice/descent_loops.hpp"
 #include "turgor/models/lattice/kept_state.hpp"
 #include "turgor/models/lattice/pbd_loops.hpp"
+#include "turgor/models/lattice/resample_loops.hpp"
 
 namespace turgor::lattice {
 
@@ -43,11 +44,15 @@ struct ListOn {
   typename Side::template Array<T> room;
   std::size_t count = 0;
 
+  /// Is there room for so many?
+  bool fits(std::size_t wanted, std::size_t spare = 0) {
+    if (wanted > room.size()) room = {}, room = typename Side::template Array<T>(wanted + spare);
+    count = room.is_there() ? wanted : 0;
+    return room.is_there();
+  }
   void fit(std::size_t wanted) {
-    count = wanted;
-    if (wanted <= room.size()) return;
-    room = typename Side::template Array<T>(wanted + wanted / 2);
-    TURGOR_ASSERT(room.is_there(), "a GPU has memory left for what a step or a cut adds to a body");
+    [[maybe_unused]] const bool there = fits(wanted, wanted / 2);
+    TURGOR_ASSERT(there, "a GPU has memory left for what a step or a cut adds to a body");
   }
   void put(std::span<const T> values) {
     fit(values.size());
@@ -236,6 +241,42 @@ struct DescentOn {
   }
 };
 
+/// The deformed body as a CT, once it is asked for.
+template <class Side>
+struct ResampledOn {
+  template <class T>
+  using List = ListOn<Side, T>;
+
+  List<std::int16_t> ct, out;
+  List<Int3> place;
+  List<std::uint32_t> owner;
+  List<MovedBits> moved;
+
+  bool fits(std::size_t slots, const CtVolume& from, std::size_t voxels) {
+    const bool is_new = ct.count == 0;
+    const bool all = ct.fits(from.samples.size()) && out.fits(voxels) && place.fits(slots) &&
+                     owner.fits(voxels) && moved.fits(1);
+    if (all && is_new) ct.room.upload(from.samples);
+    return all;
+  }
+  ResampleView view(const Model& model, const NodeArrays& nodes, const CtVolume& from,
+                    const Grid& grid) const {
+    const ToVoxels to = to_voxels(model, grid);
+    const Vec3d voxel = from.grid.spacing, step = model.grid.spacing;
+    return {.lattice = model.lattice,
+            .nodes = nodes,
+            .moved = moved.data(),
+            .to_voxels = to,
+            .window = {.low = {0, 0, 0}, .high = grid.size, .handed = handed(to)},
+            .rest = {.first_node = index_at(from.grid, model.grid.origin),
+                     .cell_size = {step.x / voxel.x, step.y / voxel.y, step.z / voxel.z}},
+            .place = place.data(),
+            .owner = owner.data(),
+            .sample = Sampler(ct.data(), from.grid.size),
+            .out = out.data()};
+  }
+};
+
 template <class Side>
 class BodyOn final : public BodyThere {
  public:
@@ -279,6 +320,25 @@ class BodyOn final : public BodyThere {
       run_(std::size_t(view.copy_count), GoBackCopy{view});
     }
     return {.finite = false};
+  }
+
+  std::optional<CtVolume> resample(const Model& model, const CtVolume& ct, const Grid& grid) override {
+    CtVolume now{.grid = grid, .samples = {}};
+    now.samples.resize(sample_count(grid));
+    const std::size_t nodes = std::size_t(node_count(model.lattice));
+    if (nodes > ResampleView::kNobody / 6 || !resampled_.fits(nodes_.w.size(), ct, now.samples.size())) {
+      resampled_ = {};
+      return {};
+    }
+    ResampleView view = resampled_.view(model, nodes_.view().nodes, ct, grid);
+    MovedBits moved;
+    resampled_.moved.room.upload({&moved, 1});
+    run_(nodes, FindMoved{view});
+    resampled_.moved.room.download({&moved, 1});
+    view.window.bits = view.to_voxels.bits = finest_bits(view.to_voxels, moved.low(), moved.high());
+    resample_with(run_, view);
+    resampled_.out.room.download(now.samples);
+    return now;
   }
 
  private:
@@ -336,6 +396,7 @@ class BodyOn final : public BodyThere {
   std::optional<PbdOn<Side>> pbd_;
   std::optional<DescentOn<Side>> descent_;
   ListOn<Side, NodeLoad> loads_;
+  ResampledOn<Side> resampled_;
 };
 
 }  // namespace turgor::lattice

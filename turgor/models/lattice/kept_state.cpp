@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "turgor/models/lattice/resample.hpp"
+
 namespace turgor::lattice {
 
 /// What was changed here since it last went over.
@@ -95,6 +97,16 @@ StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& i
   if (report.finite) state.time += dt;
   if (kept_->watched) kept_->come_back(), kept_->changed = Changed::kAll;
   return report;
+}
+
+CtVolume KeptState::resample(const Exec& exec, const Model& model, const CtVolume& ct,
+                             const Grid& grid) const {
+  if (kept_->there && cuts() == 0) {
+    const std::lock_guard lock(kept_->there->in_use);
+    if (kept_->away)
+      if (std::optional<CtVolume> now = kept_->there->resample(model, ct, grid)) return std::move(*now);
+  }
+  return resample_ct(exec, model, here(), ct, grid, {.conserve_mass = false, .keep_surroundings = false}).ct;
 }
 
 template <class Cut>

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "turgor/models/lattice/incision.hpp"
 
@@ -24,6 +25,9 @@ struct BodyThere {
   /// Of the state that is there; a step whose numbers are not finite is undone. The model is the one that was
   /// put; its sweeps, damping and skin may be others since. `fastest`: State::fastest.
   virtual StepReport step(const Model& model, const Inputs& inputs, double dt, Real fastest) = 0;
+  /// What resample_ct makes of the body alone, if no blade has been at it; nothing where there is no room for
+  /// it. `ct` is the one that the body was built from.
+  virtual std::optional<CtVolume> resample(const Model& model, const CtVolume& ct, const Grid& grid) = 0;
 
   std::mutex in_use;
   std::weak_ptr<StateAndPlace> whose;  // state it holds
@@ -59,6 +63,8 @@ class KeptState {
   /// What the functions of these names do (incision.hpp).
   int cut_edges(const Model& model, const BladePath& path, double begin, double end, int incision);
   int cut_region(const Model& model, const BladePath& path);
+  /// resample_ct without surroundings, where the state is.
+  CtVolume resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid) const;
 
  private:
   template <class Cut>
