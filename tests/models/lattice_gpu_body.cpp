@@ -1,6 +1,8 @@
 // What needs a GPU; elsewhere it is skipped with a sentence. What it does there, lattice_body_on tests here.
+#include "ct_body.hpp"
 #include "cut_block.hpp"
 #include "turgor/models/lattice/gpu_body.hpp"
+#include "turgor/models/lattice/resample.hpp"
 
 namespace turgor::lattice {
 namespace {
@@ -41,6 +43,25 @@ TEST(gpu_lattice, bodies_step_there_as_they_do_here) {
     EXPECT_LT(found.most, 1e-4 * found.largest) << "m, method " << int(method) << ", law " << int(law);
     EXPECT_EQ(there.time, here.time);
   }
+}
+
+TEST(gpu_lattice, the_deformed_ct_made_there_is_the_one_made_here) {
+  const Result<Gpu> gpu = open_gpu();
+  if (!gpu) GTEST_SKIP() << gpu.error().message;
+  const CtVolume ct = ball_ct(33, 12.3);
+  Model model = body_of(ct, {3, 5, 2});
+  model.params.solver.schedule = Schedule::kColours, model.params.solver.coarse = false;
+  State state = make_state(model);
+  move(model, state, [](Vec3d x) {
+    return Vec3d{0.003 * std::sin(300 * x.y), 0.004 * std::sin(400 * x.x), 0};
+  });
+  const std::shared_ptr<BodyThere> body = put(*gpu, model).value();
+  body->put_state(model, state);
+  const CtVolume there = body->resample(model, ct, ct.grid).value();
+  const CtVolume here = resample_ct(kOne, model, state, ct, ct.grid, {.keep_surroundings = false}).ct;
+  long other = 0;
+  for (std::size_t v = 0; v < here.samples.size(); v++) other += there.samples[v] != here.samples[v];
+  EXPECT_LE(other, long(here.samples.size()) / 1000) << "voxels: fused multiply-adds round otherwise";
 }
 
 TEST(gpu_lattice, what_runs_there_is_known_before) {

@@ -128,6 +128,22 @@ TEST(lattice_kept_state, views_that_are_watched_see_every_step_and_are_heard) {
   EXPECT_EQ(there.state->u.x.data(), u);
 }
 
+TEST(lattice_kept_state, numbers_of_another_come_to_where_views_look) {
+  Away there;
+  const KeptState begin = there.state;
+  const std::uint64_t before = state_hash(there.model, begin);
+  const Real* u = there.state.watch().u.x.data();
+  there.step();
+  EXPECT_NE(state_hash(there.model, there.state), before);
+  there.state = begin;
+  EXPECT_EQ(there.state->u.x.data(), u);
+  EXPECT_EQ(state_hash(there.model, there.state), before);
+  there.step();
+  Away alone;
+  alone.step();
+  EXPECT_EQ(state_hash(there.model, there.state), state_hash(alone.model, alone.state));
+}
+
 TEST(lattice_kept_state, threads_may_look_at_once) {
   Away there;
   there.step();

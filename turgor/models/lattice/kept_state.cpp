@@ -60,8 +60,10 @@ KeptState::KeptState(State state) : kept_(std::make_shared<StateAndPlace>()) {
 
 KeptState::KeptState(const KeptState& other) : KeptState(other.here()) { kept_->there = other.kept_->there; }
 
-KeptState& KeptState::operator=(KeptState other) noexcept {
-  std::swap(kept_, other.kept_);
+KeptState& KeptState::operator=(const KeptState& other) {
+  if (this == &other) return *this;
+  change() = other.here();
+  kept_->there = other.kept_->there;
   return *this;
 }
 

@@ -40,7 +40,9 @@ class KeptState {
   /// A copy is here; it steps where the original does.
   KeptState(const KeptState& other);
   KeptState(KeptState&&) noexcept = default;
-  KeptState& operator=(KeptState other) noexcept;
+  /// Takes the other's numbers, in the same memory, and steps where it does.
+  KeptState& operator=(const KeptState& other);
+  KeptState& operator=(KeptState&&) noexcept = default;
   ~KeptState() = default;
 
   /// As it is now. Valid until the next step.
