@@ -69,22 +69,24 @@ void frames_by_turns(const Exec& exec, const Model& a, const Model& b, double& m
   ms_a = median(times_a), ms_b = median(times_b);
 }
 
+double gpu_frame_ms(const Gpu& gpu, const Model& model) {
+  const auto body = lattice::put(gpu, model);
+  if (!body) return 0;
+  lattice::KeptState state = make_state(model);
+  state.step_on(*body);
+  const auto step = [&] { state.step(Exec(), model, {}, kDt); };
+  step();
+  return median_ms(kFrames, step);
+}
+
 ScheduleTimes measure_schedules(const Exec& exec, const BodyNodes& nodes, Params params) {
   ScheduleTimes times;
   const Model slabs = lattice::assemble(exec, nodes, nullptr, params).value();
   params.solver.schedule = lattice::Schedule::kColours;
   const Model colours = lattice::assemble(exec, nodes, nullptr, params).value();
   frames_by_turns(exec, slabs, colours, times.slabs, times.colours);
+  if (const Result<Gpu> gpu = open_gpu()) times.gpu = gpu_frame_ms(*gpu, colours);
   return times;
-}
-
-double gpu_frame_ms(const Gpu& gpu, const BodyNodes& nodes, Params params) {
-  params.solver.schedule = lattice::Schedule::kColours;
-  const Model model = lattice::assemble(Exec(), nodes, nullptr, params).value();
-  const auto body = lattice::put(gpu, model);
-  if (!body) return 0;
-  lattice::put_state(**body, make_state(model));
-  return median_ms(kFrames, [&] { lattice::step(**body, model, {}, kDt); });
 }
 
 SkinTensionTimes measure_pbd(const Exec& exec, const BodyNodes& nodes, const Model& without,
@@ -146,7 +148,6 @@ SkinTensionRow measure(const Exec& exec, const SkinTensionBench& limits, const D
   }
   row.pbd_frames = measure_schedules(exec, nodes, pbd);
   row.descent_frames = measure_schedules(exec, nodes, descent);
-  if (const Result<Gpu> gpu = open_gpu()) row.gpu_frame = gpu_frame_ms(*gpu, nodes, pbd);
   progress(0.7);
   const Model model = lattice::assemble(exec, nodes, nullptr, descent).value();
   row.descent_frame_one = frame_ms(one, model);

@@ -18,9 +18,10 @@ struct SkinTensionTimes {
   double frame_without = 0, frame_with = 0;
 };
 
-/// Frames of one body by both orders of a sweep, in turns [ms].
+/// Frames of one body by both orders of a sweep, in turns, and on a GPU, where the state stays; 0: there is
+/// none [ms].
 struct ScheduleTimes {
-  double slabs = 0, colours = 0;
+  double slabs = 0, colours = 0, gpu = 0;
 };
 
 struct SkinTensionRow {
@@ -35,7 +36,6 @@ struct SkinTensionRow {
   double descent_bandwidth_fraction = 0, descent_arithmetic_fraction = 0;
   double descent_frame_one = 0, descent_frame = 0;  // 5 sweeps with skin [ms]
   ScheduleTimes pbd_frames, descent_frames;         // with skin, all threads
-  double gpu_frame = 0;                             // pbd with skin, the state staying there; 0: no GPU [ms]
   double residual_pbd = 0, residual_descent = 0;    // rms after a frame [N]
   double resample_half = 0, resample_full = 0;      // to half and to full size [ms]
 };

@@ -91,7 +91,7 @@ void bind_live(nb::module_& module) {
           "u",
           [](const LiveBody& l) {
             LatticeBody& body = lattice_of(l, "u");
-            return of_nodes(l.body, body.model.lattice, body.state.u);
+            return of_nodes(l.body, body.model.lattice, body.state.watch().u);
           },
           "lattice: displacements [k, j, parity, i // 2] along the lattice's own axes [m]; of a row with an "
           "odd number "
@@ -100,7 +100,7 @@ void bind_live(nb::module_& module) {
           "v",
           [](const LiveBody& l) {
             LatticeBody& body = lattice_of(l, "v");
-            return of_nodes(l.body, body.model.lattice, body.state.v);
+            return of_nodes(l.body, body.model.lattice, body.state.watch().v);
           },
           "lattice: velocities, likewise [m/s]")
       .def_prop_ro(

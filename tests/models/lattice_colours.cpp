@@ -8,10 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "block_body.hpp"
-#include "turgor/models/lattice/descent_loops.hpp"
-#include "turgor/models/lattice/gpu_body.hpp"
-#include "turgor/models/lattice/incision.hpp"
-#include "turgor/models/lattice/pbd_loops.hpp"
+#include "cut_block.hpp"
+#include "turgor/models/lattice/colours.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
 namespace turgor::lattice {
@@ -19,36 +17,6 @@ namespace {
 
 const Exec kOne(1);
 constexpr double kDt = 1.0 / 60;
-
-struct CutBlock {
-  Model model;
-  State state;
-};
-/// A tense block with fixed sides, pushed out of shape and cut.
-CutBlock cut_block(Method method, Int3 size = {13, 11, 9}, bool volumes = true,
-                   TissueLaw law = TissueLaw::kSprings, SkinLaw skin = SkinLaw::kFibre) {
-  const auto is_side = [size](Int3 p) {
-    return p.x == 0 || p.y == 0 || p.z == 0 || p.x == size.x - 1 || p.y == size.y - 1;
-  };
-  Params params;
-  params.solver = {.method = method, .schedule = Schedule::kColours, .pbd_volume = volumes};
-  params.tissue = {.law = law, .volume = method == Method::kDescent && volumes ? 1.0 : 0.0};
-  params.skin.law = method == Method::kPbd ? SkinLaw::kArea : skin;
-  CutBlock block{block_model({.size = size, .is_fixed = is_side}, params), {}};
-  block.state = make_state(block.model);
-  const auto wave = [](int a, int b) { return Real(1e-3 * std::sin(1.3 * a + 0.7 * b)); };
-  for (int k = 0; k < size.z; k++)
-    for (int j = 0; j < size.y; j++)
-      for (int i = 0; i < size.x; i++)
-        if (!is_side({i, j, k}))
-          block.state.u.set(std::size_t(node_slot(block.model.lattice, i, j, k)),
-                            {wave(i, j), wave(j, k), wave(k, i)});
-  const double y = 0.004 * (size.y / 2 + 0.5), z = 0.004 * (size.z - 1);
-  const BladePath path =
-      lay_blade(block.model, block.state, {.from = {0.015, y, z}, .to = {0.032, y, z}}).value();
-  EXPECT_GT(cut_edges(block.model, block.state, path, 0, 1, 0), 10);
-  return block;
-}
 
 TEST(lattice_colours, no_two_cells_of_a_colour_touch_the_same_node) {
   for (const Int3 size : {Int3{9, 8, 7}, {12, 5, 4}, {2, 2, 2}, {33, 3, 6}})
@@ -107,126 +75,6 @@ TEST(lattice_colours, any_order_within_a_colour_gives_the_same_bits) {
   }
 }
 
-/// The largest difference of displacements [m], and the largest displacement.
-struct Apart {
-  double most = 0, largest = 0;
-};
-Apart apart(const Model& model, const State& a, const State& b) {
-  Apart found;
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++) {
-    found.most = std::max(found.most, norm(Vec3d(a.u[s]) - Vec3d(b.u[s])));
-    found.largest = std::max(found.largest, norm(Vec3d(a.u[s])));
-  }
-  return found;
-}
-
-void expect_loops_like_steps(Int3 size, bool volumes) {
-  const Inputs inputs{.gravity = {1, 0, -9.81}};
-  CutBlock here = cut_block(Method::kPbd, size, volumes);
-  for (int n = 0; n < 5; n++) step(kOne, here.model, here.state, inputs, kDt);
-  const PbdSchedule schedule = pbd_schedule(here.model);
-  std::set<std::uint64_t> hashes;
-  const auto go = [&](const auto& run) {
-    CutBlock there = cut_block(Method::kPbd, size, volumes);
-    Real fastest = 0;
-    for (int n = 0; n < 5; n++) {
-      std::uint32_t largest = 0;
-      step_pbd_with(run, pbd_view(there.model, schedule, there.state, largest),
-                    lattice_gravity(there.model, inputs), there.model.params.solver, kDt);
-      fastest = std::sqrt(std::bit_cast<Real>(largest));
-    }
-    hashes.insert(state_hash(there.model, there.state));
-    const Apart found = apart(there.model, there.state, here.state);
-    EXPECT_GT(found.largest, 1e-3) << "m";
-    EXPECT_LT(found.most, 1e-5 * found.largest) << "m: fused multiply-adds may differ";
-    EXPECT_NEAR(fastest, here.state.fastest, 1e-4f * fastest) << "m/s";
-  };
-  go(CpuRun{kOne});
-  go(CpuRun{Exec(8)});
-  for (const unsigned seed : {1u, 2u}) go(ShuffledRun{seed});
-  EXPECT_EQ(hashes.size(), 1u);
-}
-
-TEST(lattice_colours, the_loops_that_a_gpu_runs_do_in_any_order_what_a_step_does) {
-  expect_loops_like_steps({13, 11, 9}, true);
-  expect_loops_like_steps({20, 12, 7}, false);
-}
-
-/// A finger on some of the top, and a place between two nodes.
-std::vector<NodeContact> finger(const Model& model) {
-  const int z = model.lattice.size.z - 2;  // a layer of air above
-  std::vector<NodeContact> contacts;
-  for (int i = 3; i < 8; i++)
-    contacts.push_back({.slot = node_slot(model.lattice, i, 4, z),
-                        .normal = {0, 0, -1},
-                        .target = {0, 0, -2e-3f},
-                        .friction = 0.3f,
-                        .is_held = i == 5});
-  contacts.push_back(contacts[0]);
-  contacts.back().other = node_slot(model.lattice, 4, 4, z);
-  std::stable_sort(contacts.begin(), contacts.end(),
-                   [](const NodeContact& a, const NodeContact& b) { return a.slot < b.slot; });
-  return contacts;
-}
-
-void expect_descent_loops_like_sweeps(Int3 size, TissueLaw law, SkinLaw skin, bool volumes) {
-  std::set<std::uint64_t> hashes;
-  const auto after = [&](const auto& sweep) {
-    CutBlock block = cut_block(Method::kDescent, size, volumes, law, skin);
-    std::vector<NodeContact> contacts = finger(block.model);
-    const Inputs inputs{.gravity = {1, 0, -9.81}, .contacts = contacts};
-    predict(kOne, block.model, block.state, inputs, kDt);
-    for (const Order order : {Order::kForward, Order::kForward, Order::kBackward})
-      sweep(block, inputs, order);
-    return std::pair(std::move(block.state), contacts);
-  };
-  const Model model = cut_block(Method::kDescent, size, volumes, law, skin).model;
-  const auto here = after([](CutBlock& b, const Inputs& inputs, Order order) {
-    sweep_descent(kOne, b.model, b.state, inputs, kDt, order);
-  });
-  EXPECT_EQ(here.first.copies.empty(), law == TissueLaw::kSprings);
-  const auto go = [&](const auto& run) {
-    const auto there = after([&run](CutBlock& b, const Inputs& inputs, Order order) {
-      const DescentSchedule schedule = descent_schedule(b.model);
-      const CopySchedule copies = copy_schedule(b.model, b.state);
-      sweep_descent_with(run, descent_view(b.model, schedule, copies, b.state, inputs, kDt), order);
-    });
-    hashes.insert(state_hash(model, there.first));
-    const Apart found = apart(model, there.first, here.first);
-    EXPECT_GT(found.largest, 1e-3) << "m";
-    EXPECT_LT(found.most, 2e-5 * found.largest) << "m: fused multiply-adds may differ";
-    for (std::size_t c = 0; c < here.first.copies.size(); c++)
-      EXPECT_NEAR(there.first.copies[c].z, here.first.copies[c].z, 2e-5 * found.largest) << "m, copy " << c;
-    for (std::size_t c = 0; c < here.second.size(); c++)
-      EXPECT_LT(norm(there.second[c].force - here.second[c].force), 1e-3f * norm(here.second[2].force))
-          << "N";
-  };
-  go(CpuRun{Exec(2)});
-  for (const unsigned seed : {1u, 2u}) go(ShuffledRun{seed});
-  EXPECT_EQ(hashes.size(), 1u);
-}
-
-TEST(lattice_colours, descent_s_loops_for_a_gpu_do_in_any_order_what_its_sweeps_do) {
-  expect_descent_loops_like_sweeps({13, 11, 9}, TissueLaw::kSprings, SkinLaw::kFibre, true);
-  expect_descent_loops_like_sweeps({20, 12, 7}, TissueLaw::kSprings, SkinLaw::kArea, false);
-  expect_descent_loops_like_sweeps({13, 11, 9}, TissueLaw::kSolid, SkinLaw::kArea, false);
-  expect_descent_loops_like_sweeps({20, 12, 7}, TissueLaw::kSolid, SkinLaw::kFibre, false);
-}
-
-TEST(lattice_colours, the_loops_take_a_body_back_to_where_its_step_began) {
-  CutBlock block = cut_block(Method::kPbd);
-  const State before = block.state;
-  const PbdSchedule schedule = pbd_schedule(block.model);
-  std::uint32_t largest = 0;
-  const PbdView view = pbd_view(block.model, schedule, block.state, largest);
-  step_pbd_with(ShuffledRun{}, view, {0, 0, std::nanf("")}, block.model.params.solver, kDt);
-  EXPECT_FALSE(std::isfinite(std::bit_cast<Real>(largest)));
-  go_back_with(ShuffledRun{}, view);
-  EXPECT_EQ(block.state.u.x, before.u.x);
-  EXPECT_EQ(block.state.u.z, before.u.z);
-  EXPECT_EQ(block.state.v.x, before.v.x);
-}
-
 /// Forces of a plate that presses all of a block's top by a millimetre, at rest [N].
 double plate_force(Schedule schedule, TissueLaw law) {
   const Int3 size{9, 12, 7};
@@ -256,19 +104,6 @@ TEST(lattice_colours, a_plate_on_nodes_is_borne_alike_by_slabs_and_by_colours) {
     EXPECT_GT(slabs, 0.1) << "N";
     EXPECT_NEAR(colours, slabs, 1e-3 * slabs) << "N, law " << int(law);
   }
-}
-
-TEST(gpu_lattice, a_body_steps_there_as_it_does_here) {
-  const Result<Gpu> gpu = open_gpu();
-  if (!gpu) GTEST_SKIP() << gpu.error().message;
-  CutBlock here = cut_block(Method::kPbd), there = cut_block(Method::kPbd);
-  const auto body = put(*gpu, there.model).value();
-  const Inputs inputs{.gravity = {1, 0, -9.81}};
-  step(kOne, here.model, here.state, inputs, kDt);
-  EXPECT_TRUE(step_on_gpu(*body, there.model, there.state, inputs, kDt).finite);
-  const Apart found = apart(there.model, there.state, here.state);
-  EXPECT_LT(found.most, 1e-4 * found.largest) << "m";
-  EXPECT_EQ(there.state.time, here.state.time);
 }
 
 }  // namespace

@@ -183,30 +183,6 @@ struct FindContacts {
   }
 };
 
-/// Forces on the tools, in the patient frame, and the contacts' own for the next step.
-void read_forces(const lattice::Model& model, const lattice::State& state, std::span<const Tool> tools,
-                 LatticeTouch& touch, std::span<ToolForce> forces) {
-  for (std::size_t c = 0; c < touch.contacts.size(); c++) {
-    LatticeContact& contact = touch.contacts[c];
-    const lattice::NodeContact& node = touch.nodes[c];
-    const Pose& pose = touch.poses[std::size_t(contact.tool)].pose;
-    const LatticePlace& place = touch.places[std::size_t(contact.place)];
-    const Vec3d x = place_now(state, place), force(node.force);
-    for (int axis = 0; axis < 3; axis++) contact.force[axis] = dot(pose.axes.column[axis], force);
-    ToolForce& felt = forces[std::size_t(contact.tool)];
-    const double outside = distance(tools[std::size_t(contact.tool)].shape, pose, x).distance;
-    if (!contact.is_held) felt.largest_penetration = std::max(felt.largest_penetration, -outside);
-    if (!(norm(force) > 0)) continue;
-    felt.contacts++;
-    const double pressing = dot(Vec3d(node.normal), force);
-    const double rubbing = norm(force - Vec3d(node.normal) * pressing);
-    if (!contact.is_held && rubbing > double(node.friction) * pressing * (1 - 1e-4)) felt.sliding++;
-    const Vec3d on_tool = model.grid.axes * -force, arm = model.grid.axes * (x - pose.position);
-    felt.force += on_tool;
-    felt.torque += cross(arm, on_tool);
-  }
-}
-
 }  // namespace
 
 LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::State& state,
@@ -237,12 +213,10 @@ void put_tool(LatticeTouch& touch, const lattice::Model& model, int tool, const 
   std::erase_if(touch.contacts, [tool](const LatticeContact& contact) { return contact.tool == tool; });
 }
 
-lattice::StepReport step(const Exec& exec, const lattice::Model& model, lattice::State& state,
-                         LatticeTouch& touch, std::span<const Tool> tools, std::span<const ToolPose> poses,
-                         lattice::Inputs inputs, double dt, std::span<ToolForce> forces) {
-  TURGOR_ASSERT(
-      tools.size() == poses.size() && tools.size() == forces.size() && tools.size() == touch.poses.size(),
-      "one pose and one force a tool");
+std::span<lattice::NodeContact> find_contacts(const lattice::Model& model, const lattice::State& state,
+                                              LatticeTouch& touch, std::span<const Tool> tools,
+                                              std::span<const ToolPose> poses, double dt) {
+  TURGOR_ASSERT(tools.size() == poses.size() && tools.size() == touch.poses.size(), "one pose a tool");
   const Vec3 h = model.lattice.step;
   const double reach = std::max({h.x, h.y, h.z});
   std::vector<ToolPose> to;
@@ -251,13 +225,44 @@ lattice::StepReport step(const Exec& exec, const lattice::Model& model, lattice:
   for (std::size_t t = 0; t < tools.size(); t++) {
     const double way = norm(to[t].pose.position - touch.poses[t].pose.position);
     steps.push_back({tools[t], touch.poses[t], to[t], bounding_radius(tools[t].shape) + reach + way});
-    forces[t] = {};
   }
   FindContacts{model, state, touch, reach, dt}(steps);
   touch.poses = std::move(to);
-  inputs.contacts = touch.nodes;
+  return touch.nodes;
+}
+
+/// Of the tools in the patient frame, and the contacts' own for the next step.
+void read_forces(const lattice::Model& model, const lattice::State& state, LatticeTouch& touch,
+                 std::span<const Tool> tools, std::span<ToolForce> forces) {
+  TURGOR_ASSERT(tools.size() == forces.size(), "one force a tool");
+  for (ToolForce& force : forces) force = {};
+  for (std::size_t c = 0; c < touch.contacts.size(); c++) {
+    LatticeContact& contact = touch.contacts[c];
+    const lattice::NodeContact& node = touch.nodes[c];
+    const Pose& pose = touch.poses[std::size_t(contact.tool)].pose;
+    const LatticePlace& place = touch.places[std::size_t(contact.place)];
+    const Vec3d x = place_now(state, place), force(node.force);
+    for (int axis = 0; axis < 3; axis++) contact.force[axis] = dot(pose.axes.column[axis], force);
+    ToolForce& felt = forces[std::size_t(contact.tool)];
+    const double outside = distance(tools[std::size_t(contact.tool)].shape, pose, x).distance;
+    if (!contact.is_held) felt.largest_penetration = std::max(felt.largest_penetration, -outside);
+    if (!(norm(force) > 0)) continue;
+    felt.contacts++;
+    const double pressing = dot(Vec3d(node.normal), force);
+    const double rubbing = norm(force - Vec3d(node.normal) * pressing);
+    if (!contact.is_held && rubbing > double(node.friction) * pressing * (1 - 1e-4)) felt.sliding++;
+    const Vec3d on_tool = model.grid.axes * -force, arm = model.grid.axes * (x - pose.position);
+    felt.force += on_tool;
+    felt.torque += cross(arm, on_tool);
+  }
+}
+
+lattice::StepReport step(const Exec& exec, const lattice::Model& model, lattice::State& state,
+                         LatticeTouch& touch, std::span<const Tool> tools, std::span<const ToolPose> poses,
+                         lattice::Inputs inputs, double dt, std::span<ToolForce> forces) {
+  inputs.contacts = find_contacts(model, state, touch, tools, poses, dt);
   const lattice::StepReport report = lattice::step(exec, model, state, inputs, dt);
-  read_forces(model, state, tools, touch, forces);
+  read_forces(model, state, touch, tools, forces);
   return report;
 }
 

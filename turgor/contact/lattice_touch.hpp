@@ -56,8 +56,15 @@ void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattic
 /// A tool is elsewhere [patient frame], without a way there: it lets go of all that it touched.
 void put_tool(LatticeTouch& touch, const lattice::Model& model, int tool, const ToolPose& pose);
 
-/// A step of the body in which the tools go to `poses` [patient frame]; `inputs` without contacts. The
-/// model's solver must be descent. Forces: one a tool; its area stays 0.
+/// The contacts of a step in which the tools go to `poses` [patient frame], for lattice::Inputs; valid until
+/// they are found for the next one.
+std::span<lattice::NodeContact> find_contacts(const lattice::Model& model, const lattice::State& state,
+                                              LatticeTouch& touch, std::span<const Tool> tools,
+                                              std::span<const ToolPose> poses, double dt);
+/// What they became in the step: one force a tool; its area stays 0.
+void read_forces(const lattice::Model& model, const lattice::State& state, LatticeTouch& touch,
+                 std::span<const Tool> tools, std::span<ToolForce> forces);
+/// That step, between the two, on the CPU; `inputs` without contacts. The model's solver must be descent.
 lattice::StepReport step(const Exec& exec, const lattice::Model& model, lattice::State& state,
                          LatticeTouch& touch, std::span<const Tool> tools, std::span<const ToolPose> poses,
                          lattice::Inputs inputs, double dt, std::span<ToolForce> forces);

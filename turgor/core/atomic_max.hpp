@@ -1,4 +1,4 @@
-// The largest of many numbers that threads find at once, the same whoever comes first.
+// The largest and the least of many numbers that threads find at once, the same whoever comes first.
 #pragma once
 
 #include <atomic>
@@ -18,11 +18,24 @@ TURGOR_HD inline std::uint32_t magnitude_bits(float a) {
 /// largest = max(largest, found)
 TURGOR_HD inline void atomic_max(std::uint32_t& largest, std::uint32_t found) {
 #ifdef __CUDA_ARCH__
-  atomicMax(&largest, found);
+  // Most threads come too late to be the largest: one place of memory takes few atomics a nanosecond.
+  if (found > *static_cast<volatile std::uint32_t*>(&largest)) atomicMax(&largest, found);
 #else
   const std::atomic_ref<std::uint32_t> shared(largest);
   std::uint32_t seen = shared.load(std::memory_order_relaxed);
   while (seen < found && !shared.compare_exchange_weak(seen, found)) {
+  }
+#endif
+}
+
+/// least = min(least, found)
+TURGOR_HD inline void atomic_min(std::uint32_t& least, std::uint32_t found) {
+#ifdef __CUDA_ARCH__
+  atomicMin(&least, found);
+#else
+  const std::atomic_ref<std::uint32_t> shared(least);
+  std::uint32_t seen = shared.load(std::memory_order_relaxed);
+  while (found < seen && !shared.compare_exchange_weak(seen, found)) {
   }
 #endif
 }

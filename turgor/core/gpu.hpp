@@ -45,13 +45,14 @@ class GpuArray {
   bool is_there() const { return data_ != nullptr || size_ == 0; }
   T* data() const { return data_; }
   std::size_t size() const { return size_; }
+  /// To and from the first of them.
   void upload(std::span<const T> from) {
-    TURGOR_ASSERT(from.size() == size_, "both sides have as many");
-    if (size_ > 0) upload_to_gpu(data_, from.data(), size_ * sizeof(T));
+    TURGOR_ASSERT(from.size() <= size_, "there is room for as many");
+    if (!from.empty()) upload_to_gpu(data_, from.data(), from.size_bytes());
   }
   void download(std::span<T> to) const {
-    TURGOR_ASSERT(to.size() == size_, "both sides have as many");
-    if (size_ > 0) download_from_gpu(to.data(), data_, size_ * sizeof(T));
+    TURGOR_ASSERT(to.size() <= size_, "there are as many");
+    if (!to.empty()) download_from_gpu(to.data(), data_, to.size_bytes());
   }
 
  private:

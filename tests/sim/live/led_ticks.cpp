@@ -191,7 +191,7 @@ TEST(WorldState, GoesBackToWhereItWas) {
     EXPECT_EQ(led.hash(), after);
     EXPECT_EQ(led.felt, felt);
   }
-  EXPECT_FALSE(led.world.lattice_bodies[0].state.cut_edges.empty());
+  EXPECT_FALSE(led.world.lattice_bodies[0].state->cut_edges.empty());
 }
 
 TEST(WorldState, HoldsNoModel) {

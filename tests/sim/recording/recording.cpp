@@ -58,7 +58,7 @@ TEST(Recording, RestoresPositionsCutsAndPathsToTheBit) {
       lattice::measure_wound(world.lattice_bodies[0].model, a, *world.cuts[0].path, 0).gape_max;
   EXPECT_EQ(lattice::measure_wound(drawn.lattice_bodies[0].model, b, *drawn.cuts[0].path, 0).gape_max, gape);
   ASSERT_TRUE(recording->restore(Exec(1), 0, drawn, shown));
-  EXPECT_TRUE(drawn.lattice_bodies[0].state.cut_edges.empty());
+  EXPECT_TRUE(drawn.lattice_bodies[0].state->cut_edges.empty());
   EXPECT_FALSE(drawn.cuts[0].path);
 }
 

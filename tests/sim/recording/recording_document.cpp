@@ -59,7 +59,7 @@ TEST(RecordingDocument, NamesEveryDatasetOfARecordingAndItsUnitAndNoOther) {
       parse_scene(test::block_scene_text("block.nii") + kOthers, folder / "all.toml", {});
   ASSERT_TRUE(scene) << scene.error().message;
   World world = test::block_world(Exec(2), *scene);
-  world.lattice_bodies[0].state.copies.push_back({});  // as of solid tissue that was cut
+  world.lattice_bodies[0].state.change().copies.push_back({});  // as of solid tissue that was cut
   {
     Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", *scene, world);
     ASSERT_TRUE(writer);

@@ -50,7 +50,8 @@ TEST(LatticeWarnings, cells_that_are_inside_out_are_counted) {
   for (int k = 0; k < l.size.z; k++)
     for (int j = 0; j < l.size.y; j++)
       for (int i = 0; i < l.size.x; i++)
-        body.state.u.set(std::size_t(node_slot(l, i, j, k)), {-2 * rest_position(l, {i, j, k}).x, 0, 0});
+        body.state.change().u.set(std::size_t(node_slot(l, i, j, k)),
+                                  {-2 * rest_position(l, {i, j, k}).x, 0, 0});
   const std::vector<std::string> warnings = lattice_warnings(kExec, world);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_TRUE(warnings[0].starts_with("block: ")) << warnings[0];

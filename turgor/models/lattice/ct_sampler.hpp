@@ -1,11 +1,16 @@
 // Values of a CT between its voxels.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "turgor/geometry/volume.hpp"
 
 namespace turgor::lattice {
+
+TURGOR_HD inline std::int16_t to_hu(float value) {
+  return std::int16_t(lrintf(value < -32768.0f ? -32768.0f : value > 32767.0f ? 32767.0f : value));
+}
 
 /// Trilinear, in voxel indices; beyond the outermost centres their values go on.
 struct Sampler {
@@ -15,17 +20,19 @@ struct Sampler {
   int next_x;  // distances in memory, 0 along an axis with one sample
   std::size_t row, layer, next_y, next_z;
 
-  explicit Sampler(const CtVolume& ct)
-      : samples(ct.samples.data()),
-        last(ct.grid.size - Int3{1, 1, 1}),
-        top(max(ct.grid.size - Int3{2, 2, 2}, Int3{0, 0, 0})),
-        next_x(ct.grid.size.x > 1),
-        row(std::size_t(ct.grid.size.x)),
-        layer(row * std::size_t(ct.grid.size.y)),
-        next_y(ct.grid.size.y > 1 ? row : 0),
-        next_z(ct.grid.size.z > 1 ? layer : 0) {}
+  explicit Sampler(const CtVolume& ct) : Sampler(ct.samples.data(), ct.grid.size) {}
+  /// Of samples on either side of a bus.
+  Sampler(const std::int16_t* ct, Int3 size)
+      : samples(ct),
+        last(size - Int3{1, 1, 1}),
+        top(max(size - Int3{2, 2, 2}, Int3{0, 0, 0})),
+        next_x(size.x > 1),
+        row(std::size_t(size.x)),
+        layer(row * std::size_t(size.y)),
+        next_y(size.y > 1 ? row : 0),
+        next_z(size.z > 1 ? layer : 0) {}
 
-  float operator()(Vec3 at) const {
+  TURGOR_HD float operator()(Vec3 at) const {
     at = min(max(at, Vec3{0, 0, 0}), last);
     const Int3 p = min(Int3(at), top);
     const Vec3 f = at - Vec3(p);

@@ -1,7 +1,7 @@
-// A sweep of vertex block descent by colours, as loops over plain pointers: a thread a node, and a thread a
-// copy beside a blade. Springs and volumes or solid cells, skin, parts, contacts. The same source runs on a
-// CPU (CpuRun, ShuffledRun) and is compiled for a GPU; on a CPU sweep_descent is faster and means the same.
-// Nobody sleeps here.
+// A step of vertex block descent by colours, as loops over plain pointers: a thread a node, and a thread a
+// copy beside a blade. Springs and volumes or solid cells, skin, parts, loads, contacts. The same source runs
+// on a CPU (CpuRun, ShuffledRun) and on a GPU; on a CPU step() is faster and means the same. Nobody sleeps
+// here, and there is no coarse space.
 #pragma once
 
 #include "turgor/models/lattice/colours.hpp"
@@ -9,12 +9,12 @@
 #include "turgor/models/lattice/node_contact.hpp"
 #include "turgor/models/lattice/node_forces.hpp"
 #include "turgor/models/lattice/parts.hpp"
+#include "turgor/models/lattice/step_loops.hpp"
 
 namespace turgor::lattice {
 
 /// Everything that does not change, by value.
 struct DescentRules {
-  int half;                  // Lattice::half
   Neighbours neighbours[2];  // by the parity of i
   NodeBlock block[2];
   TetAround tets[24];                     // kTetsAround
@@ -24,44 +24,41 @@ struct DescentRules {
   Real rest_volume, volume_scale;
 };
 
-/// What is done when, by colours.
-struct DescentSchedule {
-  std::vector<int> moving;  // first slots of groups in which something can move
-  ColourBegin moving_of;
-};
-/// Follows from the cuts.
+/// The copies beside blades, by colours: follows from the cuts.
 struct CopySchedule {
   std::vector<PartNode> copies;
   ColourBegin copies_of;
 };
 
-/// A body on one side of the bus, for the sweeps of one step. Pointers are to arrays by slot unless another
-/// count is given.
+/// Forces left over at some nodes and copies.
+struct PartOfResidual {
+  double largest2 = 0, sum2 = 0;  // [N²]
+};
+
+/// A body on one side of the bus, for descent. Pointers are to arrays by slot unless another count is given.
 struct DescentView {
   DescentRules rules;
-  NodeArrays nodes;
-  Inertia inertia;
-  const Real* young;            // Model::cell_young; null: springs
-  const std::uint8_t* row_cut;  // by row
-  const int* moving;            // DescentSchedule
+  MovingNodes body;  // its groups by colours
   ColourBegin moving_of;
+  Inertia inertia;
+  const Real* young;                                                    // Model::cell_young; null: springs
+  const std::uint8_t* row_cut;                                          // by row
   const int *skin_nodes, *corner_begin, *skin_row_begin, *lanes_begin;  // of Skin; null without
   const Vec3* pull;
   const SkinCorners* corners;
   const std::uint8_t* skin_cut;  // by triangle
   PartElements parts;
+  CopyShift* copies_before;             // as many as there are copies
   const PartNode *part_nodes, *copies;  // slots ascend; CopySchedule
-  int part_node_count;
+  int part_node_count, copy_count;      // the latter of parts.copies, whether they bear or not
   ColourBegin copies_of;
   NodeContact* contacts;  // slots ascend
   int contact_count;
+  PartOfResidual* residual;  // by thread of ResidualOfGroups, then of ResidualOfCopy; null: not asked for
 };
 
-DescentSchedule descent_schedule(const Model& model);
+DescentRules descent_rules(const Model& model);
 CopySchedule copy_schedule(const Model& model, const State& state);
-/// On a CPU: of the body itself.
-DescentView descent_view(const Model& model, const DescentSchedule& schedule, const CopySchedule& copies,
-                         State& state, const Inputs& inputs, double dt);
 
 /// The first of `count` ascending entries that is not below.
 template <class Entry, class SlotOf>
@@ -76,29 +73,20 @@ TURGOR_HD inline int first_of_slot(const Entry* entries, int count, int slot, co
   return begin;
 }
 
-/// Moves a node.
-struct DescendNode {
-  DescentView v;
-  int begin;
+/// What springs or cells, skin and parts ask of a node.
+struct NodeForces {
+  const DescentView& v;
 
-  TURGOR_HD void operator()(std::size_t n) const {
-    const int s = v.moving[std::size_t(begin) + n / kGroup] + int(n % kGroup);
-    if (!(v.nodes.w[s] > 0)) return;
-    const int parity = s / v.rules.half & 1;
-    const bool cut = v.row_cut[s / (2 * v.rules.half)];
+  TURGOR_HD NodeSystem operator()(int s) const {
+    const int parity = s / v.body.half & 1;
+    const bool cut = v.row_cut[s / (2 * v.body.half)];
     NodeSystem system = v.young != nullptr ? of_cells(s, parity, cut) : of_springs(s, parity, cut);
     if (v.skin_nodes != nullptr) add_skin(s, system);
     if (cut) add_parts(s, system);
-    const Vec3 to_inertial = v.inertia(s) - v.nodes.u(s);
-    const Real mobility = v.inertia.dt * v.inertia.dt * v.nodes.w[s];
-    const std::span<NodeContact> touched = contacts(s);
-    if (!touched.empty()) press_node(touched, v.nodes, to_inertial, mobility, system);
-    const Vec3 way = newton_step(system, to_inertial, mobility);
-    v.nodes.ux[s] += way.x, v.nodes.uy[s] += way.y, v.nodes.uz[s] += way.z;
-    for (NodeContact& c : touched) c.force = contact_force(c, contact_displacement(c, v.nodes)).force;
+    return system;
   }
 
-  TURGOR_HD bool is_cut(int lower, int family) const { return v.nodes.cut[lower] >> family & 1; }
+  TURGOR_HD bool is_cut(int lower, int family) const { return v.body.nodes.cut[lower] >> family & 1; }
   TURGOR_HD bool is_edge_cut(int s, const Neighbours& around, int e) const {
     return is_cut(e % 2 == 0 ? s : s + around.offset[e], e / 2);
   }
@@ -114,10 +102,10 @@ struct DescendNode {
       return any ? Real(0) : Real(1);
     };
     if (v.rules.volume_scale > 0)
-      return springs_around<true>(v.nodes, around, v.rules.tets, v.rules.rest_volume, v.rules.volume_scale, s,
-                                  spring, tet);
-    return springs_around<false>(v.nodes, around, v.rules.tets, v.rules.rest_volume, v.rules.volume_scale, s,
-                                 spring, tet);
+      return springs_around<true>(v.body.nodes, around, v.rules.tets, v.rules.rest_volume,
+                                  v.rules.volume_scale, s, spring, tet);
+    return springs_around<false>(v.body.nodes, around, v.rules.tets, v.rules.rest_volume,
+                                 v.rules.volume_scale, s, spring, tet);
   }
 
   TURGOR_HD NodeSystem of_cells(int s, int parity, bool cut) const {
@@ -131,24 +119,26 @@ struct DescendNode {
       young[at] = holds[at] = v.young[corner(0)];
       if (!cut) continue;
       int bits = 0;
-      for (int c = 0; c < kCellCorners; c++) bits |= v.nodes.cut[corner(c)] & v.rules.edges_from[c];
-      const bool parted = v.nodes.cut[corner(0)] & kParted;
+      for (int c = 0; c < kCellCorners; c++) bits |= v.body.nodes.cut[corner(c)] & v.rules.edges_from[c];
+      const bool parted = v.body.nodes.cut[corner(0)] & kParted;
       if (bits || parted) young[at] = 0;
       if (bits && !parted) holds[at] = 0;
     }
-    NodeSystem system = cells_around(v.nodes, v.rules.solid, block, s, [&](int at) { return young[at]; });
-    add_loose_edges(system, v.nodes, around, s, [&](int e) {
+    NodeSystem system =
+        cells_around(v.body.nodes, v.rules.solid, block, s, [&](int at) { return young[at]; });
+    add_loose_edges(system, v.body.nodes, around, s, [&](int e) {
       Real held = 0;
       for (int at = 0; at < kCellCorners; at++)
         if (v.rules.holders[e] >> at & 1) held += holds[at];
       const bool loose = held <= 0 && !is_edge_cut(s, around, e);
-      return loose ? around.scale[e] * v.nodes.root[s] * v.nodes.root[s + around.offset[e]] : Real(0);
+      return loose ? around.scale[e] * v.body.nodes.root[s] * v.body.nodes.root[s + around.offset[e]]
+                   : Real(0);
     });
     return system;
   }
 
   TURGOR_HD void add_skin(int s, NodeSystem& system) const {
-    const int row = s / v.rules.half, first_node = v.skin_row_begin[row],
+    const int row = s / v.body.half, first_node = v.skin_row_begin[row],
               count = v.skin_row_begin[row + 1] - first_node;
     const int at =
         first_node + first_of_slot(v.skin_nodes + first_node, count, s, [](int slot) { return slot; });
@@ -158,7 +148,7 @@ struct DescendNode {
     for (int c = v.corner_begin[at]; c < v.corner_begin[at + 1]; c++) {
       const SkinCorners& lanes = v.corners[v.lanes_begin[row] + (c - first) / kSkinLanes];
       const int lane = (c - first) % kSkinLanes;
-      if (!v.skin_cut[lanes.triangle[lane]]) add(system, v.parts.skin.gather(lanes, lane, v.nodes));
+      if (!v.skin_cut[lanes.triangle[lane]]) add(system, v.parts.skin.gather(lanes, lane, v.body.nodes));
     }
   }
 
@@ -168,13 +158,32 @@ struct DescendNode {
          n < v.part_node_count && v.part_nodes[n].slot == s; n++)
       add(system, v.parts.gather(v.part_nodes[n]));
   }
+};
 
-  TURGOR_HD std::span<NodeContact> contacts(int s) const {
-    const auto slot_of = [](const NodeContact& c) { return c.slot; };
-    const int first = first_of_slot(v.contacts, v.contact_count, s, slot_of);
-    int end = first;
-    while (end < v.contact_count && v.contacts[end].slot == s) end++;
-    return {v.contacts + first, std::size_t(end - first)};
+TURGOR_HD inline std::span<NodeContact> contacts_at(const DescentView& v, int s) {
+  const auto slot_of = [](const NodeContact& c) { return c.slot; };
+  const int first = first_of_slot(v.contacts, v.contact_count, s, slot_of);
+  int end = first;
+  while (end < v.contact_count && v.contacts[end].slot == s) end++;
+  return {v.contacts + first, std::size_t(end - first)};
+}
+
+/// Moves a node.
+struct DescendNode {
+  DescentView v;
+  int begin;  // of the colour's groups
+
+  TURGOR_HD void operator()(std::size_t n) const {
+    const int s = v.body.slot(std::size_t(begin) * kGroup + n);
+    if (!(v.body.nodes.w[s] > 0)) return;
+    NodeSystem system = NodeForces{v}(s);
+    const Vec3 to_inertial = v.inertia(s) - v.body.nodes.u(s);
+    const Real mobility = v.inertia.dt * v.inertia.dt * v.body.nodes.w[s];
+    const std::span<NodeContact> touched = contacts_at(v, s);
+    if (!touched.empty()) press_node(touched, v.body.nodes, to_inertial, mobility, system);
+    const Vec3 way = newton_step(system, to_inertial, mobility);
+    v.body.nodes.ux[s] += way.x, v.body.nodes.uy[s] += way.y, v.body.nodes.uz[s] += way.z;
+    for (NodeContact& c : touched) c.force = contact_force(c, contact_displacement(c, v.body.nodes)).force;
   }
 };
 
@@ -186,6 +195,53 @@ struct DescendCopy {
   TURGOR_HD void operator()(std::size_t n) const { v.parts.solve(v.copies[std::size_t(begin) + n]); }
 };
 
+/// Where a copy was when the step began.
+struct KeepCopy {
+  DescentView v;
+  TURGOR_HD void operator()(std::size_t n) const { v.copies_before[n] = v.parts.copies[n]; }
+};
+struct GoBackCopy {
+  DescentView v;
+  TURGOR_HD void operator()(std::size_t n) const { v.parts.copies[n] = v.copies_before[n]; }
+};
+
+/// Forces left over at the nodes of so many groups; the sums are added up on the host, in order.
+struct ResidualOfGroups {
+  static constexpr int kTogether = 8;
+  DescentView v;
+
+  TURGOR_HD static int count(const DescentView& v) {
+    return (v.body.moving_count + kTogether - 1) / kTogether;
+  }
+  TURGOR_HD void operator()(std::size_t n) const {
+    const std::size_t begin = n * kTogether * kGroup, all = v.body.count();
+    PartOfResidual sum;
+    for (std::size_t at = begin; at < all && at < begin + kTogether * kGroup; at++)
+      if (const int s = v.body.slot(at); v.body.moves(s)) add(left_over(s), sum);
+    v.residual[n] = sum;
+  }
+  TURGOR_HD Vec3d left_over(int s) const {
+    NodeSystem system = NodeForces{v}(s);
+    for (const NodeContact& c : contacts_at(v, s)) system.f += c.force;
+    const double dt = double(v.inertia.dt);
+    return Vec3d(system.f) + Vec3d(v.inertia(s) - v.body.nodes.u(s)) / (double(v.body.nodes.w[s]) * dt * dt);
+  }
+  TURGOR_HD static void add(Vec3d force, PartOfResidual& sum) {
+    const double squared = dot(force, force);
+    sum.largest2 = squared > sum.largest2 ? squared : sum.largest2;
+    sum.sum2 += squared;
+  }
+};
+struct ResidualOfCopy {
+  DescentView v;
+  TURGOR_HD void operator()(std::size_t n) const {
+    const PartNode& copy = v.copies[n];
+    PartOfResidual sum;
+    if (v.body.nodes.w[copy.slot] > 0) ResidualOfGroups::add(Vec3d(v.parts.gather(copy).f), sum);
+    v.residual[std::size_t(ResidualOfGroups::count(v)) + n] = sum;
+  }
+};
+
 template <class Run>
 void sweep_descent_with(const Run& run, const DescentView& v, Order order) {
   for (int turn = 0; turn < kColourCount; turn++) {
@@ -194,6 +250,39 @@ void sweep_descent_with(const Run& run, const DescentView& v, Order order) {
     run(std::size_t(nodes[1] - nodes[0]) * kGroup, DescendNode{v, nodes[0]});
     run(std::size_t(copies[1] - copies[0]), DescendCopy{v, copies[0]});
   }
+}
+template <class Run>
+void measure_residual_with(const Run& run, const DescentView& v) {
+  run(std::size_t(ResidualOfGroups::count(v)), ResidualOfGroups{v});
+  run(std::size_t(v.copies_of.begin[kColourCount]), ResidualOfCopy{v});
+}
+
+/// How a step of descent begins, follows from the body and its speed.
+struct DescentStart {
+  bool held = true;  // something of the body: then weight waits for the sweeps
+  Real wild = 0;     // difference of neighbours' velocities from which on they begin at rest; 0: none is so
+};
+
+/// What a step does to the view's arrays before its sweeps; the marks must be fresh. `loads` are on the same
+/// side, their slots ascend.
+template <class Run>
+void predict_descent_with(const Run& run, const DescentView& v, std::span<const NodeLoad> loads,
+                          DescentStart start) {
+  const Real dt = v.inertia.dt;
+  run(std::size_t(v.copy_count), KeepCopy{v});
+  if (start.wild > 0)
+    run(v.body.count(), FindWild{v.body, {v.rules.neighbours[0], v.rules.neighbours[1]}, start.wild});
+  run(v.body.count(), PredictNode{v.body, start.held ? Vec3{} : v.inertia.fall, dt});
+  run(loads.size(), AddLoad{v.body, loads.data(), int(loads.size()), dt});
+}
+/// And its sweeps, and what is left behind.
+template <class Run>
+void sweep_and_finish_descent_with(const Run& run, const DescentView& v, const SolverParams& solver,
+                                   double dt) {
+  for (int sweep = 0; sweep < solver.sweeps; sweep++)
+    sweep_descent_with(run, v, sweep_order(v.young != nullptr, sweep, solver.sweeps));
+  if (v.residual != nullptr) measure_residual_with(run, v);
+  run(v.body.count(), FinishNode{v.body, speed_scale(solver, dt)});
 }
 
 }  // namespace turgor::lattice

@@ -44,6 +44,8 @@ struct SkinParams {
   double shear = 100;          // fibre law only [N/m]
   double amplification = 2;    // how fast skin stiffens when stretched, β of the paper [1]
   Vec3d direction{1, 0, 0};    // Langer's lines, patient frame; need not lie in the skin
+
+  friend bool operator==(const SkinParams&, const SkinParams&) = default;
 };
 
 struct TissueParams {

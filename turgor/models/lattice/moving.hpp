@@ -5,6 +5,7 @@
 
 #include "turgor/models/lattice/node_systems.hpp"
 #include "turgor/models/lattice/sleep.hpp"
+#include "turgor/models/lattice/step_loops.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
 namespace turgor::lattice {
@@ -27,6 +28,18 @@ struct Inertia {
         removed(s.removed.data()),
         fall(lattice_gravity(model, inputs) * Real(step * step)),
         dt(Real(step)) {}
+  /// On either side of the bus.
+  Inertia(const MovingNodes& n, Vec3 falls, Real step)
+      : bx(n.bx),
+        by(n.by),
+        bz(n.bz),
+        vx(n.vx),
+        vy(n.vy),
+        vz(n.vz),
+        w(n.nodes.w),
+        removed(n.removed),
+        fall(falls),
+        dt(step) {}
 
   /// 1 where there is a node that can move, or 0.
   TURGOR_HD Real moves(int s) const { return ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0); }

@@ -3,7 +3,6 @@
 #include <map>
 #include <utility>
 
-#include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/skin.hpp"
 
 namespace turgor::lattice {
@@ -48,8 +47,6 @@ CellTet cell_tet(const Lattice& l, int parity, const std::array<Int3, 4>& tet) {
 
 PbdSchedule pbd_schedule(const Model& model) {
   PbdSchedule schedule;
-  for (const Run run : model.moving.all)
-    for (int s = run.begin; s < run.begin + run.count; s += kGroup) schedule.moving.push_back(s);
   schedule.joining_of = groups_by_colours(model.lattice, model.joining, schedule.joining);
   schedule.next.assign(model.skin.triangles.size(), -1);
   const int layers = model.skin.layer_begin.empty() ? 0 : model.lattice.size.z - 1;
@@ -63,8 +60,7 @@ PbdSchedule pbd_schedule(const Model& model) {
 
 PbdRules pbd_rules(const Model& model) {
   const Lattice& l = model.lattice;
-  PbdRules rules{.half = l.half,
-                 .rest_volume = model.volume_scale > 0 ? model.rest_volume : 0,
+  PbdRules rules{.rest_volume = model.volume_scale > 0 ? model.rest_volume : 0,
                  .skin_ratio = rest_area_ratio(model.params.skin),
                  .skin_amplification = Real(model.params.skin.amplification)};
   for (std::size_t f = 0; f < kFamilyCount; f++) {
@@ -78,32 +74,6 @@ PbdRules pbd_rules(const Model& model) {
       rules.tet[parity][t] = cell_tet(l, parity, kKuhnTets[t]);
   }
   return rules;
-}
-
-PbdView pbd_view(const Model& model, const PbdSchedule& schedule, State& state, std::uint32_t& largest) {
-  TURGOR_ASSERT(
-      model.params.solver.method == Method::kPbd && model.params.solver.schedule == Schedule::kColours,
-      "the model was made for projections by colours");
-  return {.rules = pbd_rules(model),
-          .slots = int(model.inverse_mass.size()),
-          .nodes = node_arrays(model, state),
-          .bx = state.u_before.x.data(),
-          .by = state.u_before.y.data(),
-          .bz = state.u_before.z.data(),
-          .vx = state.v.x.data(),
-          .vy = state.v.y.data(),
-          .vz = state.v.z.data(),
-          .removed = state.removed.data(),
-          .moving = schedule.moving.data(),
-          .moving_count = int(schedule.moving.size()),
-          .joining = schedule.joining.data(),
-          .joining_of = schedule.joining_of,
-          .triangles = model.skin.triangles.data(),
-          .skin_cut = state.skin_cut.data(),
-          .next = schedule.next.data(),
-          .heads = schedule.heads.data(),
-          .heads_of = schedule.heads_of,
-          .largest = &largest};
 }
 
 }  // namespace turgor::lattice

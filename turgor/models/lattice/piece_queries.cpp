@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/models/lattice/follow.hpp"
 #include "turgor/models/lattice/pieces.hpp"
 #include "turgor/models/lattice/raster.hpp"
 #include "turgor/models/lattice/tip_cells.hpp"
@@ -13,67 +14,21 @@ namespace {
 
 bool is_negative(Int3 d) { return d.x < 0 || d.y < 0 || d.z < 0; }
 
-struct MeanVec {
-  Vec3 sum;
-  int count = 0;
+/// As it is cut now.
+struct CutBody {
+  const Model& model;
+  const State& state;
 
-  void add(Vec3 v) { sum += v, count++; }
-  Vec3 mean() const { return sum / Real(count); }
-};
-
-/// Of the tissue within two steps.
-Vec3 mean_of_box(const Model& model, const State& state, Int3 node) {
-  MeanVec mean;
-  for (int n = 0; n < 125; n++) {
-    const Int3 other = node + Int3{n % 5 - 2, n / 5 % 5 - 2, n / 25 - 2};
-    if (!contains(model.lattice, other)) continue;
-    const int slot = node_slot(model.lattice, other);
-    if (is_solid(model, state, slot)) mean.add(state.u[std::size_t(slot)]);
-  }
-  return mean.count > 0 ? mean.mean() : Vec3{};
-}
-
-/// Where the line from one node through the next leads after as long a way again. Tissue that is pressed
-/// shorter between them is not drawn shorter beyond: there it bears nothing, and tools find it as thick as it
-/// was.
-Vec3 go_on(Vec3 behind, Vec3 here, Vec3 way) {
-  const Vec3 now = way + (here - behind);
-  const Real length = norm(way), length_now = norm(now);
-  return length_now < length && length_now > 0 ? here + now * (length / length_now) - way : here + now - way;
-}
-
-/// What the tissue beside an air node suggests for its displacement, on average: it goes on along the line
-/// through a neighbour from the node behind that, where there is one and no blade went between them; if not
-/// along an axis, along another edge or across a cell; else it is that of the neighbours, or of the tissue
-/// within two steps.
-Vec3 follow_neighbours(const Model& model, const State& state, int slot) {
-  const Lattice& l = model.lattice;
-  const int parity = slot_node(l, slot).x & 1;
-  MeanVec along_axis, along_edge, across_cell, beside_edge, beside_cell;
-  for (int n = 0; n < 27; n++) {
-    const Int3 way{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-    const int beside = slot + slot_offset(l, way, parity);
-    if (n == 13 || !is_solid(model, state, beside)) continue;
-    const Vec3 here = state.u[std::size_t(beside)];
+  bool is_solid(int slot) const { return lattice::is_solid(model, state, slot); }
+  Vec3 u(int slot) const { return state.u[std::size_t(slot)]; }
+  bool is_parted(int beside, int behind, Int3 way) const {
+    const Lattice& l = model.lattice;
     const bool up = family_of(way) >= 0;
-    const int family = up ? family_of(way) : family_of(-way);
-    (family >= 0 ? beside_edge : beside_cell).add(here);
-    const int behind = beside + slot_offset(l, way, (parity + way.x) & 1);
-    if (!is_solid(model, state, behind)) continue;
-    const bool is_parted =
-        family >= 0 ? state.cut[std::size_t(up ? beside : behind)] >> family & 1
-                    : has_cut_edge(state, l, node_slot(l, slot_node(l, beside) + min(way, Int3{0, 0, 0})));
-    if (is_parted) continue;
-    const bool is_axis = way.x * way.x + way.y * way.y + way.z * way.z == 1;
-    (is_axis       ? along_axis
-     : family >= 0 ? along_edge
-                   : across_cell)
-        .add(go_on(state.u[std::size_t(behind)], here, -hadamard(l.step, Vec3(way))));
+    if (const int family = up ? family_of(way) : family_of(-way); family >= 0)
+      return state.cut[std::size_t(up ? beside : behind)] >> family & 1;
+    return has_cut_edge(state, l, node_slot(l, slot_node(l, beside) + min(way, Int3{0, 0, 0})));
   }
-  for (const MeanVec& found : {along_axis, along_edge, across_cell, beside_edge, beside_cell})
-    if (found.count > 0) return found.mean();
-  return mean_of_box(model, state, slot_node(l, slot));
-}
+};
 
 /// Corner levels of a tetrahedron whose corners have two labels, so that they vanish where its edges are cut:
 /// positive where the label is that of the first.
@@ -151,7 +106,8 @@ Vec3 corner_displacement(const Model& model, const State& state, const Pieces& p
   }
   if (copy == nullptr || copy->source_count == 0) {  // a crumb without a node of its own goes with its node
     const int slot = copy ? copy->slot : corner;
-    return is_solid(model, state, slot) ? state.u[std::size_t(slot)] : follow_neighbours(model, state, slot);
+    return is_solid(model, state, slot) ? state.u[std::size_t(slot)]
+                                        : follow_neighbours(model.lattice, CutBody{model, state}, slot);
   }
   Vec3 sum;
   for (int s = copy->first; s < copy->first + copy->source_count; s++) {

@@ -1,38 +1,16 @@
 #include "turgor/models/lattice/placed_body.hpp"
 
-#include <cmath>
-
 namespace turgor::lattice {
 
 namespace {
 
-Int3 to_units(const PlacedBody& body, Int3 node, Vec3 displacement) {
-  constexpr double kFarthest = 30000;  // beyond any grid [voxels]
-  const Vec3d x = hadamard(Vec3d(node), body.model.grid.spacing) + Vec3d(displacement);
-  const Vec3d at = min(max(body.out_origin + body.to_out * x, Vec3d{-kFarthest, -kFarthest, -kFarthest}),
-                       Vec3d{kFarthest, kFarthest, kFarthest}) *
-                   double(1 << body.window.bits);
-  return {int(std::lrint(at.x)), int(std::lrint(at.y)), int(std::lrint(at.z))};
-}
-
-/// The finest fixed point in which no tetrahedron is too large for exact arithmetic: no two nodes of a cell
-/// move apart by more than the range of all displacements.
-int finest_bits(const PlacedBody& body) {
+/// Of the tissue.
+int finest_bits_of(const PlacedBody& body) {
   const VecField& u = body.state.u;
   Vec3 low, high;
   for (std::size_t s = 0; s < body.solid.size(); s++)
     if (body.solid[s]) low = min(low, u[s]), high = max(high, u[s]);
-  const Vec3d reach = body.model.grid.spacing + Vec3d(high - low) * 3.0;
-  double extent = 0;
-  for (int row = 0; row < 3; row++) {
-    double sum = 0;
-    for (int column = 0; column < 3; column++)
-      sum += std::abs(body.to_out.column[column][row]) * reach[column];
-    extent = std::max(extent, sum);
-  }
-  int bits = 10;
-  while (bits > 0 && extent * double(1 << bits) >= 0.9 * kLargestExtent) bits--;
-  return bits;
+  return finest_bits(body.to_voxels, low, high);
 }
 
 /// One layer of nodes: their places, which cells above them hold tissue, and the bounds of each row.
@@ -57,7 +35,7 @@ struct PlaceLayer {
 
         if (!solid[std::size_t(slot)] && !is_beside_tissue(slot, parity)) continue;
         const Vec3 u = corner_displacement(body.model, body.state, body.pieces, slot);
-        const Int3 place = to_units(body, node, u);
+        const Int3 place = body.to_voxels(node, u);
         body.place[std::size_t(slot)] = place;
         bounds.low = std::min(bounds.low, place.z), bounds.high = std::max(bounds.high, place.z);
       }
@@ -139,17 +117,14 @@ PlacedBody place_body(const Exec& exec, const Model& model, const State& state, 
                   .solid = {},
                   .out = out,
                   .window = {.low = {0, 0, 0}, .high = out.size},
-                  .to_out = inverse(out.axes) * model.grid.axes,
-                  .out_origin = index_at(out, model.grid.origin),
+                  .to_voxels = to_voxels(model, out),
                   .place = {},
                   .cells = {},
                   .rows = {}};
   body.solid.resize(model.tissue.size());
   for (std::size_t s = 0; s < body.solid.size(); s++) body.solid[s] = is_solid(model, state, int(s));
-  for (Vec3d& column : body.to_out.column)
-    column = {column.x / out.spacing.x, column.y / out.spacing.y, column.z / out.spacing.z};
-  body.window.handed = determinant(body.to_out) < 0 ? -1 : 1;
-  body.window.bits = finest_bits(body);
+  body.window.handed = handed(body.to_voxels);
+  body.window.bits = body.to_voxels.bits = finest_bits_of(body);
 
   const Lattice& l = model.lattice;
   const std::size_t slots = model.tissue.size();
@@ -159,8 +134,8 @@ PlacedBody place_body(const Exec& exec, const Model& model, const State& state, 
   parallel_for(exec, std::size_t(l.size.z), PlaceLayer{body, node_rows});
   for (std::size_t c = 0; c < body.pieces.copies.size(); c++) {
     const int corner = slot_count(l) + int(c);
-    body.place[std::size_t(corner)] = to_units(body, slot_node(l, body.pieces.copies[c].slot),
-                                               corner_displacement(model, state, body.pieces, corner));
+    body.place[std::size_t(corner)] = body.to_voxels(slot_node(l, body.pieces.copies[c].slot),
+                                                     corner_displacement(model, state, body.pieces, corner));
   }
   mark_special(body);
   body.rows.resize(std::size_t(l.size.y - 1) * std::size_t(l.size.z - 1));

@@ -11,7 +11,7 @@
 
 #include "turgor/geometry/grid.hpp"
 #include "turgor/models/lattice/pieces.hpp"
-#include "turgor/models/lattice/raster.hpp"
+#include "turgor/models/lattice/to_voxels.hpp"
 
 namespace turgor::lattice {
 
@@ -24,9 +24,8 @@ struct PlacedBody {
   Pieces pieces;
   std::vector<std::uint8_t> solid;  // by slot: 1 = tissue now
   Grid out;
-  RasterWindow window;      // all of `out`
-  Mat3d to_out;             // lattice frame [m] to voxels of `out`
-  Vec3d out_origin;         // the first node [voxels]
+  RasterWindow window;  // all of `out`
+  ToVoxels to_voxels;
   std::vector<Int3> place;  // by slot, where there is tissue or tissue beside, then of copies [units]
   std::vector<Cell> cells;  // by slot of the lower corner
   struct Bounds {
@@ -39,12 +38,6 @@ PlacedBody place_body(const Exec& exec, const Model& model, const State& state, 
 
 constexpr int kSlabLayers = 16;
 inline int slab_count(const PlacedBody& body) { return (body.out.size.z + kSlabLayers - 1) / kSlabLayers; }
-
-/// Coordinates of the CT that a raster walk speaks of: first node and cell size, in whatever unit the visitor
-/// wants.
-struct RestFrame {
-  Vec3d first_node, cell_size;
-};
 
 namespace detail {
 
@@ -68,9 +61,8 @@ void walk_placed(SlabWalk& walk, Int3 cell, const std::array<Int3, 4>& place, co
     walk.folds += tet.low.z >= walk.begin;
     return;
   }
-  const Vec3d first = walk.rest.first_node + hadamard(Vec3d(cell), walk.rest.cell_size);
   const auto ratio = float(tet.det * walk.to_ratio);
-  visit_voxels<Tet>(tet, walk.window, first, walk.rest.cell_size, [&](Int3 voxel, Vec3 at) {
+  visit_voxels<Tet>(tet, walk.window, walk.rest, cell, [&](Int3 voxel, Vec3 at) {
     if (keep(at)) visit(cell, voxel, at, ratio);
   });
 }

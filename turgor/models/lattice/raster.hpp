@@ -30,7 +30,7 @@ constexpr int kuhn_tet_at(Vec<T> p) {
   return p.x >= p.z ? 2 : p.y >= p.z ? 3 : 5;
 }
 /// Barycentric weights, in the order of the path, of a point in the cell.
-inline std::array<float, 4> path_weights(int tet, Vec3 p) {
+TURGOR_HD inline std::array<float, 4> path_weights(int tet, Vec3 p) {
   const Int3 path = kKuhnPaths[std::size_t(tet)];
   return {1 - p[path.x], p[path.x] - p[path.y], p[path.y] - p[path.z], p[path.z]};
 }
@@ -60,7 +60,7 @@ struct PlacedTet {
 };
 
 template <int Tet>
-TURGOR_INLINE PlacedTet place_tet(const std::array<Int3, 4>& place, double handed) {
+TURGOR_INLINE TURGOR_HD PlacedTet place_tet(const std::array<Int3, 4>& place, double handed) {
   constexpr Int3 path = kKuhnPaths[Tet];
   PlacedTet tet{.rows = {}, .det = 0, .first = place[0], .low = {}, .high = {}};
   tet.low = min(min(place[0], place[1]), min(place[2], place[3]));
@@ -81,16 +81,38 @@ struct Halfspace {
   Vec3d slope;
   double least;  // 0 when centres on the face belong to this side, else 1: values are whole numbers
 };
-constexpr Halfspace halfspace(Vec3d inward) {
+TURGOR_HD constexpr Halfspace halfspace(Vec3d inward) {
   const bool owns_face = inward.x > 0 || (inward.x == 0 && (inward.y > 0 || (inward.y == 0 && inward.z > 0)));
   return {inward, owns_face ? 0.0 : 1.0};
 }
 
-/// Calls visit(voxel, place) for every voxel of the window whose centre is inside; `place` = first_place +
-/// the voxel's coordinates in the cell · cell_size.
+/// Coordinates of the CT that a raster walk speaks of: first node and cell size, in whatever unit the visitor
+/// wants.
+struct RestFrame {
+  Vec3d first_node, cell_size;
+};
+
+/// Where in the CT a voxel inside a tetrahedron of a cell comes from.
+struct PlaceOfVoxel {
+  Vec3 row[3];  // in steps of voxels
+  Vec3 base, first;
+
+  TURGOR_INLINE TURGOR_HD PlaceOfVoxel(const PlacedTet& tet, int bits, const RestFrame& rest, Int3 cell) {
+    const double unit = double(1 << bits), inverse = unit / tet.det;
+    for (int axis = 0; axis < 3; axis++) row[axis] = Vec3(tet.rows[axis] * (rest.cell_size[axis] * inverse));
+    base = Vec3(rest.first_node + hadamard(Vec3d(cell), rest.cell_size));
+    first = Vec3(tet.first) / Real(unit);
+  }
+  TURGOR_INLINE TURGOR_HD Vec3 operator()(Int3 voxel) const {
+    const Vec3 d = Vec3(voxel) - first;
+    return base + Vec3{dot(row[0], d), dot(row[1], d), dot(row[2], d)};
+  }
+};
+
+/// Calls visit(voxel, place in the CT) for every voxel of the window whose centre is inside.
 template <int Tet, class Visit>
-TURGOR_INLINE void visit_voxels(const PlacedTet& tet, const RasterWindow& window, Vec3d first_place,
-                                Vec3d cell_size, const Visit& visit) {
+TURGOR_INLINE TURGOR_HD void visit_voxels(const PlacedTet& tet, const RasterWindow& window,
+                                          const RestFrame& rest, Int3 cell, const Visit& visit) {
   constexpr Int3 path = kKuhnPaths[Tet];
   const int up = (1 << window.bits) - 1, bits = window.bits;
   const Int3 low =
@@ -106,12 +128,7 @@ TURGOR_INLINE void visit_voxels(const PlacedTet& tet, const RasterWindow& window
   const double step[4] = {faces[0].slope.x * unit, faces[1].slope.x * unit, faces[2].slope.x * unit,
                           faces[3].slope.x * unit};
 
-  Vec3 to_place[3];  // rows, in steps of voxels
-  const double inverse = unit / tet.det;
-  for (int axis = 0; axis < 3; axis++) to_place[axis] = Vec3(tet.rows[axis] * (cell_size[axis] * inverse));
-  const Vec3 base(first_place);
-  const Vec3 first = Vec3(tet.first) / Real(unit);
-
+  const PlaceOfVoxel place_of(tet, window.bits, rest, cell);
   for (int k = low.z; k <= high.z; k++)
     for (int j = low.y; j <= high.y; j++) {
       const Vec3d away = Vec3d(Int3{low.x << bits, j << bits, k << bits} - tet.first);
@@ -125,8 +142,8 @@ TURGOR_INLINE void visit_voxels(const PlacedTet& tet, const RasterWindow& window
       if (!reached) continue;
       for (int i = low.x; i <= high.x; i++) {
         if ((value[0] >= 0) & (value[1] >= 0) & (value[2] >= 0) & (value[3] >= 0)) {
-          const Vec3 d = Vec3(Int3{i, j, k}) - first;
-          visit(Int3{i, j, k}, base + Vec3{dot(to_place[0], d), dot(to_place[1], d), dot(to_place[2], d)});
+          const Int3 voxel{i, j, k};
+          visit(voxel, place_of(voxel));
         }
         for (int f = 0; f < 4; f++) value[f] += step[f];
       }

@@ -13,8 +13,6 @@ namespace turgor::lattice {
 
 namespace {
 
-std::int16_t to_hu(float value) { return std::int16_t(std::lrintf(std::clamp(value, -32768.0f, 32767.0f))); }
-
 struct CtWriter {
   Sampler sample;
   CtVolume& out;

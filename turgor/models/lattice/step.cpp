@@ -7,8 +7,8 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/models/lattice/coarse.hpp"
 #include "turgor/models/lattice/fields.hpp"
-#include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/sleep.hpp"
+#include "turgor/models/lattice/step_loops.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
 
 namespace turgor::lattice {
@@ -27,43 +27,18 @@ void for_each_run(const Model& model, const State& state, int k, const Body& bod
   }
 }
 
-/// How far neighbours may go apart or together in a step by their velocities, in lattice steps, if descent is
-/// to begin where those lead: from farther off few sweeps do not come back, and what they leave of the way
-/// moves the body on.
-constexpr Real kTameWay = 0.5;
-
-struct FindWild {
-  const Model& model;
-  const State& state;
-  Real most;  // difference of velocities [m/s]
-  std::atomic<bool>& found;
-
-  /// Seen from the faster end.
-  bool is_wild(int slot, const Neighbours& around) const {
-    const Vec3 v = state.v[std::size_t(slot)];
-    if (!(4 * dot(v, v) > most * most) || !is_solid(model, state, slot)) return false;
-    for (int n = 0; n < kNeighbourCount; n++) {
-      const int other = slot + around.offset[n], lower = n % 2 == 0 ? slot : other;
-      if (state.cut[std::size_t(lower)] >> n / 2 & 1 || !is_solid(model, state, other)) continue;
-      if (const Vec3 apart = state.v[std::size_t(other)] - v; dot(apart, apart) > most * most) return true;
-    }
-    return false;
-  }
-  void operator()(std::size_t k) const {
-    const Neighbours neighbours[2] = {neighbours_of(model, 0), neighbours_of(model, 1)};
+/// Do velocities lead neighbours too far?
+bool is_wild(const Exec& exec, const Model& model, State& state, Real dt) {
+  const Real most = wild_from(model, dt);
+  if (!(2 * state.fastest > most)) return false;
+  const FindWild find{moving_nodes(model, state), {neighbours_of(model, 0), neighbours_of(model, 1)}, most};
+  std::atomic<bool> found = false;
+  parallel_for(exec, std::size_t(model.lattice.size.z), [&](std::size_t k) {
     for_each_run(model, state, int(k), [&](Run run) {
       for (int s = run.begin; s < run.begin + run.count && !found; s++)
-        if (is_wild(s, neighbours[s / model.lattice.half & 1])) found = true;
+        if (find.is_wild(s)) found = true;
     });
-  }
-};
-/// Do velocities lead neighbours that no blade parted farther than that?
-bool is_wild(const Exec& exec, const Model& model, const State& state, Real dt) {
-  const Vec3 step = model.lattice.step;
-  const Real most = kTameWay * std::min({step.x, step.y, step.z}) / dt;
-  std::atomic<bool> found = false;
-  if (2 * state.fastest > most)
-    parallel_for(exec, std::size_t(model.lattice.size.z), FindWild{model, state, most, found});
+  });
   return found;
 }
 
@@ -185,7 +160,7 @@ void predict(const Exec& exec, const Model& model, State& state, const Inputs& i
 
 StepReport finish(const Exec& exec, const Model& model, State& state, double dt) {
   std::atomic<std::uint32_t> largest{0};
-  const Real scale = Real(std::exp(-model.params.solver.damping * dt) / dt);
+  const Real scale = speed_scale(model.params.solver, dt);
   parallel_for(exec, std::size_t(model.lattice.size.z), FinishLayer{model, state, scale, largest});
   const Real speed2 = std::bit_cast<Real>(largest.load());
   if (std::isfinite(speed2)) {
@@ -212,9 +187,10 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
       sweep_pbd(exec, model, state);
       continue;
     }
-    const bool backward = solid && 2 * sweep >= sweeps;
-    if (coarse && backward && 2 * (sweep - 1) < sweeps) correct_smooth_part(exec, model, state, inputs, dt);
-    sweep_descent(exec, model, state, inputs, dt, backward ? Order::kBackward : Order::kForward);
+    const Order order = sweep_order(solid, sweep, sweeps);
+    const bool turns = order == Order::kBackward && 2 * (sweep - 1) < sweeps;
+    if (coarse && turns) correct_smooth_part(exec, model, state, inputs, dt);
+    sweep_descent(exec, model, state, inputs, dt, order);
   }
   if (coarse) correct_smooth_part(exec, model, state, inputs, dt);
   if (measures) residual = measure_residual(exec, model, state, inputs, dt);

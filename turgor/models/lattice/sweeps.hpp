@@ -17,6 +17,10 @@ void sweep_pbd(const Exec& exec, const Model& model, State& state);
 /// = 0.45 on.
 void sweep_descent(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
                    Order order = Order::kForward);
+/// Which way a sweep of descent goes.
+inline Order sweep_order(bool solid, int sweep, int sweeps) {
+  return solid && 2 * sweep >= sweeps ? Order::kBackward : Order::kForward;
+}
 /// Velocities from the way gone, damped; or everything back if a number is not finite.
 StepReport finish(const Exec& exec, const Model& model, State& state, double dt);
 

@@ -74,7 +74,7 @@ void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body)
   params.skin.amplification = scene.params.skin.amplification;
   const bool has_pull = !body.model.skin.pull.empty();
   if (has_pull) lattice::measure_pull(exec, body.model, body.model.skin);
-  body.state.sleep = {};  // all rows feel it
+  body.state.change().sleep = {};  // all rows feel it
 }
 
 void change_wind(const ClothScene& before, const ClothScene& scene, ClothBody& body) {

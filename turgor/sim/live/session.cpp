@@ -270,9 +270,8 @@ void Session::Thread::answer(const AskCt&) {
   const auto most = [](int samples) { return std::min(samples, DeformedCt::kMostSamples); };
   const Int3 size = body.ct.grid.size;
   const Grid grid = lattice::resized(body.ct.grid, {most(size.x), most(size.y), most(size.z)});
-  const lattice::ResampleOptions alone{.conserve_mass = false, .keep_surroundings = false};
-  auto now = lattice::resample_ct(exec, body.model, body.state, body.ct, grid, alone);
-  next.ct = std::make_shared<const DeformedCt>(DeformedCt{world->frame, std::move(now.ct)});
+  CtVolume now = body.state.resample(exec, body.model, body.ct, grid);
+  next.ct = std::make_shared<const DeformedCt>(DeformedCt{world->frame, std::move(now)});
 }
 
 /// A cut, a wind, another value of a key: of a world, or a sentence why not.

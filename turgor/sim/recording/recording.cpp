@@ -70,9 +70,9 @@ Status write_body(Hdf5File& file, const LatticeBody& body) {
 
 Status write_state(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
   Writing writing(out.file, fmt::format("{}/bodies/{}/", out.group, body.name));
-  write_fields(writing, body.state, {Axis::kSlot, body_slots(body.model)});
+  write_fields(writing, *body.state, {Axis::kSlot, body_slots(body.model)});
   std::vector<float> copies;
-  for (const lattice::CopyShift& c : body.state.copies) copies.insert(copies.end(), {c.x, c.y, c.z});
+  for (const lattice::CopyShift& c : body.state->copies) copies.insert(copies.end(), {c.x, c.y, c.z});
   if (!copies.empty()) writing.array("copies", copies, 3, "m");
   return writing.status() ? write_tools(out, body, id) : writing.status();
 }
@@ -125,8 +125,8 @@ Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
     if (!is_edge(in.world, body.model, edge))
       return Error{fmt::format("{}: {}: a cut edge is not one of the body's", in.path, in.group)};
   state.removed_nodes = int(std::count(state.removed.begin(), state.removed.end(), std::uint8_t(1)));
-  body.state = std::move(state);
-  body.state.time = time_of(in.world);
+  state.time = time_of(in.world);
+  body.state.change() = std::move(state);
   ShownBody none;
   if (!body.tool_indices.empty())
     if (const Status tools = read_tools(in, body, none); !tools) return tools;

@@ -102,7 +102,7 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
     m.edges = cut.edges;
     measures.near_cuts.resize(world.lattice_bodies.size());
     lattice::BodySurface& near = measures.near_cuts[std::size_t(cut.body)];
-    if (near.pieces.version != cut_version(body.state))
+    if (near.pieces.version != body.state.cuts())
       near = build_surface(body.model, body.state, &body.ct, lattice::Extent::kCuts);
     m.wound = lattice::measure_wound(body.model, body.state, near, *cut.path, int(c));
     m.series.push_back(sample_of(m.wound, time_of(world)));

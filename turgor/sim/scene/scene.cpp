@@ -127,9 +127,10 @@ void read_world(SceneTable world, Scene& scene) {
   world.read("duration", scene.duration, inside(0, 3600, "s"), "simulated time");
   world.read("frame_rate", scene.frame_rate, within(1, 1000, "1/s"),
              "steps a second; a run has at most a million");
-  world.read_choice<Device>("device", scene.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
-                            "where lattices step; `\"gpu\"`, of NVIDIA, knows `solver.method = \"pbd\"` with "
-                            "`solver.schedule = \"colours\"`");
+  world.read_choice<Device>(
+      "device", scene.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
+      "where lattices step; `\"gpu\"`, of NVIDIA, needs `solver.schedule = \"colours\"` and "
+      "has no coarse space");
   world.finish();
 }
 

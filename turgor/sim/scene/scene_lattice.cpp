@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "turgor/models/lattice/gpu_body.hpp"
 #include "turgor/sim/scene/scene_ct.hpp"
 #include "turgor/sim/scene/scene_held.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
@@ -221,6 +220,18 @@ void check_solid(SceneTable& body, const lattice::Params& params) {
               "solid tissue takes half of its sweeps forward and half backward: expected at least 2 sweeps");
 }
 
+/// What a GPU does not do is refused, but for the coarse space, without which it steps.
+void check_gpu(SceneTable& body, lattice::SolverParams& solver) {
+  solver.coarse = false;
+  if (solver.schedule != Schedule::kColours)
+    body.fail("solver",
+              "world.device = \"gpu\" sweeps by solver.schedule = \"colours\" alone; set it, or "
+              "world.device = \"cpu\"");
+  if (solver.method == Method::kDescent && solver.sleep > 0)
+    body.fail("solver",
+              "on world.device = \"gpu\" no row sleeps; set solver.sleep = 0, or world.device = \"cpu\"");
+}
+
 }  // namespace
 
 LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device device) {
@@ -251,11 +262,7 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
               "the lines); "
               "set skin.law = \"area\" or solver.method = \"descent\"");
   check_solid(body, scene.params);
-  if (device == Device::kGpu && !lattice::runs_on_gpu(scene.params))
-    body.fail(
-        "solver",
-        "world.device = \"gpu\" knows solver.method = \"pbd\" with solver.schedule = \"colours\" alone so "
-        "far; set these, or world.device = \"cpu\"");
+  if (device == Device::kGpu) check_gpu(body, scene.params.solver);
   body.finish();
   return scene;
 }

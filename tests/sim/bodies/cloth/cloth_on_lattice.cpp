@@ -60,7 +60,7 @@ FatUnderSheet middle_of(const LatticeBody& body) {
       const auto slot = [&](int j) { return std::size_t(node_slot(model.lattice, i, j, k)); };
       while (!lattice::is_body(model.tissue[slot(front)])) front++;
       for (fixed = front; model.inverse_mass[slot(fixed)] > 0;) fixed++;
-      found.down += dot(model.grid.axes * Vec3d(body.state.u[slot(front)]), Vec3d{0, 1, 0});
+      found.down += dot(model.grid.axes * Vec3d(body.state->u[slot(front)]), Vec3d{0, 1, 0});
       found.height += (fixed - front) * model.grid.spacing.y;
       count++;
     }
@@ -113,7 +113,7 @@ TEST(cloth_on_lattice, a_lattice_that_floats_gets_the_momentum_of_what_it_feels)
   const auto momentum = [&fat] {  // [kg·m/s]
     Vec3d sum;
     for (std::size_t s = 0; s < fat.model.inverse_mass.size(); s++)
-      if (fat.model.inverse_mass[s] > 0) sum += Vec3d(fat.state.v[s]) / double(fat.model.inverse_mass[s]);
+      if (fat.model.inverse_mass[s] > 0) sum += Vec3d(fat.state->v[s]) / double(fat.model.inverse_mass[s]);
     return fat.model.grid.axes * sum;
   };
   double given = 0;

@@ -2,9 +2,13 @@
 
 #include <set>
 
+#include <gtest/gtest.h>
+
+#include "models/host_side.hpp"
 #include "sim/block_scene.hpp"
 #include "turgor/sim/pressed.hpp"
 #include "turgor/sim/report/report.hpp"
+#include "turgor/sim/world_state.hpp"
 
 namespace turgor {
 namespace {
@@ -73,22 +77,27 @@ TEST(LatticeBody, AFastToolIsFollowedInParts) {
   EXPECT_LT(world.lattice_bodies[0].forces[0].largest_penetration, 1e-4) << "m";
 }
 
-TEST(LatticeBody, EqualBitsOn1And2ThreadsAndACutOnTheWay) {
+/// Pressed, and cut after 0.3 s.
+Scene cut_scene(const std::filesystem::path& folder, const std::string& solver = "") {
   const std::string cut =
       "skin = { tension = 5 }\n[incision.cut]\nbody = \"block\"\nfrom = [0.002, -0.02, -0.03]\n"
       "to = [0.002, -0.02, 0.03]\nstart = 0.3\n";
-  const std::filesystem::path folder = fresh_folder();
   EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
   Result<Scene> scene = parse_scene(
       "[world]\nduration = 0.5\nframe_rate = 50\n[body.block]\nmodel = \"lattice\"\nct = "
       "\"block.nii\"\nblock = 2\n" +
-          cut + "[tool.finger]\nbody = \"block\"\nshape = { capsule = [0.012, 0.01] }\n" + kPress,
+          solver + cut + "[tool.finger]\nbody = \"block\"\nshape = { capsule = [0.012, 0.01] }\n" + kPress,
       folder / "s.toml");
-  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_TRUE(scene) << scene.error().message;
+  return *scene;
+}
+
+TEST(LatticeBody, EqualBitsOn1And2ThreadsAndACutOnTheWay) {
+  const Scene scene = cut_scene(fresh_folder());
   std::set<double> forces;
   std::set<std::uint64_t> hashes;
   for (const int threads : {1, 2}) {
-    World world = block_world(Exec(threads), *scene);
+    World world = block_world(Exec(threads), scene);
     for (int frame = 0; frame < 25; frame++) ASSERT_TRUE(step(Exec(threads), world));
     forces.insert(norm(world.tools[0].samples.back().force));
     hashes.insert(lattice::state_hash(world.lattice_bodies[0].model, world.lattice_bodies[0].state));
@@ -97,6 +106,38 @@ TEST(LatticeBody, EqualBitsOn1And2ThreadsAndACutOnTheWay) {
   EXPECT_EQ(forces.size(), 1u);
   EXPECT_EQ(hashes.size(), 1u);
   EXPECT_GT(*forces.begin(), 0.01) << "N";
+}
+
+/// In place of a GPU: the host, in a shuffled order.
+TEST(LatticeBody, OneThatStepsElsewhereIsPressedAndCutAsItIsHere) {
+  const Scene scene = cut_scene(fresh_folder(), "solver = { schedule = \"colours\" }\n");
+  const auto run = [&](bool elsewhere) {
+    World world = block_world(Exec(2), scene);
+    LatticeBody& body = world.lattice_bodies[0];
+    body.model.params.solver.coarse = false;
+    if (elsewhere) body.state.step_on(lattice::put_on_host<lattice::SeededRun<1>>(body.model));
+    for (int frame = 0; frame < 20; frame++) EXPECT_TRUE(step(Exec(2), world));
+    World copy = copy_of(world);
+    for (int frame = 0; frame < 5; frame++) EXPECT_TRUE(step(Exec(2), world));
+    for (int frame = 0; frame < 5; frame++) EXPECT_TRUE(step(Exec(2), copy));
+    EXPECT_EQ(state_hash(copy), state_hash(world)) << "elsewhere " << elsewhere;
+    EXPECT_GT(world.cuts[0].edges, 0);
+    return world;
+  };
+  const World here = run(false), there = run(true);
+  const lattice::State &a = here.lattice_bodies[0].state, &b = there.lattice_bodies[0].state;
+  double most = 0, largest = 0;
+  for (std::size_t s = 0; s < a.u.x.size(); s++) {
+    most = std::max(most, double(norm(a.u[s] - b.u[s])));
+    largest = std::max(largest, double(norm(a.u[s])));
+  }
+  EXPECT_GT(largest, 1e-3) << "m";
+  EXPECT_LT(most, 1e-3 * largest) << "m: fused multiply-adds may differ";
+  ASSERT_EQ(a.copies.size(), b.copies.size());
+  EXPECT_GT(a.copies.size(), 0u);
+  const Vec3d force = here.tools[0].samples.back().force;
+  EXPECT_GT(norm(force), 0.01) << "N";
+  EXPECT_LT(norm(there.tools[0].samples.back().force - force), 1e-3 * norm(force)) << "N";
 }
 
 TEST(LatticeBody, ABoxThatHoldsNothingIsToldWhereTheBodyIs) {

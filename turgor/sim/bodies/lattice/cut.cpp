@@ -84,10 +84,10 @@ Status advance_blade(LatticeBody& body, Cut& cut, int index, double time) {
     Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade);
     if (!path) return path.error();
     cut.path = std::move(*path);
-    if (cut.blade.width > 0) cut.edges = lattice::cut_region(body.model, body.state, *cut.path);
+    if (cut.blade.width > 0) cut.edges = body.state.cut_region(body.model, *cut.path);
   }
   if (cut.blade.width == 0)
-    cut.edges += lattice::cut_edges(body.model, body.state, *cut.path, cut.done, fraction, index);
+    cut.edges += body.state.cut_edges(body.model, *cut.path, cut.done, fraction, index);
   cut.done = fraction;
   return Done{};
 }

@@ -11,6 +11,7 @@
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/body_nodes.hpp"
+#include "turgor/models/lattice/gpu_body.hpp"
 #include "turgor/sim/bodies/lattice/keep_label.hpp"
 #include "turgor/sim/bodies/lattice/load_ct.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
@@ -120,10 +121,13 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
 Status put_on_gpu(LatticeBody& body) {
   const Result<Gpu> gpu = open_gpu();
   if (!gpu) return Error{"world.device = \"gpu\": " + gpu.error().message};
-  Result<std::shared_ptr<lattice::GpuBody>> there = put(*gpu, body.model);
+  Result<std::shared_ptr<lattice::BodyThere>> there = put(*gpu, body.model);
   if (!there) return Error{"world.device = \"gpu\": " + there.error().message};
-  body.gpu = std::move(*there);
-  body.notes.push_back("steps on " + gpu->name);
+  body.state.step_on(std::move(*there));
+  const bool solid = body.model.params.tissue.law == lattice::TissueLaw::kSolid;
+  body.notes.push_back(
+      "steps on " + gpu->name +
+      (solid ? ", without a coarse space: what is smooth of a motion takes more frames" : ""));
   return Done{};
 }
 
@@ -188,7 +192,7 @@ void record_step(const LatticeBody& body, std::vector<TouchingTool>& tools, doub
 void make_surface(LatticeBody& body) {
   body.surface = lattice::build_surface(body.model, body.state, &body.ct);
   body.rest = lattice::rest_points(body.model, body.surface);
-  body.surface_cuts = cut_version(body.state);
+  body.surface_cuts = body.state.cuts();
 }
 
 }  // namespace
@@ -204,7 +208,7 @@ Result<LatticeBody> load_body(const Loading& loading, const LatticeScene& scene,
 
 void keep_surface(LatticeBody& body) {
   const bool made = !body.rest.empty();
-  if (made && cut_version(body.state) == body.surface_cuts) return;
+  if (made && body.state.cuts() == body.surface_cuts) return;
   make_surface(body);
   if (made && !body.tools.empty()) contact::take_surface(body.touch, body.model, body.state, body.surface);
 }
@@ -232,9 +236,8 @@ void leave_planes(LatticeBody& body) {
 
 /// From one time to another [s].
 lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vector<TouchingTool>& tools,
-                                 const lattice::Inputs& inputs, double from, double to) {
-  if (body.gpu) return lattice::step_on_gpu(*body.gpu, body.model, body.state, inputs, to - from);
-  if (body.tools.empty()) return lattice::step(exec, body.model, body.state, inputs, to - from);
+                                 lattice::Inputs inputs, double from, double to) {
+  if (body.tools.empty()) return body.state.step(exec, body.model, inputs, to - from);
   const Timer timer;
   keep_surface(body);
   put_tools(body, tools, from);
@@ -242,8 +245,10 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
   lattice::StepReport report;
   for (int part = 1; part <= parts && report.finite; part++) {
     set_poses(body, tools, from + (to - from) * part / parts);
-    report = contact::step(exec, body.model, body.state, body.touch, body.tools, body.poses, inputs,
-                           (to - from) / parts, body.forces);
+    const double dt = (to - from) / parts;
+    inputs.contacts = contact::find_contacts(body.model, body.state, body.touch, body.tools, body.poses, dt);
+    report = body.state.step(exec, body.model, inputs, dt);
+    contact::read_forces(body.model, body.state, body.touch, body.tools, body.forces);
   }
   record_step(body, tools, to, timer.seconds());
   return report;

@@ -9,7 +9,7 @@
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/geometry/volume.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/models/lattice/gpu_body.hpp"
+#include "turgor/models/lattice/kept_state.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/surface.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
@@ -29,9 +29,8 @@ struct LatticeBody : FrameTouchedBody {
   std::uint64_t ct_hash = 0;  // of the CT's samples and grid
   DicomOrigin ct_origin;      // of a DICOM series
   lattice::Model model;
-  lattice::State state;
-  std::shared_ptr<lattice::GpuBody> gpu;  // steps there; null: on the CPU. Copies of a world share it
-  Box box;                                // around its nodes in the CT, along the patient's axes [m]
+  lattice::KeptState state;  // here or on a GPU
+  Box box;                   // around its nodes in the CT, along the patient's axes [m]
   double read_seconds = 0, build_seconds = 0;
   std::vector<std::string> notes;  // what was left out while reading
   bool has_gravity = true;

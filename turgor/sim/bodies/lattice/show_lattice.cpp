@@ -20,7 +20,7 @@ struct Skin {
 
 /// With the cuts that the body has now.
 Skin skin_of(const Exec& exec, const LatticeBody& body, std::any& kept) {
-  const std::size_t cuts = cut_version(body.state);
+  const std::size_t cuts = body.state.cuts();
   if (!body.rest.empty() && body.surface_cuts == cuts) return {body.surface, body.rest};
   if (!std::any_cast<KeptSkin>(&kept)) kept = KeptSkin();
   KeptSkin& skin = *std::any_cast<KeptSkin>(&kept);

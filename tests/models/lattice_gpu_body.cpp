@@ -1,0 +1,84 @@
+// What needs a GPU; elsewhere it is skipped with a sentence. What it does there, lattice_body_on tests here.
+#include "ct_body.hpp"
+#include "cut_block.hpp"
+#include "turgor/models/lattice/gpu_body.hpp"
+#include "turgor/models/lattice/resample.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+const Exec kOne(1);
+constexpr double kDt = 1.0 / 60;
+
+/// Three steps, with a blade after the first one.
+State end_of(const Gpu* gpu, Method method, TissueLaw law) {
+  CutBlock block = cut_block(method, {13, 11, 9}, law == TissueLaw::kSprings, law);
+  block.model.params.solver.coarse = false;
+  KeptState state = std::move(block.state);
+  if (gpu != nullptr) state.step_on(put(*gpu, block.model).value());
+  std::vector<NodeContact> contacts;
+  if (method == Method::kDescent) contacts = finger(block.model);
+  const NodeLoad load{.slot = node_slot(block.model.lattice, 9, 6, 8), .force = {1e-3f, 0, 5e-3f}};
+  const Inputs inputs{
+      .gravity = {1, 0, -9.81}, .measure_residual = true, .loads = {&load, 1}, .contacts = contacts};
+  for (int n = 0; n < 3; n++) {
+    EXPECT_TRUE(state.step(kOne, block.model, inputs, kDt).finite);
+    if (n > 0) continue;
+    const BladePath path =
+        lay_blade(block.model, state, {.from = {0.012, 0.016, 0.032}, .to = {0.03, 0.016, 0.032}}).value();
+    EXPECT_GT(state.cut_edges(block.model, path, 0, 1, 1), 10);
+  }
+  return *state;
+}
+
+TEST(gpu_lattice, bodies_step_there_as_they_do_here) {
+  const Result<Gpu> gpu = open_gpu();
+  if (!gpu) GTEST_SKIP() << gpu.error().message;
+  for (const auto& [method, law] : {std::pair(Method::kPbd, TissueLaw::kSprings),
+                                    {Method::kDescent, TissueLaw::kSprings},
+                                    {Method::kDescent, TissueLaw::kSolid}}) {
+    const State here = end_of(nullptr, method, law), there = end_of(&*gpu, method, law);
+    const Apart found =
+        apart(cut_block(method, {13, 11, 9}, law == TissueLaw::kSprings, law).model, there, here);
+    EXPECT_LT(found.most, 1e-4 * found.largest) << "m, method " << int(method) << ", law " << int(law);
+    EXPECT_EQ(there.time, here.time);
+  }
+}
+
+TEST(gpu_lattice, the_deformed_ct_made_there_is_the_one_made_here) {
+  const Result<Gpu> gpu = open_gpu();
+  if (!gpu) GTEST_SKIP() << gpu.error().message;
+  const CtVolume ct = ball_ct(33, 12.3);
+  Model model = body_of(ct, {3, 5, 2});
+  model.params.solver.schedule = Schedule::kColours, model.params.solver.coarse = false;
+  State state = make_state(model);
+  move(model, state, [](Vec3d x) {
+    return Vec3d{0.003 * std::sin(300 * x.y), 0.004 * std::sin(400 * x.x), 0};
+  });
+  const std::shared_ptr<BodyThere> body = put(*gpu, model).value();
+  body->put_state(model, state);
+  const CtVolume there = body->resample(model, ct, ct.grid).value();
+  const CtVolume here = resample_ct(kOne, model, state, ct, ct.grid, {.keep_surroundings = false}).ct;
+  long other = 0;
+  for (std::size_t v = 0; v < here.samples.size(); v++) other += there.samples[v] != here.samples[v];
+  EXPECT_LE(other, long(here.samples.size()) / 1000) << "voxels: fused multiply-adds round otherwise";
+}
+
+TEST(gpu_lattice, what_runs_there_is_known_before) {
+  Params params;
+  params.solver.schedule = Schedule::kColours;
+  EXPECT_TRUE(runs_on_gpu(params));
+  params.tissue.law = TissueLaw::kSolid;
+  EXPECT_FALSE(runs_on_gpu(params)) << "its coarse space does not";
+  params.solver.coarse = false;
+  EXPECT_TRUE(runs_on_gpu(params));
+  params.solver.sleep = 1e-3;
+  EXPECT_FALSE(runs_on_gpu(params)) << "rows do not sleep there";
+  params.solver.method = Method::kPbd;
+  EXPECT_TRUE(runs_on_gpu(params)) << "nor do they in pbd";
+  params.solver.schedule = Schedule::kSlabs;
+  EXPECT_FALSE(runs_on_gpu(params));
+}
+
+}  // namespace
+}  // namespace turgor::lattice

@@ -1,0 +1,166 @@
+// Where a state is between steps, and what goes over the bus for it.
+#include <thread>
+
+#include "cut_block.hpp"
+#include "host_side.hpp"
+#include "turgor/models/lattice/kept_state.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+const Exec kOne(1);
+constexpr double kDt = 1.0 / 60;
+
+struct Away {
+  Model model;
+  KeptState state;
+
+  explicit Away(TissueLaw law = TissueLaw::kSprings) {
+    CutBlock block = cut_block(Method::kDescent, {13, 11, 9}, false, law);
+    model = std::move(block.model), state = std::move(block.state);
+    model.params.solver.coarse = false;
+    state.step_on(put_on_host<SeededRun<1>>(model));
+  }
+  void step() { EXPECT_TRUE(state.step(kOne, model, {.gravity = {1, 0, -9.81}}, kDt).finite); }
+  std::size_t vector_bytes() const { return 3 * sizeof(Real) * model.inverse_mass.size(); }
+};
+
+TEST(lattice_kept_state, frames_that_nobody_looks_at_bring_back_a_few_bytes) {
+  Away there;
+  there.step();
+  Bus::over = Bus::back = 0;
+  for (int n = 0; n < 10; n++) there.step();
+  EXPECT_EQ(Bus::over, 10 * sizeof(StepMarks)) << "bytes";
+  EXPECT_EQ(Bus::back, 10 * sizeof(StepMarks)) << "bytes";
+  EXPECT_GT(there.state->u.x.size(), 0u);
+  EXPECT_GE(Bus::back, 3 * there.vector_bytes());
+  Bus::back = 0;
+  (void)there.state.here();
+  EXPECT_EQ(Bus::back, 0u) << "it is here";
+}
+
+TEST(lattice_kept_state, a_reference_from_before_a_step_holds_nothing_old) {
+  Away there;
+  there.step();
+  const State& before = there.state.here();
+  EXPECT_EQ(before.u.x.size(), there.model.inverse_mass.size());
+  there.step();
+  EXPECT_EQ(before.u.x.size(), 0u);
+  EXPECT_EQ(before.v.z.size(), 0u);
+}
+
+TEST(lattice_kept_state, looking_changes_nothing) {
+  Away looked, alone;
+  std::uint64_t hash = 0;
+  for (int n = 0; n < 6; n++) looked.step(), alone.step(), hash = state_hash(looked.model, looked.state);
+  EXPECT_EQ(state_hash(alone.model, alone.state), hash);
+}
+
+TEST(lattice_kept_state, a_cut_takes_over_what_it_changed_alone) {
+  for (const TissueLaw law : {TissueLaw::kSprings, TissueLaw::kSolid}) {
+    Away there(law);
+    there.step();
+    const BladePath path =
+        lay_blade(there.model, there.state, {.from = {0.012, 0.016, 0.032}, .to = {0.03, 0.016, 0.032}})
+            .value();
+    EXPECT_EQ(there.state.cuts(), cut_version(there.state));
+    Bus::over = 0;
+    there.step();
+    EXPECT_EQ(Bus::over, sizeof(StepMarks)) << "laying a blade changes nothing";
+    EXPECT_GT(there.state.cut_edges(there.model, path, 0, 1, 1), 10);
+    EXPECT_EQ(there.state.cut_edges(there.model, path, 0, 1, 1), 0);
+    const PartsOfCells& parts = there.state->parts;
+    const std::size_t follows = parts.cells.size() * sizeof(CellPart) + parts.skin.size() * sizeof(SkinPart) +
+                                parts.uses.size() * sizeof(PartUse) +
+                                (parts.nodes.size() + parts.copies.size()) * sizeof(PartNode) +
+                                2 * there.state->copies.size() * sizeof(CopyShift);
+    Bus::over = 0;
+    there.step();
+    EXPECT_GE(Bus::over, 2 * there.model.inverse_mass.size()) << "two bytes a slot";
+    EXPECT_LE(Bus::over, 2 * there.model.inverse_mass.size() + there.state->row_cut.size() +
+                             there.state->skin_cut.size() + follows + sizeof(StepMarks));
+  }
+}
+
+TEST(lattice_kept_state, what_is_written_here_goes_over_before_the_next_step) {
+  Away there;
+  there.step();
+  CutBlock here = cut_block(Method::kDescent, {13, 11, 9}, false);
+  here.state = there.state.here();
+  const auto slot = std::size_t(node_slot(here.model.lattice, 6, 5, 4));
+  here.state.u.set(slot, {1e-3f, 0, 0});
+  there.state.change().u.set(slot, {1e-3f, 0, 0});
+  there.step();
+  step(kOne, here.model, here.state, {.gravity = {1, 0, -9.81}}, kDt);
+  const Apart found = apart(here.model, there.state, here.state);
+  EXPECT_LT(found.most, 2e-5 * found.largest) << "m";
+}
+
+TEST(lattice_kept_state, copies_step_on_the_same_side_each_with_its_own_numbers) {
+  Away one;
+  one.step();
+  KeptState copy = one.state;
+  const std::uint64_t before = state_hash(one.model, copy);
+  one.step();
+  const std::uint64_t after = state_hash(one.model, one.state);
+  EXPECT_EQ(state_hash(one.model, copy), before);
+  const Inputs inputs{.gravity = {1, 0, -9.81}};
+  one.step();  // stays away, while the copy takes its place
+  copy.step(kOne, one.model, inputs, kDt);
+  EXPECT_EQ(state_hash(one.model, copy), after);
+  copy.step(kOne, one.model, inputs, kDt);
+  EXPECT_EQ(state_hash(one.model, copy), state_hash(one.model, one.state));
+  KeptState other = std::move(copy);
+  copy = KeptState(State(*other));
+  EXPECT_EQ(state_hash(one.model, copy), state_hash(one.model, one.state));
+}
+
+TEST(lattice_kept_state, views_that_are_watched_see_every_step_and_are_heard) {
+  Away there, alone;
+  const Real* u = there.state.watch().u.x.data();
+  there.step(), alone.step();
+  const State& now = alone.state.here();
+  EXPECT_TRUE(std::equal(now.u.x.begin(), now.u.x.end(), u));
+  const auto slot = std::size_t(node_slot(there.model.lattice, 6, 5, 4));
+  const_cast<Real*>(u)[slot] += 1e-3f, alone.state.change().u.x[slot] += 1e-3f;
+  there.step(), alone.step();
+  EXPECT_EQ(state_hash(there.model, there.state), state_hash(alone.model, alone.state));
+  EXPECT_EQ(there.state->u.x.data(), u);
+}
+
+TEST(lattice_kept_state, numbers_of_another_come_to_where_views_look) {
+  Away there;
+  const KeptState begin = there.state;
+  const std::uint64_t before = state_hash(there.model, begin);
+  const Real* u = there.state.watch().u.x.data();
+  there.step();
+  EXPECT_NE(state_hash(there.model, there.state), before);
+  there.state = begin;
+  EXPECT_EQ(there.state->u.x.data(), u);
+  EXPECT_EQ(state_hash(there.model, there.state), before);
+  there.step();
+  Away alone;
+  alone.step();
+  EXPECT_EQ(state_hash(there.model, there.state), state_hash(alone.model, alone.state));
+}
+
+TEST(lattice_kept_state, threads_may_look_at_once) {
+  Away there;
+  there.step();
+  std::uint64_t hashes[2] = {};
+  {
+    std::jthread a([&] { hashes[0] = state_hash(there.model, there.state); });
+    std::jthread b([&] { hashes[1] = state_hash(there.model, there.state); });
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST(lattice_kept_state, without_another_side_it_is_a_state_that_steps_here) {
+  CutBlock block = cut_block(Method::kDescent);
+  KeptState kept = block.state;
+  kept.step(kOne, block.model, {}, kDt), step(kOne, block.model, block.state, {}, kDt);
+  EXPECT_EQ(state_hash(block.model, kept), state_hash(block.model, block.state));
+}
+
+}  // namespace
+}  // namespace turgor::lattice

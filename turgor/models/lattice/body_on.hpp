@@ -1,0 +1,343 @@
+// A body on one side of a bus or the other: its model and one state in arrays of that side, and its steps by
+// that side's run. A side is GpuSide (gpu_body.cu); tests have one that is the host, in a shuffled order.
+// Nothing goes over or back but what is told to.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/arrays_on.hpp"
+#include "turgor/models/lattice/descent_loops.hpp"
+#include "turgor/models/lattice/kept_state.hpp"
+#include "turgor/models/lattice/pbd_loops.hpp"
+#include "turgor/models/lattice/resample_loops.hpp"
+
+namespace turgor::lattice {
+
+/// What both solvers need.
+template <class Side>
+struct NodesOn {
+  template <class T>
+  using Array = typename Side::template Array<T>;
+
+  int half;
+  VectorsOn<Side> u, u_before, v;
+  Array<Real> w, root;
+  Array<std::uint8_t> cut, removed, skin_cut;
+  ColourBegin moving_of;
+  Array<int> moving;
+  Array<SkinTriangle> triangles;
+  Array<StepMarks> marks;
+
+  NodesOn(Rooms<Side>& rooms, const Model& m)
+      : half(m.lattice.half),
+        u(rooms, m.inverse_mass.size()),
+        u_before(rooms, m.inverse_mass.size()),
+        v(rooms, m.inverse_mass.size()),
+        w(rooms.copy(m.inverse_mass)),
+        root(rooms.copy(m.root_stiffness)),
+        cut(rooms.template room<std::uint8_t>(m.inverse_mass.size())),
+        removed(rooms.template room<std::uint8_t>(m.inverse_mass.size())),
+        skin_cut(rooms.template room<std::uint8_t>(m.skin.triangles.size())),
+        moving(rooms.copy(groups(m, moving_of))),
+        triangles(rooms.copy(m.skin.triangles)),
+        marks(rooms.template room<StepMarks>(1)) {}
+
+  static std::vector<int> groups(const Model& m, ColourBegin& of) {
+    std::vector<int> first;
+    of = groups_by_colours(m.lattice, m.moving, first);
+    return first;
+  }
+  void put_cuts(const State& state) {
+    cut.upload(state.cut), removed.upload(state.removed), skin_cut.upload(state.skin_cut);
+  }
+  MovingNodes view() const {
+    return {.half = half,
+            .slots = int(w.size()),
+            .nodes = {u.x.data(), u.y.data(), u.z.data(), w.data(), root.data(), cut.data()},
+            .bx = u_before.x.data(),
+            .by = u_before.y.data(),
+            .bz = u_before.z.data(),
+            .vx = v.x.data(),
+            .vy = v.y.data(),
+            .vz = v.z.data(),
+            .removed = removed.data(),
+            .moving = moving.data(),
+            .moving_count = int(moving.size()),
+            .marks = marks.data()};
+  }
+};
+
+template <class Side>
+struct PbdOn {
+  template <class T>
+  using Array = typename Side::template Array<T>;
+
+  Array<int> joining, heads, next;
+  ColourBegin joining_of, heads_of;
+
+  PbdOn(Rooms<Side>& rooms, const PbdSchedule& schedule)
+      : joining(rooms.copy(schedule.joining)),
+        heads(rooms.copy(schedule.heads)),
+        next(rooms.copy(schedule.next)),
+        joining_of(schedule.joining_of),
+        heads_of(schedule.heads_of) {}
+
+  PbdView view(const Model& model, const NodesOn<Side>& nodes) const {
+    return {.rules = pbd_rules(model),
+            .body = nodes.view(),
+            .joining = joining.data(),
+            .joining_of = joining_of,
+            .triangles = nodes.triangles.data(),
+            .skin_cut = nodes.skin_cut.data(),
+            .next = next.data(),
+            .heads = heads.data(),
+            .heads_of = heads_of};
+  }
+};
+
+template <class Side>
+struct DescentOn {
+  template <class T>
+  using Array = typename Side::template Array<T>;
+  template <class T>
+  using List = ListOn<Side, T>;
+
+  Array<Real> young;
+  Array<std::uint8_t> row_cut;
+  Array<int> skin_nodes, corner_begin, row_begin, lanes_begin;
+  Array<Vec3> pull;
+  Array<SkinCorners> corners;
+  SkinParams pull_of;  // which skin
+  List<CellPart> cells;
+  List<SkinPart> skin_parts;
+  List<PartUse> uses;
+  List<PartNode> part_nodes, copies;
+  ColourBegin copies_of;
+  List<CopyShift> shifts, shifts_before;
+  List<NodeContact> contacts;
+  List<PartOfResidual> residual;
+
+  DescentOn(Rooms<Side>& rooms, const Model& m)
+      : young(rooms.copy(m.cell_young)),
+        row_cut(rooms.template room<std::uint8_t>(m.inverse_mass.size() / std::size_t(2 * m.lattice.half))),
+        skin_nodes(rooms.copy(m.skin.nodes)),
+        corner_begin(rooms.copy(m.skin.corner_begin)),
+        row_begin(rooms.copy(m.skin.row_begin)),
+        lanes_begin(rooms.copy(m.skin.lanes_begin)),
+        pull(rooms.copy(m.skin.pull)),
+        corners(rooms.copy(m.skin.corners)),
+        pull_of(m.params.skin) {}
+
+  void put_cuts(const Model& model, const State& state) {
+    row_cut.upload(state.row_cut);
+    cells.put(state.parts.cells), skin_parts.put(state.parts.skin), uses.put(state.parts.uses);
+    part_nodes.put(state.parts.nodes);
+    const CopySchedule schedule = copy_schedule(model, state);
+    copies.put(schedule.copies), copies_of = schedule.copies_of;
+    shifts.put(state.copies), shifts_before.put(state.copies_before);
+    shifts_before.fit(state.copies.size());
+  }
+  /// Skin may be under another tension than the one that was put.
+  void keep_pull(const Model& model) {
+    if (pull_of == model.params.skin) return;
+    pull.upload(model.skin.pull);
+    pull_of = model.params.skin;
+  }
+  DescentView view(const Model& model, const NodesOn<Side>& nodes, const Inputs& inputs, double dt) const {
+    const MovingNodes body = nodes.view();
+    const Vec3 fall = lattice_gravity(model, inputs) * Real(dt * dt);
+    return {.rules = descent_rules(model),
+            .body = body,
+            .moving_of = nodes.moving_of,
+            .inertia = Inertia(body, fall, Real(dt)),
+            .young = model.params.tissue.law == TissueLaw::kSolid ? young.data() : nullptr,
+            .row_cut = row_cut.data(),
+            .skin_nodes = skin_nodes.size() > 0 ? skin_nodes.data() : nullptr,
+            .corner_begin = corner_begin.data(),
+            .skin_row_begin = row_begin.data(),
+            .lanes_begin = lanes_begin.data(),
+            .pull = pull.data(),
+            .corners = corners.data(),
+            .skin_cut = nodes.skin_cut.data(),
+            .parts = {.nodes = body.nodes,
+                      .slots = body.slots,
+                      .copies = shifts.data(),
+                      .cells = cells.data(),
+                      .skin_parts = skin_parts.data(),
+                      .uses = uses.data(),
+                      .triangles = nodes.triangles.data(),
+                      .solid = solid_law(model.lattice.step, model.params.tissue.poisson),
+                      .skin = SkinForces(model)},
+            .copies_before = shifts_before.data(),
+            .part_nodes = part_nodes.data(),
+            .copies = copies.data(),
+            .part_node_count = int(part_nodes.count),
+            .copy_count = int(shifts.count),
+            .copies_of = copies_of,
+            .contacts = contacts.data(),
+            .contact_count = int(contacts.count),
+            .residual = nullptr};
+  }
+};
+
+/// The deformed body as a CT, once it is asked for.
+template <class Side>
+struct ResampledOn {
+  template <class T>
+  using List = ListOn<Side, T>;
+
+  List<std::int16_t> ct, out;
+  List<Int3> place;
+  List<std::uint32_t> owner;
+  List<MovedBits> moved;
+
+  bool fits(std::size_t slots, const CtVolume& from, std::size_t voxels) {
+    const bool is_new = ct.count == 0;
+    const bool all = ct.fits(from.samples.size()) && out.fits(voxels) && place.fits(slots) &&
+                     owner.fits(voxels) && moved.fits(1);
+    if (all && is_new) ct.room.upload(from.samples);
+    return all;
+  }
+  ResampleView view(const Model& model, const NodeArrays& nodes, const CtVolume& from,
+                    const Grid& grid) const {
+    const ToVoxels to = to_voxels(model, grid);
+    const Vec3d voxel = from.grid.spacing, step = model.grid.spacing;
+    return {.lattice = model.lattice,
+            .nodes = nodes,
+            .moved = moved.data(),
+            .to_voxels = to,
+            .window = {.low = {0, 0, 0}, .high = grid.size, .handed = handed(to)},
+            .rest = {.first_node = index_at(from.grid, model.grid.origin),
+                     .cell_size = {step.x / voxel.x, step.y / voxel.y, step.z / voxel.z}},
+            .place = place.data(),
+            .owner = owner.data(),
+            .sample = Sampler(ct.data(), from.grid.size),
+            .out = out.data()};
+  }
+};
+
+template <class Side>
+class BodyOn final : public BodyThere {
+ public:
+  BodyOn(const Model& model, Rooms<Side>& rooms) : nodes_(rooms, model) {
+    if (model.params.solver.method == Method::kPbd)
+      pbd_.emplace(rooms, pbd_schedule(model));
+    else
+      descent_.emplace(rooms, model);
+  }
+
+  void put_state(const Model& model, const State& state) override {
+    nodes_.u.upload(state.u), nodes_.u_before.upload(state.u_before), nodes_.v.upload(state.v);
+    put_cuts(model, state);
+  }
+  void put_cuts(const Model& model, const State& state) override {
+    nodes_.put_cuts(state);
+    if (descent_) descent_->put_cuts(model, state);
+  }
+  void get_state(State& state) const override {
+    nodes_.u.download(state.u), nodes_.u_before.download(state.u_before), nodes_.v.download(state.v);
+    if (!descent_) return;
+    state.copies_before.resize(descent_->shifts_before.count);
+    descent_->shifts.room.download(state.copies);
+    descent_->shifts_before.room.download(state.copies_before);
+  }
+
+  StepReport step(const Model& model, const Inputs& inputs, double dt, Real fastest) override {
+    put_loads(inputs.loads);
+    StepMarks marks;
+    nodes_.marks.upload({&marks, 1});
+    StepReport report = descent_ ? step_descent(model, inputs, dt, fastest) : step_pbd(model, inputs, dt);
+    nodes_.marks.download({&marks, 1});
+    const Real speed2 = std::bit_cast<Real>(marks.largest);
+    if (std::isfinite(speed2)) {
+      report.largest_speed = std::sqrt(speed2);
+      return report;
+    }
+    run_(std::size_t(nodes_.view().slots), GoBackSlot{nodes_.view()});
+    if (descent_) {
+      const DescentView view = descent_->view(model, nodes_, inputs, dt);
+      run_(std::size_t(view.copy_count), GoBackCopy{view});
+    }
+    return {.finite = false};
+  }
+
+  std::optional<CtVolume> resample(const Model& model, const CtVolume& ct, const Grid& grid) override {
+    CtVolume now{.grid = grid, .samples = {}};
+    now.samples.resize(sample_count(grid));
+    const std::size_t nodes = std::size_t(node_count(model.lattice));
+    if (nodes > ResampleView::kNobody / 6 || !resampled_.fits(nodes_.w.size(), ct, now.samples.size())) {
+      resampled_ = {};
+      return {};
+    }
+    ResampleView view = resampled_.view(model, nodes_.view().nodes, ct, grid);
+    MovedBits moved;
+    resampled_.moved.room.upload({&moved, 1});
+    run_(nodes, FindMoved{view});
+    resampled_.moved.room.download({&moved, 1});
+    view.window.bits = view.to_voxels.bits = finest_bits(view.to_voxels, moved.low(), moved.high());
+    resample_with(run_, view);
+    resampled_.out.room.download(now.samples);
+    return now;
+  }
+
+ private:
+  void put_loads(std::span<const NodeLoad> loads) {
+    std::vector<NodeLoad> by_slot(loads.begin(), loads.end());
+    std::stable_sort(by_slot.begin(), by_slot.end(),
+                     [](const NodeLoad& a, const NodeLoad& b) { return a.slot < b.slot; });
+    loads_.put(by_slot);
+  }
+
+  StepReport step_pbd(const Model& model, const Inputs& inputs, double dt) {
+    TURGOR_ASSERT(inputs.contacts.empty(), "contacts press with newtons, which projections do not know");
+    step_pbd_with(run_, pbd_->view(model, nodes_), loads_.values(), lattice_gravity(model, inputs),
+                  model.params.solver, dt);
+    return {};
+  }
+
+  StepReport step_descent(const Model& model, const Inputs& inputs, double dt, Real fastest) {
+    descent_->keep_pull(model);
+    descent_->contacts.put(inputs.contacts);
+    DescentView view = descent_->view(model, nodes_, inputs, dt);
+    if (inputs.measure_residual) {
+      descent_->residual.fit(std::size_t(ResidualOfGroups::count(view) + view.copies_of.begin[kColourCount]));
+      view.residual = descent_->residual.data();
+    }
+    const Real wild = wild_from(model, Real(dt));
+    const bool held = model.free_nodes < model.body_nodes;
+    predict_descent_with(run_, view, loads_.values(), {held, held && 2 * fastest > wild ? wild : 0});
+    StepReport report;
+    if (view.residual != nullptr) {
+      measure_residual_with(run_, view);
+      report.residual.before = residual(model).rms;
+    }
+    sweep_and_finish_descent_with(run_, view, model.params.solver, dt);
+    if (view.residual != nullptr) {
+      const double before = report.residual.before;
+      report.residual = residual(model);
+      report.residual.before = before;
+    }
+    descent_->contacts.room.download(inputs.contacts);
+    return report;
+  }
+
+  Residual residual(const Model& model) const {
+    std::vector<PartOfResidual> parts(descent_->residual.count);
+    descent_->residual.room.download(parts);
+    PartOfResidual all;
+    for (const PartOfResidual& part : parts)
+      all.largest2 = std::max(all.largest2, part.largest2), all.sum2 += part.sum2;
+    return {.largest = std::sqrt(all.largest2), .rms = std::sqrt(all.sum2 / std::max(1, model.free_nodes))};
+  }
+
+  typename Side::Run run_{};
+  NodesOn<Side> nodes_;
+  std::optional<PbdOn<Side>> pbd_;
+  std::optional<DescentOn<Side>> descent_;
+  ListOn<Side, NodeLoad> loads_;
+  ResampledOn<Side> resampled_;
+};
+
+}  // namespace turgor::lattice

@@ -1,0 +1,131 @@
+#include "turgor/models/lattice/kept_state.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "turgor/models/lattice/resample.hpp"
+
+namespace turgor::lattice {
+
+/// What was changed here since it last went over.
+enum class Changed : std::uint8_t { kNothing, kCuts, kAll };
+
+struct StateAndPlace {
+  State state;
+  std::shared_ptr<BodyThere> there;  // null: it steps here
+  VecField u, u_before, v;           // room of the state's own, while it is away
+  bool away = false, watched = false;
+  Changed changed = Changed::kAll;
+
+  void swap_room() { std::swap(u, state.u), std::swap(u_before, state.u_before), std::swap(v, state.v); }
+  void go() {
+    if (std::exchange(away, true)) return;
+    swap_room();
+  }
+  /// `there` is in use by this thread.
+  void come_back() {
+    if (!std::exchange(away, false)) return;
+    swap_room();
+    there->get_state(state);
+  }
+  State& at_home() {
+    if (!there) return state;
+    const std::lock_guard lock(there->in_use);
+    come_back();
+    return state;
+  }
+};
+
+namespace {
+
+/// What is there is this state, as it is.
+void put_over(const Model& model, const std::shared_ptr<StateAndPlace>& kept) {
+  BodyThere& there = *kept->there;
+  const std::shared_ptr<StateAndPlace> other = there.whose.lock();
+  if (other != kept) {
+    if (other) other->come_back();
+    kept->changed = Changed::kAll;
+    there.whose = kept;
+  }
+  if (kept->changed == Changed::kAll) there.put_state(model, kept->state);
+  if (kept->changed == Changed::kCuts) there.put_cuts(model, kept->state);
+  kept->changed = Changed::kNothing;
+}
+
+}  // namespace
+
+KeptState::KeptState(State state) : kept_(std::make_shared<StateAndPlace>()) {
+  kept_->state = std::move(state);
+}
+
+KeptState::KeptState(const KeptState& other) : KeptState(other.here()) { kept_->there = other.kept_->there; }
+
+KeptState& KeptState::operator=(const KeptState& other) {
+  if (this == &other) return *this;
+  change() = other.here();
+  kept_->there = other.kept_->there;
+  return *this;
+}
+
+const State& KeptState::here() const { return kept_->at_home(); }
+
+State& KeptState::change() {
+  State& state = kept_->at_home();
+  kept_->changed = Changed::kAll;
+  return state;
+}
+
+State& KeptState::watch() {
+  kept_->watched = true;
+  return change();
+}
+
+std::size_t KeptState::cuts() const { return cut_version(kept_->state); }
+
+void KeptState::step_on(std::shared_ptr<BodyThere> there) {
+  kept_->at_home();
+  kept_->there = std::move(there);
+  kept_->changed = Changed::kAll;
+}
+
+StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& inputs, double dt) {
+  if (!kept_->there) return lattice::step(exec, model, kept_->state, inputs, dt);
+  const std::lock_guard lock(kept_->there->in_use);
+  put_over(model, kept_);
+  kept_->go();
+  State& state = kept_->state;
+  const StepReport report = kept_->there->step(model, inputs, dt, state.fastest);
+  state.fastest = report.largest_speed;
+  if (report.finite) state.time += dt;
+  if (kept_->watched) kept_->come_back(), kept_->changed = Changed::kAll;
+  return report;
+}
+
+CtVolume KeptState::resample(const Exec& exec, const Model& model, const CtVolume& ct,
+                             const Grid& grid) const {
+  if (kept_->there && cuts() == 0) {
+    const std::lock_guard lock(kept_->there->in_use);
+    if (kept_->away)
+      if (std::optional<CtVolume> now = kept_->there->resample(model, ct, grid)) return std::move(*now);
+  }
+  return resample_ct(exec, model, here(), ct, grid, {.conserve_mass = false, .keep_surroundings = false}).ct;
+}
+
+template <class Cut>
+int KeptState::cut_with(const Cut& cut) {
+  State& state = kept_->at_home();
+  const std::size_t before = cut_version(state);
+  const int count = cut(state);
+  if (count > 0 || cut_version(state) != before) kept_->changed = std::max(kept_->changed, Changed::kCuts);
+  return count;
+}
+
+int KeptState::cut_edges(const Model& model, const BladePath& path, double begin, double end, int incision) {
+  return cut_with([&](State& state) { return lattice::cut_edges(model, state, path, begin, end, incision); });
+}
+
+int KeptState::cut_region(const Model& model, const BladePath& path) {
+  return cut_with([&](State& state) { return lattice::cut_region(model, state, path); });
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,78 @@
+// A State and where it is: here, or on a GPU, where it steps and stays until somebody looks. Nobody can read
+// what is old: whoever asks for the State gets it as it is now, and while it is elsewhere its places and
+// velocities here are empty.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "turgor/models/lattice/incision.hpp"
+
+namespace turgor::lattice {
+
+struct StateAndPlace;
+
+/// A body on the other side of a bus (body_on.hpp): its model, and one state at a time.
+struct BodyThere {
+  virtual ~BodyThere() = default;
+
+  virtual void put_state(const Model& model, const State& state) = 0;
+  /// What a blade changes of a state: not where the nodes are and how fast.
+  virtual void put_cuts(const Model& model, const State& state) = 0;
+  /// Places and velocities.
+  virtual void get_state(State& state) const = 0;
+  /// Of the state that is there; a step whose numbers are not finite is undone. The model is the one that was
+  /// put; its sweeps, damping and skin may be others since. `fastest`: State::fastest.
+  virtual StepReport step(const Model& model, const Inputs& inputs, double dt, Real fastest) = 0;
+  /// What resample_ct makes of the body alone, if no blade has been at it; nothing where there is no room for
+  /// it. `ct` is the one that the body was built from.
+  virtual std::optional<CtVolume> resample(const Model& model, const CtVolume& ct, const Grid& grid) = 0;
+
+  std::mutex in_use;
+  std::weak_ptr<StateAndPlace> whose;  // state it holds
+};
+
+class KeptState {
+ public:
+  KeptState() : KeptState(State{}) {}
+  KeptState(State state);
+  /// A copy is here; it steps where the original does.
+  KeptState(const KeptState& other);
+  KeptState(KeptState&&) noexcept = default;
+  /// Takes the other's numbers, in the same memory, and steps where it does.
+  KeptState& operator=(const KeptState& other);
+  KeptState& operator=(KeptState&&) noexcept = default;
+  ~KeptState() = default;
+
+  /// As it is now. Valid until the next step.
+  const State& here() const;
+  operator const State&() const { return here(); }
+  const State& operator*() const { return here(); }
+  const State* operator->() const { return &here(); }
+  /// To write into, until the next step.
+  State& change();
+  /// For views that outlive steps: from now on every step ends with all of it here, in the same memory, and
+  /// what was written there goes over before it.
+  State& watch();
+  /// cut_version, wherever it is.
+  std::size_t cuts() const;
+
+  /// From now on it steps there.
+  void step_on(std::shared_ptr<BodyThere> there);
+  StepReport step(const Exec& exec, const Model& model, const Inputs& inputs, double dt);
+
+  /// What the functions of these names do (incision.hpp).
+  int cut_edges(const Model& model, const BladePath& path, double begin, double end, int incision);
+  int cut_region(const Model& model, const BladePath& path);
+  /// resample_ct without surroundings, where the state is.
+  CtVolume resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid) const;
+
+ private:
+  template <class Cut>
+  int cut_with(const Cut& cut);
+
+  std::shared_ptr<StateAndPlace> kept_;
+};
+
+}  // namespace turgor::lattice
