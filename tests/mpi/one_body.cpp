@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 
 #include "folders.hpp"
+#include "mpi/scene.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/sim/run.hpp"
@@ -127,7 +128,7 @@ TEST(OneBody, OfSpringsWithACutHasTheStateOfOneProcess) {
 }
 
 TEST(OneBody, OfProjectionsWithACutHasTheStateOfOneProcess) {
-  expect_the_same(scene_text(kProjections, kAlong), {2, 4});
+  expect_the_same(scene_text(kProjections, kAlong), {4});
 }
 
 TEST(OneBody, FromFilesIsReadByTheSliceAndHasTheStateOfOneProcess) {
@@ -175,8 +176,9 @@ TEST(OneBody, IsHeldInPartsThatShrinkWithMoreProcesses) {
   const Folder folder(scene_text(kSprings));
   const auto most_memory = [&](int processes) {
     EXPECT_EQ(run_shared(folder, processes).code, 0);
+    const nlohmann::json report = report_of(folder);
     std::int64_t most = 0;
-    for (const auto& process : report_of(folder)["processes"])
+    for (const auto& process : report["processes"])
       most = std::max(most, process["memory_bytes"].get<std::int64_t>());
     return double(most);
   };
@@ -224,13 +226,22 @@ TEST(OneBody, RefusesWhatProcessesCannotShareByTheNameOfItsKey) {
        "tool"},
   };
   for (const auto& [body, rest, key] : cases) {
-    const Folder folder(scene_text(body, rest));
-    const Ended ended = run_shared(folder, 2);
-    EXPECT_EQ(ended.code, 2) << key;
-    EXPECT_NE(ended.printed.find(key + ": several processes share"), std::string::npos)
-        << key << ": " << ended.printed;
-    EXPECT_EQ(std::count(ended.printed.begin(), ended.printed.end(), '\n'), 1) << ended.printed;
+    const Status known = mpi::check_scene(parse_scene(scene_text(body, rest), "scene.toml").value());
+    ASSERT_FALSE(known) << key;
+    EXPECT_NE(known.error().message.find(key + ": several processes share"), std::string::npos)
+        << known.error().message;
   }
+  EXPECT_TRUE(mpi::check_scene(parse_scene(scene_text(kSolid, kAlong + kAcross), "scene.toml").value()));
+}
+
+TEST(OneBody, PrintsOneRefusalForAllItsProcesses) {
+  const Folder folder(scene_text(""));
+  const Ended ended = run_shared(folder, 2);
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_EQ(
+      ended.printed,
+      "turgor_mpi: scene.toml:4:1: body.torso.solver.coarse: several processes share sweeps, not the coarse "
+      "space beside them that solid tissue has otherwise: expected coarse = false\n");
 }
 
 }  // namespace turgor
