@@ -1,6 +1,7 @@
 #include "mpi/exchange.hpp"
 
 #include <algorithm>
+#include <ctime>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
@@ -54,6 +55,7 @@ void unpack(const std::vector<Real>& message, const PartOfBody& part, int layer)
 /// Sends one layer and takes another; −1: nobody is there.
 void pass_layers(PartOfBody& part, int to, int sent, int from, int received) {
   const Timer timer;
+  const double processor_before = processor_seconds();
   const auto is_rank = [&](int rank) { return rank >= 0 && rank < part.ranks.count; };
   const std::vector<Real> message = is_rank(to) ? packed(part, sent) : std::vector<Real>();
   std::vector<Real> answer = is_rank(from) ? packed(part, received) : std::vector<Real>();
@@ -61,7 +63,11 @@ void pass_layers(PartOfBody& part, int to, int sent, int from, int received) {
   if (is_rank(from)) unpack(answer, part, received);
   part.traffic.bytes += std::int64_t(message.size() * sizeof(Real));
   part.traffic.messages += is_rank(to);
-  part.traffic.seconds += timer.seconds();
+  if (!is_rank(to) && !is_rank(from)) return;
+  Traffic& traffic = part.traffic;
+  const double seconds = timer.seconds();
+  traffic.seconds += seconds, traffic.processor_seconds += processor_seconds() - processor_before;
+  if (traffic.least_seconds == 0 || seconds < traffic.least_seconds) traffic.least_seconds = seconds;
 }
 
 void after_phase(PartOfBody& part, int phase) {
@@ -162,6 +168,12 @@ void join_edges(const PartOfBody& part, int layers, std::vector<Edge>& edges) {
 }
 
 }  // namespace
+
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
 
 lattice::Others others_of(PartOfBody& part) {
   return {.after_phase = [&part](int phase) { after_phase(part, phase); },

@@ -29,6 +29,8 @@ struct PartFacts {
                peak = 0;                     // memory: model and state; peak: of the process [bytes]
   std::int64_t exchanged = 0, messages = 0;  // sent to neighbours by sweeps
   double load_seconds = 0, step_seconds = 0, exchange_seconds = 0;
+  double work_seconds = 0;   // of the processor, in steps, without telling neighbours
+  double least_seconds = 0;  // Traffic
 };
 
 /// A run on its way.
@@ -74,11 +76,14 @@ Status simulate_part(Running& run, PartOfBody& part) {
   const lattice::Others others = others_of(part);
   if (const Status loaded = load_cuts(run, others); !loaded) return loaded;
   const Timer timer;
+  const double processor_before = processor_seconds();
   const int frames = frame_count(run.scene);
   while (run.frames < frames && run.last.finite)
     if (const Status done = step_frame(run, others, run.frames + 1 == frames); !done) return done;
   run.facts.step_seconds = timer.seconds();
   run.facts.exchange_seconds = part.traffic.seconds;
+  run.facts.work_seconds = processor_seconds() - processor_before - part.traffic.processor_seconds;
+  run.facts.least_seconds = part.traffic.least_seconds;
   run.facts.exchanged = part.traffic.bytes, run.facts.messages = part.traffic.messages;
   return Done{};
 }
@@ -123,7 +128,9 @@ Json report_of(const Running& run, const PartOfBody& part) {
                          {"messages", f.messages},
                          {"load_s", f.load_seconds},
                          {"steps_s", f.step_seconds},
-                         {"exchange_s", f.exchange_seconds}});
+                         {"steps_processor_s", f.work_seconds},
+                         {"exchange_s", f.exchange_seconds},
+                         {"shortest_exchange_s", f.least_seconds}});
   const Int3 size = run.part.nodes.size;
   return {{"program", "turgor_mpi " + program_version()},
           {"scene", run.scene.file.string()},
