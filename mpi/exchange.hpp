@@ -15,9 +15,9 @@ namespace turgor::mpi {
 /// Of what sweeps told neighbours so far.
 struct Traffic {
   std::int64_t bytes = 0, messages = 0;  // sent
-  double seconds = 0;            // from the end of own work to the last byte; waiting included
-  double processor_seconds = 0;  // likewise, of the processor: waiting is work for most of MPI
-  double least_seconds = 0;      // of one phase, the one that waited least; 0: there was none
+  double seconds = 0;                    // from the end of own work to the last byte; waiting included
+  double processor_seconds = 0;          // likewise, of the processor: waiting is work for most of MPI
+  double least_seconds = 0;              // of one phase, the one that waited least; 0: there was none
 };
 
 /// All of these outlive what is made of them.
