@@ -14,9 +14,10 @@
 namespace turgor {
 
 struct Lattice {
-  Int3 size;   // nodes along i, j, k
-  Vec3 step;   // distance of neighbouring nodes [m]
-  int half{};  // slots in half a row
+  Int3 size;    // nodes along i, j, k
+  Vec3 step;    // distance of neighbouring nodes [m]
+  int half{};   // slots in half a row
+  int first{};  // of a part of a body: layers of the body before this lattice's first
 
   friend bool operator==(const Lattice&, const Lattice&) = default;
 };
@@ -66,8 +67,10 @@ constexpr Int3 slot_node(const Lattice& l, int slot) {
 constexpr bool contains(const Lattice& l, Int3 p) {
   return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x < l.size.x && p.y < l.size.y && p.z < l.size.z;
 }
+/// The node's place among those of the whole body.
+constexpr Int3 in_body(const Lattice& l, Int3 p) { return {p.x, p.y, p.z + l.first}; }
 constexpr Vec3 rest_position(const Lattice& l, Int3 p) {
-  return {float(p.x) * l.step.x, float(p.y) * l.step.y, float(p.z) * l.step.z};
+  return {float(p.x) * l.step.x, float(p.y) * l.step.y, float(p.z + l.first) * l.step.z};
 }
 
 /// Distance in slots from a node with i of the given parity (0 even, 1 odd) to its neighbour at `offset`

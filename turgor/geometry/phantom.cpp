@@ -79,32 +79,21 @@ std::vector<const Shape*> shapes_at(const Anatomy& anatomy, float z) {
   return found;
 }
 
-Grid centred_grid(const PhantomParams& params) {
-  Grid grid{.size = params.size, .spacing = params.spacing, .origin = {}, .axes = {}};
-  const Vec3d last{params.size.x - 1.0, params.size.y - 1.0, params.size.z - 1.0};
-  grid.origin = hadamard(params.spacing, last) * -0.5;
-  return grid;
-}
+/// Slices [begin, end) into `samples`, and their labels unless `labels` is null.
+struct Slices {
+  int begin, end;
+  std::int16_t* samples;
+  std::uint16_t* labels;
+};
 
-}  // namespace
-
-PhantomParams default_phantom(PhantomKind kind) {
-  PhantomParams params{.kind = kind};
-  if (kind == PhantomKind::kHead) params.size = {512, 512, 544}, params.spacing = {0.46e-3, 0.46e-3, 0.5e-3};
-  if (kind == PhantomKind::kLeg) params.size = {512, 512, 1152}, params.spacing = {0.42e-3, 0.42e-3, 0.8e-3};
-  return params;
-}
-
-CtVolume make_phantom(const Exec& exec, const PhantomParams& params, LabelVolume* labels,
-                      const Progress& progress) {
+void paint(const Exec& exec, const PhantomParams& params, const Slices& to, const Progress& progress) {
   const Anatomy anatomy = make_anatomy(params);
-  const Grid grid = centred_grid(params);
-  CtVolume ct{grid, std::vector<std::int16_t>(sample_count(grid))};
-  if (labels) *labels = {grid, std::vector<std::uint16_t>(sample_count(grid))};
+  const Grid grid = phantom_grid(params);
   const Vec3 first = Vec3(grid.origin * 1e3), step = Vec3(grid.spacing * 1e3);
   const Painter painter{first, step, grid.size.x, std::max(step.x, std::max(step.y, step.z))};
   std::atomic<int> done{0};
-  parallel_for(exec, std::size_t(grid.size.z), [&](std::size_t k) {
+  parallel_for(exec, std::size_t(to.end - to.begin), [&](std::size_t n) {
+    const int k = to.begin + int(n);
     const std::size_t width = std::size_t(grid.size.x);
     Painting row{std::vector<float>(width), std::vector<float>(width), std::vector<std::uint16_t>(width)};
     const float z = first.z + float(k) * step.z;
@@ -115,12 +104,46 @@ CtVolume make_phantom(const Exec& exec, const PhantomParams& params, LabelVolume
       std::fill(row.label.begin(), row.label.end(), std::uint16_t{0});
       for (const Shape* shape : shapes)
         if (shape->low.y <= y && y <= shape->high.y) painter.paint(*shape, y, z, row);
-      const std::size_t at = sample_index(grid, 0, j, int(k));
-      add_noise(params, at, row, ct.samples.data() + at);
-      if (labels) std::copy(row.label.begin(), row.label.end(), labels->samples.begin() + std::ptrdiff_t(at));
+      const std::size_t at = sample_index(grid, 0, j, int(n));
+      add_noise(params, sample_index(grid, 0, j, k), row, to.samples + at);
+      if (to.labels) std::copy(row.label.begin(), row.label.end(), to.labels + at);
     }
-    if (progress) progress(double(++done) / grid.size.z);
+    if (progress) progress(double(++done) / (to.end - to.begin));
   });
+}
+
+}  // namespace
+
+Grid phantom_grid(const PhantomParams& params) {
+  Grid grid{.size = params.size, .spacing = params.spacing, .origin = {}, .axes = {}};
+  const Vec3d last{params.size.x - 1.0, params.size.y - 1.0, params.size.z - 1.0};
+  grid.origin = hadamard(params.spacing, last) * -0.5;
+  return grid;
+}
+
+std::vector<std::int16_t> make_phantom_slices(const Exec& exec, const PhantomParams& params, int begin,
+                                              int end) {
+  Grid part = phantom_grid(params);
+  part.size.z = end - begin;
+  std::vector<std::int16_t> samples(sample_count(part));
+  paint(exec, params, {begin, end, samples.data(), nullptr}, {});
+  return samples;
+}
+
+PhantomParams default_phantom(PhantomKind kind) {
+  PhantomParams params{.kind = kind};
+  if (kind == PhantomKind::kHead) params.size = {512, 512, 544}, params.spacing = {0.46e-3, 0.46e-3, 0.5e-3};
+  if (kind == PhantomKind::kLeg) params.size = {512, 512, 1152}, params.spacing = {0.42e-3, 0.42e-3, 0.8e-3};
+  return params;
+}
+
+CtVolume make_phantom(const Exec& exec, const PhantomParams& params, LabelVolume* labels,
+                      const Progress& progress) {
+  const Grid grid = phantom_grid(params);
+  CtVolume ct{grid, std::vector<std::int16_t>(sample_count(grid))};
+  if (labels) *labels = {grid, std::vector<std::uint16_t>(sample_count(grid))};
+  paint(exec, params, {0, grid.size.z, ct.samples.data(), labels ? labels->samples.data() : nullptr},
+        progress);
   return ct;
 }
 

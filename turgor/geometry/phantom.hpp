@@ -31,5 +31,9 @@ PhantomParams default_phantom(PhantomKind kind);
 /// off. Writes labels on the same grid unless `labels` is null.
 CtVolume make_phantom(const Exec& exec, const PhantomParams& params, LabelVolume* labels = nullptr,
                       const Progress& progress = {});
+/// Of the same: where its samples are, and those of slices [begin, end).
+Grid phantom_grid(const PhantomParams& params);
+std::vector<std::int16_t> make_phantom_slices(const Exec& exec, const PhantomParams& params, int begin,
+                                              int end);
 
 }  // namespace turgor

@@ -106,6 +106,44 @@ Result<CtFile> read_ct(const Exec& exec, const fs::path& path, const ReadOptions
   return file;
 }
 
+namespace {
+
+Result<io::VolumeHeader> header_of_slices(const fs::path& path) {
+  if (Status input = io::check_input(path); !input) return input.error();
+  const std::string expected = "expected an uncompressed .nii, .nrrd, .nhdr, .mha or .mhd here";
+  std::error_code failed;
+  if (fs::is_directory(path, failed) || io::is_dicom(path))
+    return Error{
+        fmt::format("{}: holds DICOM, of which slices cannot be read alone; {}", path.string(), expected)};
+  Result<io::VolumeHeader> header = io::read_volume_header(path);
+  if (!header) return header;
+  if (Status placed = io::check_grid(path, header->grid); !placed) return placed.error();
+  if (header->components != 1)
+    return Error{fmt::format("{}: {} components a sample; expected 1", path.string(), header->components)};
+  if (header->is_packed)
+    return Error{
+        fmt::format("{}: compressed, so that slices cannot be read alone; {}", path.string(), expected)};
+  return header;
+}
+
+}  // namespace
+
+Result<Grid> read_ct_grid(const fs::path& path) {
+  const Result<io::VolumeHeader> header = header_of_slices(path);
+  if (!header) return header.error();
+  if (determinant(header->grid.axes) > 0) return header->grid;
+  return reordered(header->grid, AxisOrder{.flip = {true, false, false}});
+}
+
+Result<std::vector<std::int16_t>> read_ct_slices(const Exec& exec, const fs::path& path, int begin, int end) {
+  const Result<io::VolumeHeader> header = header_of_slices(path);
+  if (!header) return header.error();
+  const Result<RawVolume> raw = io::read_volume_slices(path, *header, begin, end);
+  if (!raw) return raw.error();
+  std::vector<std::string> notes;
+  return right_handed(CtVolume{raw->grid, hounsfield(exec, *raw, notes)}).samples;
+}
+
 LabelNames read_label_names(const fs::path& path) {
   if (!io::check_input(path)) return {};
   return io::is_dicom(path) ? io::read_segment_names(path) : io::read_header_names(path);

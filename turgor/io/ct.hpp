@@ -53,6 +53,12 @@ struct CtFile {
 /// Hounsfield units, rounded and kept within int16; samples that are no number and DICOM's padding become
 /// air.
 Result<CtFile> read_ct(const Exec& exec, const std::filesystem::path& path, const ReadOptions& options = {});
+/// Where the samples of a CT are by its header alone. Error: DICOM, or a compressed file, of which slices
+/// cannot be read.
+Result<Grid> read_ct_grid(const std::filesystem::path& path);
+/// Slices [begin, end) of the same file, as read_ct gives them [HU].
+Result<std::vector<std::int16_t>> read_ct_slices(const Exec& exec, const std::filesystem::path& path,
+                                                 int begin, int end);
 /// What a DICOM folder holds by its headers alone, one line a series; empty for anything else. Says something
 /// even where read_ct refuses.
 std::string list_dicom_series(const Exec& exec, const std::filesystem::path& folder);

@@ -9,8 +9,6 @@ namespace turgor::io {
 
 namespace fs = std::filesystem;
 
-namespace {
-
 Status check_grid(const fs::path& path, const Grid& grid) {
   for (int axis = 0; axis < 3; axis++) {
     const double spacing = grid.spacing[axis], origin = grid.origin[axis];
@@ -28,8 +26,6 @@ Status check_grid(const fs::path& path, const Grid& grid) {
   }
   return Done{};
 }
-
-}  // namespace
 
 Result<RawVolume> read_volume_file(const fs::path& path) {
   const Result<VolumeHeader> header = read_volume_header(path);

@@ -42,6 +42,11 @@ Status write_volume_file(const std::filesystem::path& path, const SamplesToWrite
 /// The samples of a file whose header is known, in this machine's byte order; all that it promises must be
 /// there, and a compressed stream must hold no more.
 Result<RawVolume> read_volume_samples(const std::filesystem::path& path, const VolumeHeader& header);
+/// Slices [begin, end) of them alone. Error: besides those, a compressed file.
+Result<RawVolume> read_volume_slices(const std::filesystem::path& path, const VolumeHeader& header, int begin,
+                                     int end);
+/// Are the axes and spacings those of a grid of right angles?
+Status check_grid(const std::filesystem::path& path, const Grid& grid);
 
 // The three formats, into a file that is open; write_volume_file calls them.
 Status write_nifti(FileWriter& file, const std::filesystem::path& path, const SamplesToWrite& samples);

@@ -104,7 +104,31 @@ std::vector<std::byte> interleaved(const std::vector<std::byte>& stored, std::si
   return mixed;
 }
 
+void swap_bytes(RawVolume& raw) {
+  const std::size_t size = byte_size(raw.type);
+  for (auto at = raw.bytes.begin(); size > 1 && at != raw.bytes.end(); at += std::ptrdiff_t(size))
+    std::reverse(at, at + std::ptrdiff_t(size));
+}
+
 }  // namespace
+
+Result<RawVolume> read_volume_slices(const fs::path& path, const VolumeHeader& header, int begin, int end) {
+  if (header.is_packed)
+    return Error{fmt::format("{}: compressed; expected an uncompressed file, of which slices can be read",
+                             path.string())};
+  RawVolume raw{header.format, header.grid,      header.type, header.components,
+                header.slope,  header.intercept, {},          header.label_names};
+  const std::size_t samples = sample_count(raw.grid) * std::size_t(raw.components) * byte_size(raw.type),
+                    slice = samples / std::size_t(raw.grid.size.z);
+  Result<FileRange> range = find_samples(path, header, std::int64_t(samples));
+  if (!range) return range.error();
+  range->begin += std::int64_t(slice) * begin;
+  raw.grid.size.z = end - begin;
+  raw.bytes.resize(slice * std::size_t(end - begin));
+  if (Status filled = fill(path, header, *range, raw.bytes); !filled) return filled.error();
+  if (header.is_swapped) swap_bytes(raw);
+  return raw;
+}
 
 Result<RawVolume> read_volume_samples(const fs::path& path, const VolumeHeader& header) {
   RawVolume raw{header.format, header.grid,      header.type, header.components,
@@ -115,9 +139,7 @@ Result<RawVolume> read_volume_samples(const fs::path& path, const VolumeHeader& 
   if (!range) return range.error();
   raw.bytes.resize(wanted);
   if (Status filled = fill(path, header, *range, raw.bytes); !filled) return filled.error();
-  if (header.is_swapped && size > 1)
-    for (auto at = raw.bytes.begin(); at != raw.bytes.end(); at += std::ptrdiff_t(size))
-      std::reverse(at, at + std::ptrdiff_t(size));
+  if (header.is_swapped) swap_bytes(raw);
   if (components > 1 && header.component_stride > 1)
     raw.bytes = interleaved(raw.bytes, components, std::size_t(header.component_stride), size);
   return raw;

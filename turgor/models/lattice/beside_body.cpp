@@ -18,13 +18,14 @@ using Mask = std::vector<std::uint8_t>;
 
 /// Densest and least dense voxel of every cell against a bound.
 struct PoolLayer {
-  const CtVolume& ct;
-  const BesideBody& cells;
+  const CtPart& ct;
+  DenseCells& cells;
   std::int16_t bound;
-  std::uint8_t *any, *all;
+  int begin;
 
-  void operator()(std::size_t layer) const {
-    const Int3 n = ct.grid.size, c = cells.cell;
+  void operator()(std::size_t at) const {
+    const std::size_t layer = at + std::size_t(begin);
+    const Int3 n = ct.whole.size, c = cells.cell;
     std::vector<std::int16_t> extremes(
         2 * static_cast<std::size_t>(n.x));  // of every column of this row of cells
     std::int16_t *least = extremes.data(), *most = least + n.x;
@@ -34,7 +35,7 @@ struct PoolLayer {
       std::fill_n(most, n.x, std::int16_t(-32768));
       for (int k = k0; k < k1; k++)
         for (int j = row * c.y; j < std::min((row + 1) * c.y, n.y); j++) {
-          const std::int16_t* hu = &ct.samples[sample_index(ct.grid, 0, j, k)];
+          const std::int16_t* hu = ct.row(j, k);
           TURGOR_LANES
           for (int i = 0; i < n.x; i++)
             least[i] = std::min(least[i], hu[i]), most[i] = std::max(most[i], hu[i]);
@@ -42,9 +43,9 @@ struct PoolLayer {
       const std::size_t first =
           (layer * std::size_t(cells.size.y) + std::size_t(row)) * std::size_t(cells.size.x);
       for (int i = 0; i < cells.size.x; i++) {
-        const int begin = i * c.x, end = std::min(begin + c.x, n.x);
-        all[first + std::size_t(i)] = *std::min_element(least + begin, least + end) >= bound;
-        any[first + std::size_t(i)] = *std::max_element(most + begin, most + end) >= bound;
+        const int low = i * c.x, high = std::min(low + c.x, n.x);
+        cells.all[first + std::size_t(i)] = *std::min_element(least + low, least + high) >= bound;
+        cells.any[first + std::size_t(i)] = *std::max_element(most + low, most + high) >= bound;
       }
     }
   }
@@ -130,26 +131,41 @@ std::vector<std::uint8_t> strange_parts(const RowComponents& parts, const Silhou
 
 }  // namespace
 
-BesideBody find_beside_body(const Exec& exec, const CtVolume& ct, double air_max) {
-  BesideBody found;
+DenseCells make_dense_cells(const Grid& ct) {
+  DenseCells cells;
   for (int a = 0; a < 3; a++) {
-    found.cell[a] = std::max(1, int(std::lround(kCell / ct.grid.spacing[a])));
-    found.size[a] = (ct.grid.size[a] + found.cell[a] - 1) / found.cell[a];
+    cells.cell[a] = std::max(1, int(std::lround(kCell / ct.spacing[a])));
+    cells.size[a] = (ct.size[a] + cells.cell[a] - 1) / cells.cell[a];
   }
-  const Int3 size = found.size;
-  const std::size_t count = std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z);
-  Mask any(count), all(count);
-  const auto bound = std::int16_t(std::clamp(std::ceil(air_max), -32768.0, 32767.0));
-  parallel_for(exec, std::size_t(size.z), PoolLayer{ct, found, bound, any.data(), all.data()});
+  const std::size_t count = std::size_t(cells.size.x) * std::size_t(cells.size.y) * std::size_t(cells.size.z);
+  cells.any.resize(count), cells.all.resize(count);
+  return cells;
+}
 
+void pool_cells(const Exec& exec, const CtPart& ct, double air_max, Layers layers, DenseCells& cells) {
+  const auto bound = std::int16_t(std::clamp(std::ceil(air_max), -32768.0, 32767.0));
+  parallel_for(exec, std::size_t(layers.end - layers.begin), PoolLayer{ct, cells, bound, layers.begin});
+}
+
+BesideBody find_beside_body(const Exec& exec, const CtVolume& ct, double air_max) {
+  DenseCells cells = make_dense_cells(ct.grid);
+  pool_cells(exec, ct, air_max, {0, cells.size.z}, cells);
+  return find_beside_body(exec, ct.grid, cells);
+}
+
+BesideBody find_beside_body(const Exec& exec, const Grid& ct, const DenseCells& cells) {
+  BesideBody found{.cell = cells.cell, .size = cells.size, .mask = {}, .row_mask = {}};
+  const Int3 size = found.size;
+  const Mask &any = cells.any, &all = cells.all;
+  const std::size_t count = any.size();
   const Mask core = core_of(all, size);
   Mask near_core = core;
   dilate(exec, near_core, size, 1);
   Mask rest(count);
   for (std::size_t n = 0; n < count; n++) rest[n] = any[n] & std::uint8_t(1 - near_core[n]);
   const RowComponents parts = row_components(rest, size);
-  const std::vector<std::uint8_t> strange = strange_parts(parts, Silhouette(core, size, long_axis(ct.grid)),
-                                                          hadamard(ct.grid.spacing, Vec3d(found.cell)));
+  const std::vector<std::uint8_t> strange =
+      strange_parts(parts, Silhouette(core, size, long_axis(ct)), hadamard(ct.spacing, Vec3d(found.cell)));
   found.mask.assign(count, 0);
   found.row_mask.assign(std::size_t(size.y) * std::size_t(size.z), 0);
   for (const CellRun& run : parts.runs)

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "turgor/core/exec.hpp"
-#include "turgor/geometry/volume.hpp"
+#include "turgor/models/lattice/ct_part.hpp"
+#include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
 
@@ -19,7 +20,17 @@ inline int long_axis(const Grid& grid) {
   return axis;
 }
 
-/// Cells of a few voxels each, i fastest: 1 where dense voxels do not belong to the body.
+/// Cells of a few voxels each, i fastest: what is known of a CT to tell the body from what lies beside it.
+struct DenseCells {
+  Int3 cell{1, 1, 1};                  // voxels a side
+  Int3 size;                           // cells
+  std::vector<std::uint8_t> any, all;  // 1 = of its voxels one is dense; all are
+};
+DenseCells make_dense_cells(const Grid& ct);
+/// Fills these layers of cells, of which the part has all slices.
+void pool_cells(const Exec& exec, const CtPart& ct, double air_max, Layers layers, DenseCells& cells);
+
+/// The same cells: 1 where dense voxels do not belong to the body.
 struct BesideBody {
   Int3 cell{1, 1, 1};                        // voxels a side
   Int3 size;                                 // cells
@@ -35,5 +46,6 @@ struct BesideBody {
 /// The body is the largest part that holds together by more than some 3 mm. Beside it lies what is longer
 /// than a hand, hangs on it by less than that, and is seen from the sides of the scan; ears and fingers stay.
 BesideBody find_beside_body(const Exec& exec, const CtVolume& ct, double air_max);
+BesideBody find_beside_body(const Exec& exec, const Grid& ct, const DenseCells& cells);
 
 }  // namespace turgor::lattice

@@ -40,6 +40,7 @@ void triangles_near(const BladeSheet& sheet, const Box& box, std::vector<int>& f
 
 /// All edges of the body that the sheet crosses, for BladePath::edges and fine_edges; those that are cut
 /// already are left out.
-void find_edges(const Model& model, const State& state, const BladeSheet& sheet, BladePath& path);
+void find_edges(const Model& model, const State& state, const BladeSheet& sheet, const Others* others,
+                BladePath& path);
 
 }  // namespace turgor::lattice

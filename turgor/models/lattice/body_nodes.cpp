@@ -4,20 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include "turgor/models/lattice/beside_body.hpp"
-
 namespace turgor::lattice {
 
 namespace {
-
-Grid node_grid(const Grid& ct, Int3 block) {
-  const auto nodes = [](int voxels, int b) { return (voxels + b - 1) / b + 1; };
-  const Vec3d b(block);
-  return {.size = {nodes(ct.size.x, block.x), nodes(ct.size.y, block.y), nodes(ct.size.z, block.z)},
-          .spacing = hadamard(ct.spacing, b),
-          .origin = point_at(ct, {-0.5, -0.5, -0.5}),
-          .axes = ct.axes};
-}
 
 struct Range {
   int begin, end;
@@ -37,23 +26,25 @@ void add_row(const std::int16_t* row, const std::uint8_t* beside, int cell, doub
 
 /// Means over blocks, one layer of nodes: sums over j and k first, as whole rows.
 struct AverageLayer {
-  const CtVolume& ct;
+  const CtPart& ct;
   const BesideBody& beside;
   double air_max;
   Int3 block;
   const Grid& nodes;
+  int first;  // layer
   std::int16_t* hu;
 
   void operator()(std::size_t layer) const {
-    const int nx = ct.grid.size.x;
+    const Int3 voxels = ct.whole.size;
+    const int nx = voxels.x;
     std::vector<int> sums(static_cast<std::size_t>(nx));
-    const Range ks = block_range(int(layer), block.z, ct.grid.size.z);
+    const Range ks = block_range(first + int(layer), block.z, voxels.z);
     for (int j = 0; j < nodes.size.y; j++) {
-      const Range js = block_range(j, block.y, ct.grid.size.y);
+      const Range js = block_range(j, block.y, voxels.y);
       std::fill(sums.begin(), sums.end(), 0);
       for (int vk = ks.begin; vk < ks.end; vk++)
         for (int vj = js.begin; vj < js.end; vj++) {
-          const std::int16_t* row = &ct.samples[sample_index(ct.grid, 0, vj, vk)];
+          const std::int16_t* row = ct.row(vj, vk);
           if (beside.has_row(vj, vk)) {
             add_row(row, beside.row(vj, vk), beside.cell.x, air_max, sums);
             continue;
@@ -91,8 +82,6 @@ std::size_t flood(const Grid& grid, std::vector<std::size_t>& stack, const Enter
   }
   return visited;
 }
-
-bool is_at_end(Int3 p, Int3 size, int axis) { return p[axis] == 0 || p[axis] == size[axis] - 1; }
 
 /// 1 where air is connected to the four sides of the scan. Not to its ends: there lungs and bowel are cut
 /// open.
@@ -168,6 +157,48 @@ int label_at(const LabelVolume& labels, Vec3d point) {
 
 }  // namespace
 
+Grid node_grid(const Grid& ct, Int3 block) {
+  const auto nodes = [](int voxels, int b) { return (voxels + b - 1) / b + 1; };
+  const Vec3d b(block);
+  return {.size = {nodes(ct.size.x, block.x), nodes(ct.size.y, block.y), nodes(ct.size.z, block.z)},
+          .spacing = hadamard(ct.spacing, b),
+          .origin = point_at(ct, {-0.5, -0.5, -0.5}),
+          .axes = ct.axes};
+}
+
+Layers slices_around(const Grid& ct, Int3 block, Layers layers) {
+  return {block_range(layers.begin, block.z, ct.size.z).begin,
+          block_range(layers.end - 1, block.z, ct.size.z).end};
+}
+
+std::vector<std::int16_t> average_blocks(const Exec& exec, const CtPart& ct, const BesideBody& beside,
+                                         const Params& params, const Grid& nodes, Layers layers) {
+  const auto count = std::size_t(layers.end - layers.begin);
+  std::vector<std::int16_t> hu(count * std::size_t(nodes.size.x) * std::size_t(nodes.size.y));
+  parallel_for(exec, count,
+               AverageLayer{ct, beside, params.tissue.air_max, params.block, nodes, layers.begin, hu.data()});
+  return hu;
+}
+
+void name_tissues(const Exec& exec, const std::vector<std::uint8_t>& outside, const Params& params, int first,
+                  int count, BodyNodes& nodes) {
+  const Int3 size = nodes.grid.size, whole{size.x, size.y, count};
+  const std::size_t all = sample_count(nodes.grid);
+  nodes.tissue.resize(all), nodes.young.resize(all), nodes.fixed.resize(all);
+  const int along = long_axis(nodes.grid);
+  parallel_for(exec, std::size_t(size.z), [&](std::size_t k) {
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const std::size_t n = sample_index(nodes.grid, i, j, int(k));
+        const Tissue tissue = outside[n] ? Tissue::kOutside : tissue_of(nodes.hu[n], params.tissue);
+        nodes.tissue[n] = tissue;
+        nodes.young[n] = young_of(tissue, params);
+        nodes.fixed[n] = (params.fix_bone && tissue == Tissue::kBone) ||
+                         (params.fix_ends && is_at_end({i, j, first + int(k)}, whole, along));
+      }
+  });
+}
+
 Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolume* labels,
                            const Params& params) {
   BodyNodes nodes;
@@ -178,34 +209,19 @@ Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolu
   if (count > kMostNodes)
     return Error{"a lattice of " + std::to_string(count) + " nodes is too large: expected at most " +
                  std::to_string(kMostNodes) + ", choose a larger block"};
-  nodes.hu.resize(count);
   const BesideBody beside = find_beside_body(exec, ct, params.tissue.air_max);
-  parallel_for(exec, std::size_t(size.z),
-               AverageLayer{ct, beside, params.tissue.air_max, params.block, nodes.grid, nodes.hu.data()});
+  nodes.hu = average_blocks(exec, ct, beside, params, nodes.grid, {0, size.z});
 
   std::vector<std::uint8_t> outside = outside_air(nodes, params.tissue.air_max);
   if (keep_largest(nodes.grid, outside) == 0)
     return Error{"the CT holds nothing but air: expected voxels above " +
                  std::to_string(int(params.tissue.air_max)) + " HU"};
 
-  nodes.tissue.resize(count);
-  nodes.young.resize(count);
-  nodes.fixed.resize(count);
+  name_tissues(exec, outside, params, 0, size.z, nodes);
   const auto place = [&](std::size_t n) {
     return Int3{int(n % std::size_t(size.x)), int(n / std::size_t(size.x)) % size.y,
                 int(n / (std::size_t(size.x) * std::size_t(size.y)))};
   };
-  const int along = long_axis(nodes.grid);
-  parallel_for(exec, std::size_t(size.z), [&](std::size_t k) {
-    for (std::size_t n = k * count / std::size_t(size.z), end = (k + 1) * count / std::size_t(size.z);
-         n < end; n++) {
-      const Tissue tissue = outside[n] ? Tissue::kOutside : tissue_of(nodes.hu[n], params.tissue);
-      nodes.tissue[n] = tissue;
-      nodes.young[n] = young_of(tissue, params);
-      nodes.fixed[n] = (params.fix_bone && tissue == Tissue::kBone) ||
-                       (params.fix_ends && is_at_end(place(n), size, along));
-    }
-  });
   if (labels != nullptr)
     for (std::size_t n = 0; n < count; n++) {
       if (outside[n]) continue;

@@ -62,7 +62,9 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
                        const Params& params) {
   Model model{.params = params,
               .grid = nodes.grid,
-              .lattice = make_lattice(nodes.grid.size, Vec3(nodes.grid.spacing))};
+              .lattice = make_lattice(nodes.grid.size, Vec3(nodes.grid.spacing)),
+              .own = nodes.own.end > 0 ? nodes.own : Layers{0, nodes.grid.size.z}};
+  model.lattice.first = nodes.first;
   const auto slots = std::size_t(slot_count(model.lattice));
   model.inverse_mass.assign(slots, 0);
   model.root_stiffness.assign(slots, 0);
@@ -95,7 +97,7 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
   }
   if (params.skin.enabled) {
     detect_skin(exec, lines, model);
-    if (model.skin.triangles.empty())
+    if (model.skin.triangles.empty() && nodes.own.end == 0)
       return Error{"the body has no skin: expected a boundary to outside air, found none in " +
                    std::to_string(model.body_nodes) + " body nodes"};
   }

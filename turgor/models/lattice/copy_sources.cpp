@@ -157,12 +157,13 @@ void find_sources(const Model& model, const State& state, const EdgesOfCells& ed
   const int slots = slot_count(pieces.fine.cells);
   const PiecesOfCorner pieces_of(pieces);
   BladesBeside blades(state, pieces, edges);
+  const auto place_of = [&l = pieces.fine.cells](int slot) { return Vec3d(in_body(l, slot_node(l, slot))); };
   const auto fit = [&](int corner, int slot) {
     const std::vector<int> nodes = joined_nodes(model, state, pieces, pieces_of, corner);
     std::vector<Vec3d> places;
-    for (const int node : nodes) places.push_back(Vec3d(slot_node(pieces.fine.cells, node)));
+    for (const int node : nodes) places.push_back(place_of(node));
     if (nodes.empty()) return;
-    Vec3d place(slot_node(pieces.fine.cells, slot));
+    Vec3d place = place_of(slot);
     if (const auto blade = blades(pieces_of, corner)) place = place_on_own_side(*blade, places, place);
     const std::vector<double> weights = fit_weights(places, place);
     for (std::size_t n = 0; n < nodes.size(); n++) pieces.sources.push_back({nodes[n], Real(weights[n])});

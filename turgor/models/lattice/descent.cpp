@@ -204,10 +204,6 @@ struct Descend {
   }
 };
 
-struct LayerResidual {
-  double largest2 = 0, sum2 = 0;
-};
-
 /// Calls sweep(descend).
 template <class Sweep>
 void prepare_descent(const Model& model, State& state, const Inputs& inputs, double dt, Order order,
@@ -241,8 +237,9 @@ void sweep_descent(const Exec& exec, const Model& model, State& state, const Inp
                    Order order) {
   if (model.params.solver.schedule == Schedule::kColours)
     return sweep_descent_by_colours(CpuRun{exec}, model, state, inputs, dt, order);
-  prepare_descent(model, state, inputs, dt, order,
-                  [&](const Descend& descend) { sweep_slabs(exec, model.lattice.size.z, descend, order); });
+  prepare_descent(model, state, inputs, dt, order, [&](const Descend& descend) {
+    sweep_slabs(exec, model.own, descend, order, inputs.others);
+  });
 }
 
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
@@ -252,13 +249,13 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
   const GatherRow gather(model,
                          const_cast<State&>(state));  // node_arrays has one type for readers and writers
   const Inertia inertia(model, state, inputs, dt);
-  std::vector<LayerResidual> layers(std::size_t(model.lattice.size.z));
-  parallel_for(exec, layers.size(), [&](std::size_t k) {
+  std::vector<double> layers(2 * std::size_t(model.own.end - model.own.begin));  // largest and sum of squares
+  for_layers(exec, model.own, [&](std::size_t k) {
     SystemBuffer buffer;
-    LayerResidual& layer = layers[k];
-    const auto add_force = [&layer](Vec3d force) {
-      layer.largest2 = std::max(layer.largest2, dot(force, force));
-      layer.sum2 += dot(force, force);
+    double* layer = &layers[2 * (k - std::size_t(model.own.begin))];
+    const auto add_force = [layer](Vec3d force) {
+      layer[0] = std::max(layer[0], dot(force, force));
+      layer[1] += dot(force, force);
     };
     for (const PartNode& copy : gather.parts.copies_of(int(k)))
       if (gather.nodes.w[copy.slot] > 0) add_force(Vec3d(gather.parts.gather(copy).f));
@@ -278,10 +275,11 @@ Residual measure_residual(const Exec& exec, const Model& model, const State& sta
       }
     });
   });
-  LayerResidual all;
-  for (const LayerResidual& layer : layers)
-    all.largest2 = std::max(all.largest2, layer.largest2), all.sum2 += layer.sum2;
-  return {.largest = std::sqrt(all.largest2), .rms = std::sqrt(all.sum2 / std::max(1, model.free_nodes))};
+  if (inputs.others) inputs.others->join_numbers(layers);
+  double largest2 = 0, sum2 = 0;
+  for (std::size_t n = 0; n < layers.size(); n += 2)
+    largest2 = std::max(largest2, layers[n]), sum2 += layers[n + 1];
+  return {.largest = std::sqrt(largest2), .rms = std::sqrt(sum2 / std::max(1, model.free_nodes))};
 }
 
 }  // namespace turgor::lattice

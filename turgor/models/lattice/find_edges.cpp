@@ -1,30 +1,40 @@
 // The edges of a body that a blade will cut: each lies where the body has it now.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "turgor/models/lattice/blade_sheet.hpp"
+#include "turgor/models/lattice/others.hpp"
 #include "turgor/models/lattice/pieces.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// Cells and nodes that may lie near the sheet, by where they can have moved to.
+/// Square of how far a node of the body has moved at most [m²].
+Real farthest_way(const Model& model, const State& state, const Others* others) {
+  Real farthest = 0;
+  for (int s = row_slot(model.lattice, -1, model.own.begin); s < row_slot(model.lattice, -1, model.own.end);
+       s++)
+    if (const auto n = std::size_t(s); is_body(model.tissue[n]))
+      farthest = std::max(farthest, dot(state.u[n], state.u[n]));
+  return others ? std::bit_cast<Real>(others->largest(std::bit_cast<std::uint32_t>(farthest))) : farthest;
+}
+
+/// Own cells and nodes that may lie near the sheet, by where they can have moved to.
 struct Range {
   Int3 low, high;
 };
-Range range_near(const Model& model, const State& state, const BladeSheet& sheet) {
-  Real farthest = 0;
-  for (std::size_t s = 0; s < model.tissue.size(); s++)
-    if (is_body(model.tissue[s])) farthest = std::max(farthest, dot(state.u[s], state.u[s]));
-  const double reach = std::sqrt(double(farthest));
+Range range_near(const Model& model, const BladeSheet& sheet, double reach) {
   Range range{};
   for (int axis = 0; axis < 3; axis++) {
     const double step = double(model.lattice.step[axis]);
     range.low[axis] = std::max(0, int(std::floor((sheet.box.low[axis] - reach) / step)) - 2);
-    range.high[axis] =
-        std::min(model.lattice.size[axis] - 1, int(std::ceil((sheet.box.high[axis] + reach) / step)) + 2);
+    range.high[axis] = int(std::ceil((sheet.box.high[axis] + reach) / step)) + 2;
   }
+  range.low.z -= model.lattice.first, range.high.z -= model.lattice.first;
+  range.low.z = std::max(range.low.z, model.own.begin),
+  range.high.z = std::min(range.high.z, model.own.end - 1);
   return range;
 }
 
@@ -130,15 +140,17 @@ struct FineEdges {
 
 }  // namespace
 
-void find_edges(const Model& model, const State& state, const BladeSheet& sheet, BladePath& path) {
+void find_edges(const Model& model, const State& state, const BladeSheet& sheet, const Others* others,
+                BladePath& path) {
   if (sheet.triangles.empty()) return;
-  const Range range = range_near(model, state, sheet);
+  const Range range = range_near(model, sheet, std::sqrt(double(farthest_way(model, state, others))));
   const Int3 last = model.lattice.size - Int3{1, 1, 1};
   LatticeEdges edges{model, state, sheet, path.edges, {}};
   for_range(range, last, edges);
   const Pieces pieces = make_pieces(model, state);
   FineEdges fine{model, state, pieces, sheet, path.fine_edges, {}, {}};
   for_range(range, last - Int3{1, 1, 1}, fine);
+  if (others) others->join_edges(path);
 }
 
 }  // namespace turgor::lattice

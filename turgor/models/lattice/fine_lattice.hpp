@@ -46,7 +46,8 @@ constexpr int places_of_cell(const FineLattice& f) {
 }
 /// Where a fine node is in the CT, in steps of the lattice.
 inline Vec3d lattice_index(const FineLattice& f, Int3 p) {
-  return {double(p.x) / f.parts.x, double(p.y) / f.parts.y, double(p.z) / f.parts.z};
+  return {double(p.x) / f.parts.x, double(p.y) / f.parts.y,
+          double(p.z + f.cells.first * f.parts.z) / f.parts.z};
 }
 
 /// Calls visit(local) for all places of a cell.

@@ -5,11 +5,13 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "turgor/geometry/where_is.hpp"
 #include "turgor/models/lattice/blade_sheet.hpp"
 #include "turgor/models/lattice/fine_lattice.hpp"
 #include "turgor/models/lattice/key_index.hpp"
+#include "turgor/models/lattice/others.hpp"
 #include "turgor/models/lattice/parts.hpp"
 #include "turgor/models/lattice/skin.hpp"
 
@@ -25,21 +27,19 @@ Vec3d skin_corner(const Model& model, const State& state, const SkinTriangle& t,
 
 double smallest_step(const Lattice& l) { return std::min({l.step.x, l.step.y, l.step.z}); }
 double largest_step(const Lattice& l) { return std::max({l.step.x, l.step.y, l.step.z}); }
+/// So far around a point skin has a say in which way is into the body [m].
+double reach_of_directions(const Lattice& l) { return std::max(0.01, 3 * largest_step(l)); }
 
 /// Into the body: against the mean normal of the skin around the point of it that is nearest to `point`, at
 /// right angles to `line`.
-Vec3d direction_into(const Model& model, const State& state, Vec3d point, Vec3d line, double around) {
+Vec3d direction_into(const SkinNow& skin, Vec3d point, Vec3d line, double around) {
   double nearest = std::numeric_limits<double>::max();
   Vec3d centre;
-  for (const SkinTriangle& t : model.skin.triangles)
-    if (const Vec3d corner = skin_corner(model, state, t, 0); norm(corner - point) < nearest)
-      nearest = norm(corner - point), centre = corner;
+  for (const auto& corner : skin)
+    if (norm(corner[0] - point) < nearest) nearest = norm(corner[0] - point), centre = corner[0];
   Vec3d normal;
-  for (const SkinTriangle& t : model.skin.triangles) {
-    const Vec3d a = skin_corner(model, state, t, 0);
-    if (norm(a - centre) > around) continue;
-    normal += cross(skin_corner(model, state, t, 1) - a, skin_corner(model, state, t, 2) - a);
-  }
+  for (const auto& [a, b, c] : skin)
+    if (!(norm(a - centre) > around)) normal += cross(b - a, c - a);
   return normalized(line * dot(normal, line) - normal);
 }
 
@@ -107,23 +107,23 @@ Vec3d tangent(const std::vector<Vec3d>& points, std::size_t n) {
 }
 
 /// Into the body at every point of a curve: found every centimetre, blended between; one for a straight line.
-std::vector<Vec3d> directions_into(const Model& model, const State& state, const std::vector<Vec3d>& curve,
-                                   bool straight) {
+std::vector<Vec3d> directions_into(const Lattice& lattice, const SkinNow& skin,
+                                   const std::vector<Vec3d>& curve, bool straight) {
   constexpr double kApart = 0.01;
-  const double around = std::max(0.01, 3 * largest_step(model.lattice));
+  const double around = reach_of_directions(lattice);
   std::vector<Vec3d> into(curve.size());
   if (straight) {
     const Vec3d line = normalized(curve.back() - curve.front()),
                 middle = (curve.front() + curve.back()) * 0.5;
-    std::fill(into.begin(), into.end(), direction_into(model, state, middle, line, around));
+    std::fill(into.begin(), into.end(), direction_into(skin, middle, line, around));
     return into;
   }
   const double spacing = norm(curve[1] - curve[0]);
   const auto stride = std::size_t(std::max(1.0, kApart / std::max(spacing, 1e-6)));
   for (std::size_t n = 0; n < curve.size(); n += stride) {
     const std::size_t next = std::min(n + stride, curve.size() - 1);
-    const Vec3d a = n > 0 ? into[n] : direction_into(model, state, curve[n], tangent(curve, n), around);
-    const Vec3d b = direction_into(model, state, curve[next], tangent(curve, next), around);
+    const Vec3d a = n > 0 ? into[n] : direction_into(skin, curve[n], tangent(curve, n), around);
+    const Vec3d b = direction_into(skin, curve[next], tangent(curve, next), around);
     for (std::size_t m = n; m <= next; m++)
       into[m] = normalized(a + (b - a) * (next > n ? double(m - n) / double(next - n) : 0));
   }
@@ -145,23 +145,37 @@ std::vector<double> without_stairs(const std::vector<double>& offset) {
   return smooth;
 }
 
-/// The skin that the blade may meet on its way along the curve.
-std::vector<std::array<Vec3d, 3>> skin_near(const Model& model, const State& state,
-                                            const std::vector<Vec3d>& curve) {
+/// The own triangles of skin.
+std::span<const SkinTriangle> own_skin(const Model& model) {
+  const Skin& skin = model.skin;
+  if (skin.triangles.empty()) return {};
+  const auto layers = std::size_t(model.lattice.size.z - 1), groups = (skin.layer_begin.size() - 1) / layers;
+  const auto first_of = [&](int layer) {
+    return std::size_t(
+        skin.batch_begin[std::size_t(skin.layer_begin[std::min(std::size_t(layer), layers) * groups])]);
+  };
+  const std::size_t first = first_of(model.own.begin);
+  return std::span(skin.triangles).subspan(first, first_of(model.own.end) - first);
+}
+
+/// The skin within reach of what is asked of it: where the blade meets it, and which way it faces around
+/// there.
+SkinNow skin_near(const Model& model, const State& state, const std::vector<Vec3d>& curve,
+                  const Others* others) {
   Box box = box_around(curve);
-  const double reach = kReach + 3 * largest_step(model.lattice);
+  const double reach = kReach + reach_of_directions(model.lattice) + 3 * largest_step(model.lattice);
   box.low -= Vec3d{reach, reach, reach}, box.high += Vec3d{reach, reach, reach};
-  std::vector<std::array<Vec3d, 3>> near;
-  for (const SkinTriangle& t : model.skin.triangles)
+  SkinNow near;
+  for (const SkinTriangle& t : own_skin(model))
     if (const Vec3d a = skin_corner(model, state, t, 0); squared_distance(box, a) == 0)
       near.push_back({a, skin_corner(model, state, t, 1), skin_corner(model, state, t, 2)});
+  if (others) others->join_skin(near);
   return near;
 }
 
 /// How far along `into` the skin nearest to a point is. A hair's breadth beside it, so that no line runs
 /// through the corners of a regular lattice: on the other side where the body ends.
-std::optional<double> way_to_skin(const std::vector<std::array<Vec3d, 3>>& skin, Vec3d point, Vec3d into,
-                                  Vec3d hair) {
+std::optional<double> way_to_skin(const SkinNow& skin, Vec3d point, Vec3d into, Vec3d hair) {
   for (const Vec3d origin : {point - hair, point + hair}) {
     std::optional<double> best;
     for (const auto& [a, b, c] : skin)
@@ -236,7 +250,8 @@ Vec3d mean_into(const BladePath& path) {
   return normalized(sum);
 }
 
-Result<BladePath> lay_blade(const Model& model, const State& state, const Incision& incision) {
+Result<BladePath> lay_blade(const Model& model, const State& state, const Incision& incision,
+                            const Others* others) {
   const auto local = [&](Vec3d p) { return inverse(model.grid.axes) * (p - model.grid.origin); };
   std::vector<Vec3d> points;
   for (const Vec3d p : incision.path) points.push_back(local(p));
@@ -248,18 +263,18 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
       return Error{place +
                    (straight ? "from and to are the same point" : "two points of its path are the same") +
                    ": expected a line on the skin"};
-  if (model.skin.triangles.empty())
-    return Error{place + "the body has no skin to cut: expected skin to be on"};
+  if (!model.params.skin.enabled) return Error{place + "the body has no skin to cut: expected skin to be on"};
 
   const double step = smallest_step(model.lattice);
   const std::vector<Vec3d> curve = curve_through(points, 0.5 * step);
+  const SkinNow near = skin_near(model, state, curve, others);
+  if (near.empty()) return Error{off_skin(model, state, place, curve[0])};
   BladePath path{.skin = curve,
-                 .into = directions_into(model, state, curve, straight),
+                 .into = directions_into(model.lattice, near, curve, straight),
                  .depth = incision.depth,
                  .width = incision.width,
                  .edges = {},
                  .fine_edges = {}};
-  const std::vector<std::array<Vec3d, 3>> near = skin_near(model, state, curve);
   std::vector<double> offset;
   for (std::size_t n = 0; n < curve.size(); n++) {
     if (norm(path.into[n]) == 0)
@@ -272,7 +287,8 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   offset = without_stairs(offset);
   for (std::size_t n = 0; n < curve.size(); n++) path.skin[n] += path.into[n] * offset[n];
   const double margin = 2 * largest_step(model.lattice), tilt = incision.tilt * std::numbers::pi / 180;
-  if (incision.width == 0) find_edges(model, state, sweep_blade(path, tilt, margin, 1e-4 * step), path);
+  if (incision.width == 0)
+    find_edges(model, state, sweep_blade(path, tilt, margin, 1e-4 * step), others, path);
   return path;
 }
 

@@ -40,8 +40,9 @@ struct BladePath {
   std::vector<CutEdge> fine_edges;
 };
 
-/// Lays the path on the skin. Error: no skin there, or an incision without length.
-Result<BladePath> lay_blade(const Model& model, const State& state, const Incision& incision);
+/// Lays the path on the skin. Error: no skin there, or an incision without length. `others` as of Inputs.
+Result<BladePath> lay_blade(const Model& model, const State& state, const Incision& incision,
+                            const Others* others = nullptr);
 /// Cuts what lies between two fractions of the path's length, and returns how many edges of the lattice it
 /// cut.
 int cut_edges(const Model& model, State& state, const BladePath& path, double begin, double end,

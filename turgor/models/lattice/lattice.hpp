@@ -144,11 +144,17 @@ struct Skin {
 /// What a group of slots has around it: nothing that moves, whole cells alone, or springs as well.
 enum class Around : std::uint8_t { kNothing, kCells, kSprings };
 
+/// Layers [begin, end) of nodes, or of the cells above them.
+struct Layers {
+  int begin = 0, end = 0;
+};
+
 /// What does not change while the body moves.
 struct Model {
   Params params;
   Grid grid;                            // of the nodes, in the patient
   Lattice lattice;                      // of the nodes, in memory
+  Layers own;                           // worked on here: all, unless others hold the rest (others.hpp)
   aligned_vector<Real> inverse_mass;    // by slot; 0 = fixed, or no node [1/kg]
   aligned_vector<Real> root_stiffness;  // by slot; an edge has the product of its two ends [√Pa, pbd: 1]
   aligned_vector<Tissue> tissue;        // by slot
@@ -276,11 +282,13 @@ struct NodeContact {
   Real stiffness = 0;    // of the last sweep's penalty [N/m]
 };
 
+struct Others;
 struct Inputs {
   Vec3d gravity;                    // patient frame [m/s²]
   bool measure_residual = false;    // descent only; costs about two sweeps
   std::span<const NodeLoad> loads;  // those of one node add up
   std::span<NodeContact> contacts;  // descent only; slots ascend
+  const Others* others = nullptr;   // who holds the layers of the body that are not the model's own
 };
 
 /// How far a step is from the minimum of its energy: forces left over at the free nodes [N].
@@ -314,6 +322,8 @@ double energy(const Exec& exec, const Model& model, const State& state);
 std::size_t memory_bytes(const Model& model, const State& state);
 /// Equal for equal displacements, velocities, cuts and removed nodes, whatever the number of threads.
 std::uint64_t state_hash(const Model& model, const State& state);
+/// Of the own layers alone, without copies, continued from those below.
+std::uint64_t hash_of_layers(const Model& model, const State& state, std::uint64_t hash);
 
 /// Place of a node now, along the lattice axes from its first node [m].
 inline Vec3 position(const Model& model, const State& state, Int3 node) {

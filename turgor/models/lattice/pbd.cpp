@@ -185,14 +185,15 @@ struct ProjectSkinOfColour {
   void operator()(std::size_t n) const { skin(4 * (2 * int(n) + (colour >> 2)) + (colour & 3)); }
 };
 
-void sweep_pbd_by_slabs(const Exec& exec, const Model& model, State& state) {
+void sweep_pbd_by_slabs(const Exec& exec, const Model& model, State& state, const Others* others) {
   const SweepRow sweep_row(model, state);
   const ProjectSkin skin(model, state);
   const bool with_skin = !model.skin.triangles.empty();
-  sweep_slabs(exec, model.lattice.size.z, [&](int k) {
+  const auto sweep_layer = [&](int k) {
     for (int j = 0; j < model.lattice.size.y; j++) sweep_row(j, k);
     if (with_skin && k + 1 < model.lattice.size.z) skin(k);
-  });
+  };
+  sweep_slabs(exec, model.own, sweep_layer, Order::kForward, others);
 }
 
 }  // namespace
@@ -211,10 +212,10 @@ void sweep_pbd_by_colours(const Run& run, const Model& model, State& state) {
 template void sweep_pbd_by_colours(const CpuRun&, const Model&, State&);
 template void sweep_pbd_by_colours(const ShuffledRun&, const Model&, State&);
 
-void sweep_pbd(const Exec& exec, const Model& model, State& state) {
+void sweep_pbd(const Exec& exec, const Model& model, State& state, const Others* others) {
   if (model.params.solver.schedule == Schedule::kColours)
     return sweep_pbd_by_colours(CpuRun{exec}, model, state);
-  sweep_pbd_by_slabs(exec, model, state);
+  sweep_pbd_by_slabs(exec, model, state, others);
 }
 
 }  // namespace turgor::lattice

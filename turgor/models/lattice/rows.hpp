@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 
-#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/others.hpp"
 
 namespace turgor::lattice {
 
@@ -35,22 +36,35 @@ inline std::array<Vec3, kFamilyCount> rest_edges(const Lattice& lattice) {
   return edges;
 }
 
+/// Calls kernel(layer) for every layer, in any order and on any thread.
+template <class Kernel>
+void for_layers(const Exec& exec, Layers layers, const Kernel& kernel) {
+  parallel_for(exec, std::size_t(layers.end - layers.begin),
+               [&](std::size_t n) { kernel(std::size_t(layers.begin) + n); });
+}
+
 /// Sweeps run over slabs of layers: first all even slabs at once, then all odd ones. Within a slab, in order.
-/// Two slabs of one phase never touch the same node, whatever the number of threads. `layers` counts node
-/// layers or cell layers. Backward, everything is done in the opposite order.
+/// Two slabs of one phase never touch the same node, whatever the number of threads. `layers` are node layers
+/// or cell layers and begin with an even slab. Backward, everything is done in the opposite order. Whoever
+/// has only a part of a body hears of the end of each phase.
 enum class Order { kForward, kBackward };
 constexpr int kSlabLayers = 2;
-constexpr int slab_count(int layers) { return (layers + kSlabLayers - 1) / kSlabLayers; }
+constexpr int slab_count(Layers layers) {
+  return (layers.end - layers.begin + kSlabLayers - 1) / kSlabLayers;
+}
 
 template <class SweepLayer>
-void sweep_slabs(const Exec& exec, int layers, const SweepLayer& sweep_layer, Order order = Order::kForward) {
+void sweep_slabs(const Exec& exec, Layers layers, const SweepLayer& sweep_layer, Order order,
+                 const Others* others) {
   const bool backward = order == Order::kBackward;
   for (int turn = 0; turn < 2; turn++) {
     const int phase = backward ? 1 - turn : turn;
     parallel_for(exec, std::size_t((slab_count(layers) + 1 - phase) / 2), [&](std::size_t n) {
-      const int begin = (2 * int(n) + phase) * kSlabLayers, end = std::min(begin + kSlabLayers, layers);
+      const int begin = layers.begin + (2 * int(n) + phase) * kSlabLayers,
+                end = std::min(begin + kSlabLayers, layers.end);
       for (int k = 0; k < end - begin; k++) sweep_layer(backward ? end - 1 - k : begin + k);
     });
+    if (others) others->after_phase(phase);
   }
 }
 

@@ -28,18 +28,18 @@ void for_each_run(const Model& model, const State& state, int k, const Body& bod
 }
 
 /// Do velocities lead neighbours too far?
-bool is_wild(const Exec& exec, const Model& model, State& state, Real dt) {
+bool is_wild(const Exec& exec, const Model& model, State& state, Real dt, const Others* others) {
   const Real most = wild_from(model, dt);
   if (!(2 * state.fastest > most)) return false;
   const FindWild find{moving_nodes(model, state), {neighbours_of(model, 0), neighbours_of(model, 1)}, most};
   std::atomic<bool> found = false;
-  parallel_for(exec, std::size_t(model.lattice.size.z), [&](std::size_t k) {
+  for_layers(exec, model.own, [&](std::size_t k) {
     for_each_run(model, state, int(k), [&](Run run) {
       for (int s = run.begin; s < run.begin + run.count && !found; s++)
         if (find.is_wild(s)) found = true;
     });
   });
-  return found;
+  return others ? others->largest(found.load()) != 0 : found;
 }
 
 struct PredictLayer {
@@ -153,16 +153,16 @@ void predict(const Exec& exec, const Model& model, State& state, const Inputs& i
   state.copies_before = state.copies;
   if (pbd) add_loads(model, state, inputs.loads, Real(dt));
   const Vec3 fall = pbd || !held ? lattice_gravity(model, inputs) : Vec3{};
-  const bool goes_on = pbd || !held || !is_wild(exec, model, state, Real(dt));
-  parallel_for(exec, std::size_t(model.lattice.size.z), PredictLayer{model, state, fall, Real(dt), goes_on});
+  const bool goes_on = pbd || !held || !is_wild(exec, model, state, Real(dt), inputs.others);
+  for_layers(exec, moved_layers(model), PredictLayer{model, state, fall, Real(dt), goes_on});
   if (!pbd) add_loads(model, state, inputs.loads, Real(dt));
 }
 
-StepReport finish(const Exec& exec, const Model& model, State& state, double dt) {
+StepReport finish(const Exec& exec, const Model& model, State& state, double dt, const Others* others) {
   std::atomic<std::uint32_t> largest{0};
   const Real scale = speed_scale(model.params.solver, dt);
-  parallel_for(exec, std::size_t(model.lattice.size.z), FinishLayer{model, state, scale, largest});
-  const Real speed2 = std::bit_cast<Real>(largest.load());
+  for_layers(exec, moved_layers(model), FinishLayer{model, state, scale, largest});
+  const Real speed2 = std::bit_cast<Real>(others ? others->largest(largest.load()) : largest.load());
   if (std::isfinite(speed2)) {
     state.time += dt;
     state.fastest = std::sqrt(speed2);
@@ -184,7 +184,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   const bool coarse = prepare_coarse_space(model, state, inputs, dt);
   for (int sweep = 0; sweep < sweeps; sweep++) {
     if (model.params.solver.method == Method::kPbd) {
-      sweep_pbd(exec, model, state);
+      sweep_pbd(exec, model, state, inputs.others);
       continue;
     }
     const Order order = sweep_order(solid, sweep, sweeps);
@@ -195,7 +195,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   if (coarse) correct_smooth_part(exec, model, state, inputs, dt);
   if (measures) residual = measure_residual(exec, model, state, inputs, dt);
   residual.before = before;
-  StepReport report = finish(exec, model, state, dt);
+  StepReport report = finish(exec, model, state, dt, inputs.others);
   report.residual = residual;
   if (can_sleep(model) && report.finite) {
     count_sleepers(model, state, report);
@@ -208,14 +208,18 @@ std::size_t memory_bytes(const Model& model, const State& state) {
   return bytes_of_fields(model, state) + (state.coarse ? memory_bytes(*state.coarse) : 0);
 }
 
-std::uint64_t state_hash(const Model& model, const State& state) {
-  std::uint64_t hash = kHashSeed;
+std::uint64_t hash_of_layers(const Model& model, const State& state, std::uint64_t hash) {
   const Lattice& l = model.lattice;
-  for (int k = 0; k < l.size.z; k++)
+  for (int k = model.own.begin; k < model.own.end; k++)
     for (int j = 0; j < l.size.y; j++)
       for (int parity = 0; parity < 2; parity++)
         hash = hash_of_fields(state, std::size_t(row_slot(l, j, k) + parity * l.half),
                               std::size_t(half_count(l, parity)), hash);
+  return hash;
+}
+
+std::uint64_t state_hash(const Model& model, const State& state) {
+  std::uint64_t hash = hash_of_layers(model, state, kHashSeed);
   if (!state.copies.empty()) hash = hash_values(std::span<const CopyShift>(state.copies), hash);
   if (can_sleep(model)) hash = hash_values(std::span<const std::uint8_t>(state.sleep.still), hash);
   return hash;

@@ -10,7 +10,7 @@ namespace turgor::lattice {
 /// holds. What is held begins without h² g, for few sweeps cannot carry it back. Loads become a part of v.
 void predict(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
 /// One sweep of projections over springs, volumes and skin. [Müller 2007; STC]
-void sweep_pbd(const Exec& exec, const Model& model, State& state);
+void sweep_pbd(const Exec& exec, const Model& model, State& state, const Others* others = nullptr);
 /// One sweep of vertex block descent: every node takes one Newton step. [Chen et al. 2024] Solid tissue takes
 /// the second half of its sweeps backward: then what they leave of an error is a symmetric part of it,
 /// between none and all, and never feeds the motion that inertia carries on. Forward sweeps alone do, from ν
@@ -22,7 +22,8 @@ inline Order sweep_order(bool solid, int sweep, int sweeps) {
   return solid && 2 * sweep >= sweeps ? Order::kBackward : Order::kForward;
 }
 /// Velocities from the way gone, damped; or everything back if a number is not finite.
-StepReport finish(const Exec& exec, const Model& model, State& state, double dt);
+StepReport finish(const Exec& exec, const Model& model, State& state, double dt,
+                  const Others* others = nullptr);
 
 /// The gradient of what implicit Euler minimises, between predict and finish.
 Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,

@@ -61,7 +61,7 @@ bool has_cut_edge(const State& state, const Lattice& lattice, int slot) {
 std::optional<TipPlane> fit_tip(const State& state, const Pieces& pieces, const EdgesOfCells& edges,
                                 const CutCell& cell) {
   const Int3 corner = slot_node(pieces.fine.cells, cell.slot);
-  const Vec3d middle = Vec3d(corner) + Vec3d{0.5, 0.5, 0.5};
+  const Vec3d middle = Vec3d(in_body(pieces.fine.cells, corner)) + Vec3d{0.5, 0.5, 0.5};
   double total = 0;
   Vec3d centre, right;
   const auto weight_at = [&](Vec3d place) {

@@ -206,6 +206,8 @@ void read_solver(SceneTable& body, lattice::SolverParams& solver) {
   table.read("pbd_stiffness", solver.pbd_stiffness, within(0, 1),
              "pbd only: scales the density-based stiffness");
   table.read("pbd_volume", solver.pbd_volume, "pbd only: keep the volumes of tetrahedra");
+  table.read("coarse", solver.coarse,
+             "solid and descent only: what is smooth of a step's motion is solved for beside the sweeps");
   table.finish();
 }
 

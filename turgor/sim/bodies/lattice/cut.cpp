@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "turgor/models/lattice/others.hpp"
+
 namespace turgor {
 
 namespace {
@@ -77,11 +79,12 @@ Result<Cut> load_cut(const IncisionScene& scene, const LatticeBody& body) {
   return cut;
 }
 
-Status advance_blade(LatticeBody& body, Cut& cut, int index, double time) {
+Status advance_blade(LatticeBody& body, Cut& cut, int index, double time, const lattice::Others* others) {
   const double fraction = blade_fraction(cut, time);
   if (fraction <= cut.done) return Done{};
+  if (others) others->refresh();
   if (!cut.path) {
-    Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade);
+    Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade, others);
     if (!path) return path.error();
     cut.path = std::move(*path);
     if (cut.blade.width > 0) cut.edges = body.state.cut_region(body.model, *cut.path);
@@ -89,6 +92,7 @@ Status advance_blade(LatticeBody& body, Cut& cut, int index, double time) {
   if (cut.blade.width == 0)
     cut.edges += body.state.cut_edges(body.model, *cut.path, cut.done, fraction, index);
   cut.done = fraction;
+  if (others) others->refresh();
   return Done{};
 }
 

@@ -25,8 +25,9 @@ struct Cut {
 Result<Cut> load_cut(const IncisionScene& scene, const LatticeBody& body);
 
 /// Moves the blade to where it is at a time [s]. `index`: of the cut, which cut edges remember. Error: the
-/// blade found no skin any more.
-Status advance_blade(LatticeBody& body, Cut& cut, int index, double time);
+/// blade found no skin any more. `others` as of lattice::Inputs.
+Status advance_blade(LatticeBody& body, Cut& cut, int index, double time,
+                     const lattice::Others* others = nullptr);
 
 /// Smallest box around the nodes of a body, along the axes of the patient frame [m].
 Box body_box(const lattice::Model& model);

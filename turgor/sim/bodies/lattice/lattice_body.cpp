@@ -21,14 +21,6 @@ namespace turgor {
 
 namespace {
 
-/// Whole voxels that come nearest to a lattice step.
-Int3 block_of(const Grid& ct, double step) {
-  const auto voxels = [step](double spacing) {
-    return int(std::clamp(std::round(step / spacing), 1.0, 64.0));
-  };
-  return {voxels(ct.spacing.x), voxels(ct.spacing.y), voxels(ct.spacing.z)};
-}
-
 /// What lies beside the CT on the same patient.
 struct ReadFields {
   std::optional<LabelVolume> labels;
@@ -98,7 +90,7 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
   if (!scene.label_note.empty()) body.notes.push_back(scene.label_note);
   const Result<ReadFields> fields = read_fields(scene, body.ct.grid, std::move(ct->labels));
   if (!fields) return fields.error();
-  const Int3 block = scene.step > 0 ? block_of(body.ct.grid, scene.step) : scene.params.block;
+  const Int3 block = block_of(scene, body.ct.grid);
   if (scene.only > 0) {
     const Int3 margin{2 * block.x, 2 * block.y, 2 * block.z};  // air for the surface to lie in
     const Status kept = keep_label(exec, *fields->labels, scene.only, margin, body.ct, body.notes);
@@ -196,6 +188,14 @@ void make_surface(LatticeBody& body) {
 }
 
 }  // namespace
+
+Int3 block_of(const LatticeScene& scene, const Grid& ct) {
+  if (!(scene.step > 0)) return scene.params.block;
+  const auto voxels = [&scene](double spacing) {
+    return int(std::clamp(std::round(scene.step / spacing), 1.0, 64.0));
+  };
+  return {voxels(ct.spacing.x), voxels(ct.spacing.y), voxels(ct.spacing.z)};
+}
 
 Result<LatticeBody> load_body(const Loading& loading, const LatticeScene& scene, const World&) {
   Result<LatticeBody> body = load(loading.exec, scene, begin_work(loading.begin, "reading"));

@@ -47,6 +47,8 @@ struct LatticeBody : FrameTouchedBody {
   std::vector<contact::ToolForce> forces;
 };
 
+/// Voxels a lattice step: given, or whole ones that come nearest to the step that is.
+Int3 block_of(const LatticeScene& scene, const Grid& ct);
 /// Without its tools. Error: names the scene's place.
 Result<LatticeBody> load_body(const Loading& loading, const LatticeScene& scene, const World& world);
 inline const std::vector<std::string>& notes(const LatticeBody& body) { return body.notes; }
