@@ -39,7 +39,7 @@ bool is_wild(const Exec& exec, const Model& model, State& state, Real dt, const 
         if (find.is_wild(s)) found = true;
     });
   });
-  return others ? others->largest(found.load()) != 0 : found;
+  return others ? others->largest(found.load()) != 0 : found.load();
 }
 
 struct PredictLayer {
