@@ -1,13 +1,12 @@
-"""What each engine of the wheel costs and gives: python benches/engines.py [rounds], where scripts/wheel's wheel is installed
+"""What each engine of the wheel costs and gives: python benches/engines.py [rounds [scene ...]], where scripts/wheel's wheel is installed
 
-Processor time of a frame on one thread (the median of the rounds, in which engines take turns) of the scenes that
-tests/golden/states.txt has, made small by its overrides, and which engines have the same bits after its frames.
+Processor time of a frame on one thread (the best of the rounds, in which engines take turns, since others may be at the machine)
+of the scenes that tests/golden/states.txt has, made small by its overrides, and which engines have the same bits after its frames.
 """
 import json
 import os
 import pathlib
 import resource
-import statistics
 import subprocess
 import sys
 import tomllib
@@ -35,14 +34,14 @@ def measured_with(engine, words):
     return found
 
 
-def main(rounds):
+def main(rounds, scenes):
     print("| scene | v2 [ms] | v3 | v4 | the same bits |\n|---|---|---|---|---|")
     for line in (SOURCE / "tests/golden/states.txt").read_text().splitlines():
-        if line.startswith("#"):
-            continue
         words = line.split()[1:]
+        if line.startswith("#") or (scenes and words[0] not in scenes):
+            continue
         found = [[measured_with(engine, words) for engine in ENGINES] for _ in range(rounds)]
-        v2, v3, v4 = (statistics.median(one[k]["frame"] for one in found) for k in range(3))
+        v2, v3, v4 = (min(one[k]["frame"] for one in found) for k in range(3))
         engines_of = {}
         for engine, one in zip(ENGINES, found[0]):
             engines_of.setdefault(one["hash"], []).append(engine)
@@ -53,4 +52,4 @@ def main(rounds):
 if sys.argv[1:2] == ["--measure"]:
     print(json.dumps(measure(sys.argv[2], sys.argv[3], sys.argv[4:])))
 else:
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 5)
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 5, sys.argv[2:])
