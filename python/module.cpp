@@ -7,6 +7,7 @@
 NB_MODULE(_turgor, module) {
   nanobind::exception<turgor::Refused>(module, "Error", PyExc_ValueError);
   module.attr("__version__") = turgor::program_version();
+  module.attr("instructions") = turgor::program_instructions();
   turgor::bind_body(module);
   turgor::bind_live(module);
   turgor::bind_world(module);

@@ -1,7 +1,8 @@
-"""Packs a built module as a wheel that needs nothing but NumPy: pack_wheel.py BUILD OUT
+"""Packs built modules as a wheel that needs nothing but NumPy: pack_wheel.py OUT BUILD [BUILD ...]
 
-BUILD/slim/turgor holds the module, pyproject.toml says the rest. The libraries that it needs and that not every Linux has
-go with it (auditwheel), and with them what Debian says of their licences.
+BUILD/slim/turgor holds a module, pyproject.toml says the rest. Of several, each is an engine for the processors that its folder
+is named after, build/x86-64-v3, and python/turgor/engine.py chooses among them. The libraries that they need and that not every
+Linux has go with them (auditwheel), and with these what Debian says of their licences.
 """
 import pathlib
 import shutil
@@ -11,6 +12,10 @@ import sysconfig
 import tempfile
 import tomllib
 
+if sys.version_info >= (3, 12):  # nanobind keeps to the stable ABI from there on: one module for all of them
+    PYTHON, SUFFIX = "cp312-abi3", ".abi3.so"
+else:
+    PYTHON, SUFFIX = "cp3{0}-cp3{0}".format(sys.version_info.minor), sysconfig.get_config_var("EXT_SUFFIX")
 SOURCE = pathlib.Path(__file__).parents[1]
 LIBRARIES = ("libfmt9", "libmetis5", "libpugixml1v5", "libtbb12", "libtomlplusplus3")  # that are packed with it
 
@@ -25,22 +30,29 @@ def metadata(project):
     return "\n".join(lines) + "\nDescription-Content-Type: text/markdown\n\n" + readme
 
 
-def fill(folder, build, project):
+def copy_modules(builds, package):
+    """Returns the folder of the first: of several, the one that every processor can load."""
+    folders = [package / "engines" / build.name.rpartition("-")[2] if len(builds) > 1 else package for build in builds]
+    for build, folder in zip(builds, folders):
+        folder.mkdir(parents=True, exist_ok=True)
+        shutil.copy(build / f"slim/turgor/_turgor{SUFFIX}", folder)
+    return folders[0]
+
+
+def fill(folder, builds, project):
     """What is in the wheel, under `folder`."""
     package = folder / "turgor"
     shutil.copytree(SOURCE / "python/turgor", package, ignore=shutil.ignore_patterns("__pycache__"))
-    for module in (build / "slim/turgor").glob("_turgor.*.so"):
-        shutil.copy(module, package)
-    subprocess.run([sys.executable, "-m", "nanobind.stubgen", "-q", "-i", package, "-m", "_turgor", "-o", package / "_turgor.pyi"], check=True)
+    first = copy_modules(builds, package)
+    subprocess.run([sys.executable, "-m", "nanobind.stubgen", "-q", "-i", first, "-m", "_turgor", "-o", package / "_turgor.pyi"], check=True)
     info = folder / f"turgor-{project['version']}.dist-info"
     (info / "licenses").mkdir(parents=True)
     shutil.copy(SOURCE / "LICENSE", info / "licenses")
     for library in LIBRARIES:
         shutil.copy(f"/usr/share/doc/{library}/copyright", info / "licenses" / f"{library}.txt")
     (info / "METADATA").write_text(metadata(project), encoding="utf-8")
-    python = f"cp{sys.version_info.major}{sys.version_info.minor}"
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: turgor\nRoot-Is-Purelib: false\nTag: {python}-{python}-{platform}\n")
+    (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: turgor\nRoot-Is-Purelib: false\nTag: {PYTHON}-{platform}\n")
 
 
 def run(*words):
@@ -49,18 +61,18 @@ def run(*words):
         sys.exit(f"{words[0]}: {done.stdout}{done.stderr}")
 
 
-def main(build, out):
+def main(out, builds):
     project = tomllib.loads((SOURCE / "pyproject.toml").read_text())["project"]
     out.mkdir(parents=True, exist_ok=True)
     for old in out.glob("turgor-*.whl"):
         old.unlink()
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
-        fill(folder / "wheel", build, project)
+        fill(folder / "wheel", builds, project)
         run("wheel", "pack", folder / "wheel", "-d", folder)
         run("auditwheel", "repair", next(folder.glob("*.whl")), "-w", out)
     for wheel in out.glob("*.whl"):
         print(f"{wheel} {wheel.stat().st_size / 1e6:.1f} MB")
 
 
-main(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]))
+main(pathlib.Path(sys.argv[1]), [pathlib.Path(build) for build in sys.argv[2:]])

@@ -1,4 +1,4 @@
-"""Many runs of one scene: python -m turgor.study STUDY.toml [--out FOLDER] [--jobs N] [--part i/n]
+"""Many runs of one scene: python -m turgor.study STUDY.toml [--out FOLDER] [--jobs N] [--part i/n] [--cluster ADDRESS]
 
     [study]
     scene = "incision.toml"                                # beside the study
@@ -15,7 +15,7 @@
 Every member is a process of its own and leaves one file, FOLDER/members/KEY.json, by rename. KEY is the hash of the scene, its
 files, what is varied and the version: what is there is not done again, whoever was killed meanwhile. A member that crashes,
 hangs or is refused is a row with a sentence, and is tried again when the study is started again. `--part i/n` does its share,
-for job arrays on one file system; the last of them to end gathers.
+for job arrays on one file system; the last of them to end gathers. `--cluster` has members done by Dask (study_dask.py).
 """
 import argparse
 import concurrent.futures
@@ -33,7 +33,7 @@ import tomllib
 
 import numpy as np
 
-from ._turgor import Error, __version__
+from ._turgor import Error, __version__, instructions
 
 KINDS = ("grid", "lhs", "saltelli")
 
@@ -203,10 +203,11 @@ def _do_member(task):
     begin = time.perf_counter()
     world = World(task["scene"], set=task["set"], threads=task["threads"])
     for _ in world.run():
-        pass
+        if os.getppid() != task["parent"]:
+            raise Error("whoever waited for this member is gone")
     report = world.report()
     row = {name: _found(report, place) for name, place in task["measure"].items()}
-    return {"measured": row, "state_hash": world.state_hash, "seconds": time.perf_counter() - begin}
+    return {"measured": row, "state_hash": world.state_hash, "instructions": instructions, "seconds": time.perf_counter() - begin}
 
 
 def _write(file, text):
@@ -216,18 +217,31 @@ def _write(file, text):
     os.replace(partial, file)
 
 
-def _run_member(study, member, folder):
-    """Leaves a row, or a sentence of why there is none. Whoever kills this leaves neither."""
-    file = folder / "members" / f"{member['key']}.json"
-    task = {"scene": str(study.scene), "set": member["set"], "measure": study.measure, "threads": study.run.get("threads", 1)}
-    timeout = study.run.get("timeout", 3600)
-    row = {}
+def _task(study, member, folder):
+    """A member as whoever does it needs it, on any machine with the same files."""
+    return {"file": str(_file_of(member, folder.resolve())), "scene": str(study.scene.resolve()), "set": member["set"], "measure": study.measure,
+            "threads": study.run.get("threads", 1), "timeout": study.run.get("timeout", 3600), "version": __version__}
+
+
+def run_member(task):
+    """Leaves a row, or a sentence of why there is none. Whoever kills this leaves neither, and a member that soon ends itself."""
+    if "measured" in (_row(task["file"]) or {}):
+        return  # a cluster does again what was done where a machine is gone
+    if task["version"] != __version__:
+        raise Error(f"{sys.prefix}: expected turgor {task['version']} as on the machine that the study was started on, found {__version__}")
+    command = [sys.executable, "-m", "turgor.study", "--member", json.dumps({**task, "parent": os.getpid()})]
     try:
-        done = subprocess.run([sys.executable, "-m", "turgor.study", "--member", json.dumps(task)], capture_output=True, text=True, timeout=timeout)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=task["timeout"])
         row = json.loads(done.stdout) if done.returncode == 0 else {"failed": _why(done)}
     except subprocess.TimeoutExpired:
-        row = {"failed": f"took longer than {timeout} s"}
-    _write(file, json.dumps({**row, "set": member["set"]}))
+        row = {"failed": f"took longer than {task['timeout']} s"}
+    leave_row(task, row)
+
+
+def leave_row(task, row):
+    """A failure takes no other's row away: where a worker is cut off, another does its member meanwhile."""
+    if "measured" in row or "measured" not in (_row(task["file"]) or {}):
+        _write(pathlib.Path(task["file"]), json.dumps({**row, "set": task["set"]}))
 
 
 def _why(done):
@@ -237,9 +251,13 @@ def _why(done):
     return lines[-1] if lines else f"ended with {done.returncode}"
 
 
-def _row(folder, member):
+def _file_of(member, folder):
+    return folder / "members" / f"{member['key']}.json"
+
+
+def _row(file):
     try:
-        return json.loads((folder / "members" / f"{member['key']}.json").read_text(encoding="utf-8"))
+        return json.loads(pathlib.Path(file).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
 
@@ -276,26 +294,37 @@ def _gather(study, folder, rows):
     return report
 
 
-def run_study(file, out=None, jobs=0, part=(1, 1), tell=None):
+def _run_here(tasks, jobs):
+    """Members beside each other, each in a thread that waits for its process. Yields once a member."""
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        for future in concurrent.futures.as_completed([pool.submit(run_member, task) for task in tasks]):
+            yield future.result()
+
+
+def run_study(file, out=None, jobs=0, part=(1, 1), tell=lambda sentence: None, cluster=None):
     """Does what is missing of a study, and gathers when nothing is. Returns the report, or None while others' parts are missing.
 
     jobs: members beside each other; 0 = as many as there are cores for their threads. tell: called with sentences.
+    cluster: who does them: None = processes of this one, "local" = Dask in this one, or the address of a scheduler of Dask.
     """
     study = Study(file)
     folder = pathlib.Path(out or pathlib.Path("out") / study.file.stem)
     (folder / "members").mkdir(parents=True, exist_ok=True)
     mine = list({m["key"]: m for m in study.members[part[0] - 1::part[1]]}.values())
-    missing = [m for m in mine if "measured" not in (_row(folder, m) or {})]
+    missing = [_task(study, m, folder) for m in mine if "measured" not in (_row(_file_of(m, folder)) or {})]
     jobs = jobs or max(1, (os.cpu_count() or 1) // max(1, study.run.get("threads", 1)))
-    begin, done = time.perf_counter(), 0
-    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        for future in concurrent.futures.as_completed([pool.submit(_run_member, study, m, folder) for m in missing]):
-            future.result()
-            done += 1
-            if tell and (done == 5 or done % 50 == 0):
-                left = (time.perf_counter() - begin) / done * (len(missing) - done)
-                tell(f"{done} of {len(missing)} members, about {left / 60:.1f} minutes left")
-    rows = [_row(folder, m) for m in study.members]
+    if cluster:
+        from .study_dask import run_on_dask
+
+        run = run_on_dask(cluster, missing, jobs, tell)
+    else:
+        run = _run_here(missing, jobs)
+    begin = time.perf_counter()
+    for done, _ in enumerate(run, 1):
+        if done == 5 or done % 50 == 0:
+            left = (time.perf_counter() - begin) / done * (len(missing) - done)
+            tell(f"{done} of {len(missing)} members, about {left / 60:.1f} minutes left")
+    rows = [_row(_file_of(m, folder)) for m in study.members]
     return _gather(study, folder, rows) if all(rows) else None
 
 
@@ -322,6 +351,7 @@ def main(arguments=None):
     parser.add_argument("--out", help="folder of the results (default: out/STUDY)")
     parser.add_argument("--jobs", type=int, default=0, help="members beside each other (default: one a core)")
     parser.add_argument("--part", type=_part, default=(1, 1), metavar="i/n", help="this share of the members alone")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="of a scheduler of Dask, whose workers do the members; or local")
     parser.add_argument("--member", help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
     try:
@@ -330,7 +360,7 @@ def main(arguments=None):
             return 0
         if not options.study:
             parser.error("expected a study")
-        report = run_study(options.study, options.out, options.jobs, options.part, lambda sentence: print(sentence, file=sys.stderr))
+        report = run_study(options.study, options.out, options.jobs, options.part, lambda sentence: print(sentence, file=sys.stderr), options.cluster)
     except Error as error:
         print(f"turgor: {error}", file=sys.stderr)
         return 2

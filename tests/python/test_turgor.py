@@ -9,6 +9,7 @@ import numpy as np
 
 import turgor
 from scenes import CLOTH, FORCEPS, PAD, TORSO, hash_of_program
+from turgor.engine import choose, processor_flags
 
 
 class Turgor(unittest.TestCase):
@@ -39,11 +40,9 @@ class Turgor(unittest.TestCase):
 
     @unittest.skipUnless(os.uname().machine == "x86_64", "another processor")
     def test_the_report_names_all_instructions_that_this_processor_has(self):
-        flags = set(next(line for line in open("/proc/cpuinfo") if line.startswith("flags")).split())
-        levels = [("x86-64-v4", {"avx512f", "avx512vl", "avx512bw", "avx512dq"}), ("x86-64-v3", {"avx2", "fma", "bmi2"}),
-                  ("x86-64-v2", {"sse4_2", "popcnt"}), ("x86-64", set())]
-        highest = next(name for name, needs in levels if needs <= flags)
+        highest = f"x86-64-{choose(None, processor_flags())}"
         self.assertEqual(turgor.World(text=CLOTH).report()["machine"]["instructions"], highest)
+        self.assertEqual(turgor.instructions, highest)
 
     def test_walls_of_a_wound_are_the_last_triangles_and_come_with_the_cut(self):
         world = turgor.World(text=TORSO)

@@ -4,6 +4,7 @@ import os
 import pathlib
 import platform
 import re
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -11,7 +12,9 @@ import unittest
 import numpy as np
 
 import turgor
+from turgor.engine import NEEDS, processor_flags
 
+ENGINES = pathlib.Path(turgor.__file__).parent / "engines"
 SLICER = pathlib.Path(__file__).resolve().parents[2] / "slicer/Turgor/Turgor"
 sys.path.insert(0, str(SLICER))
 from TurgorLib.cut import Cut, Cutter, Wishes  # noqa: E402
@@ -43,10 +46,24 @@ class Wheel(unittest.TestCase):
         self.assertEqual(len(tags), 1)
         self.assertLessEqual(int(re.search(r"manylinux_2_(\d+)_x86_64$", tags[0]).group(1)), 34)
 
-    def test_the_report_names_instructions_that_this_processor_has(self):
-        flags = set(next(line for line in open("/proc/cpuinfo") if line.startswith("flags")).split())
-        needs = {"x86-64": set(), "x86-64-v2": {"sse4_2"}, "x86-64-v3": {"avx2", "fma"}, "x86-64-v4": {"avx512f", "avx512vl"}}
-        self.assertLessEqual(needs[turgor.World(PAD).report()["machine"]["instructions"]], flags)
+    def test_the_report_and_the_module_name_the_engine(self):
+        flags = processor_flags()
+        self.assertLessEqual(NEEDS[turgor.instructions.rpartition("-")[2]], flags)
+        self.assertEqual(turgor.World(PAD).report()["machine"]["instructions"], turgor.instructions)
+        forced = os.environ.get("TURGOR_ENGINE")
+        if forced:
+            self.assertEqual(turgor.instructions, f"x86-64-{forced}")
+
+    @unittest.skipUnless(ENGINES.is_dir(), "a wheel with one engine")
+    def test_an_engine_is_chosen_by_the_processor_forced_or_refused(self):
+        can = [level for level in NEEDS if NEEDS[level] <= processor_flags()]
+        for level in (None, *NEEDS):
+            environment = {key: value for key, value in os.environ.items() if key != "TURGOR_ENGINE"} | ({"TURGOR_ENGINE": level} if level else {})
+            done = subprocess.run([sys.executable, "-c", "import turgor; print(turgor.instructions)"], env=environment, capture_output=True, text=True)
+            if level in can or not level:
+                self.assertEqual(done.stdout.strip(), f"x86-64-{level or can[-1]}", done.stderr)
+            else:
+                self.assertIn(f"expected a processor of x86-64-{level}, found one without", done.stderr)
 
     def test_a_cache_that_cannot_be_is_no_reason_to_fail(self):
         with tempfile.TemporaryDirectory() as folder:

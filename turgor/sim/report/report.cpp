@@ -29,26 +29,11 @@ std::string processor_name() {
   return "unknown";
 }
 
-/// That this build may use: with others, other last bits.
-const char* instructions() {
-#if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512BW__) && defined(__AVX512DQ__)
-  return "x86-64-v4";
-#elif defined(__AVX2__) && defined(__FMA__) && defined(__BMI2__)
-  return "x86-64-v3";
-#elif defined(__SSE4_2__) && defined(__POPCNT__)
-  return "x86-64-v2";
-#elif defined(__x86_64__)
-  return "x86-64";
-#else
-  return "of another processor";
-#endif
-}
-
 Json machine_report(const Exec& exec) {
   utsname system{};
   uname(&system);
   return {{"processor", processor_name()},
-          {"instructions", instructions()},
+          {"instructions", program_instructions()},
           {"cores", std::thread::hardware_concurrency()},
           {"threads", exec.threads()},
           {"system", std::string(system.sysname) + " " + system.release}};
@@ -111,6 +96,20 @@ Json scene_report(const Scene& scene) {
 }  // namespace
 
 std::string program_version() { return TURGOR_VERSION; }
+
+std::string program_instructions() {
+#if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512BW__) && defined(__AVX512DQ__)
+  return "x86-64-v4";
+#elif defined(__AVX2__) && defined(__FMA__) && defined(__BMI2__)
+  return "x86-64-v3";
+#elif defined(__SSE4_2__) && defined(__POPCNT__)
+  return "x86-64-v2";
+#elif defined(__x86_64__)
+  return "x86-64";
+#else
+  return "of another processor";
+#endif
+}
 
 Json simulation_report(const Exec& exec, const Scene& scene, const World& world, const Measures& measures,
                        const RunFacts& facts) {

@@ -17,6 +17,8 @@ namespace turgor {
 
 /// "0.1.0"
 std::string program_version();
+/// Of the processor, those that this build may use: "x86-64" to "x86-64-v4". With others, other last bits.
+std::string program_instructions();
 
 /// A file of the output folder, for the report.
 struct ReportPicture {

@@ -1,0 +1,42 @@
+"""Which engine runs. A wheel has three, engines/v2, v3 and v4, for what processors have of x86-64: the highest that this one can
+run is taken, or the one that TURGOR_ENGINE names. What `pip install .` makes has one, for the processor that it was built on.
+"""
+import os
+import pathlib
+
+# Flags of /proc/cpuinfo [x86-64 psABI, 3.1.1].
+V2 = {"cx16", "lahf_lm", "pni", "popcnt", "sse4_1", "sse4_2", "ssse3"}
+V3 = V2 | {"abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"}
+V4 = V3 | {"avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl"}
+NEEDS = {"v2": V2, "v3": V3, "v4": V4}
+
+
+def processor_flags(cpuinfo="/proc/cpuinfo"):
+    """What the processor has and the kernel lets be used; where nobody tells, what processors have since 2009."""
+    try:
+        text = pathlib.Path(cpuinfo).read_text()
+    except OSError:
+        return V2
+    line = next((line for line in text.splitlines() if line.startswith("flags")), "")
+    return set(line.partition(":")[2].split())
+
+
+def choose(forced, flags):
+    """The engine that is `forced`, or the highest for a processor with these `flags`. ImportError: there is none."""
+    if forced and forced not in NEEDS:
+        raise ImportError(f"TURGOR_ENGINE: expected one of {', '.join(NEEDS)}, found {forced}")
+    level = forced or next((level for level in reversed(NEEDS) if NEEDS[level] <= flags), "v2")
+    missing = sorted(NEEDS[level] - flags)
+    if missing:
+        raise ImportError(f"turgor: expected a processor of x86-64-{level}, found one without {', '.join(missing)}")
+    return level
+
+
+def folders():
+    """What the search for the module _turgor begins with: the folder of the engine that was chosen, where there are several."""
+    forced, engines = os.environ.get("TURGOR_ENGINE"), pathlib.Path(__file__).parent / "engines"
+    if engines.is_dir():
+        return [str(engines / choose(forced, processor_flags()))]
+    if forced:
+        raise ImportError(f"TURGOR_ENGINE: expected nothing, since this turgor has one engine alone, found {forced}")
+    return []

@@ -1,0 +1,179 @@
+"""Studies on Dask: a scheduler and its workers as processes, and what is left when one of them is killed."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import unittest.mock
+
+import turgor
+from test_study import folder_with, table_of
+from turgor.study import _task, run_study
+
+try:
+    import distributed  # noqa: F401
+except ImportError:
+    distributed = None
+
+QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+DASK = {**os.environ, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "2s"}
+
+
+def dask(*words):
+    return subprocess.Popen([sys.executable, "-m", "dask", *words, "--no-dashboard"], env=DASK, **QUIET)
+
+
+def wait_for(what, seconds=30):
+    """What `what()` gives as soon as that is true."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        found = what()
+        if found:
+            return found
+        time.sleep(0.01)
+    raise AssertionError(f"nothing came of {what} in {seconds} s")
+
+
+def members_of(process):
+    """The processes that a worker waits for."""
+    threads = pathlib.Path(f"/proc/{process.pid}/task").glob("*/children")
+    return [int(child) for thread in threads for child in thread.read_text().split()]
+
+
+def is_there(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+class Cluster:
+    """A scheduler, and workers of one thread each."""
+
+    def __init__(self, workers):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="turgor-dask-"))
+        told = self.folder / "scheduler.json"
+        self.scheduler = dask("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(told))
+        self.workers = [dask("worker", "--scheduler-file", str(told), "--nthreads", "1", "--no-nanny", "--local-directory", str(self.folder))
+                        for _ in range(workers)]
+        self.address = json.loads(wait_for(lambda: told.exists() and told.read_text()))["address"]
+
+    def close(self):
+        for process in (*self.workers, self.scheduler):
+            process.kill()
+            process.wait()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def command(folder, address):
+    return [sys.executable, "-m", "turgor.study", str(folder / "study.toml"), "--out", str(folder / "out"), "--cluster", address]
+
+
+def study_of(rows, timeout):
+    """A study of one case a row of [young, duration]; one of 3590 s takes longer than anybody waits."""
+    folder = folder_with()
+    (folder / "pad.toml").write_text((folder / "pad.toml").read_text().replace("every = 0.1", "every = 1"))
+    text = (folder / "study.toml").read_text().replace('"body.pad.young" = { values = [2e3, 4e3, 8e3] }\n', "").replace(
+        "[0.0, 0.6]", "[0.3]").replace("timeout = 20", f"timeout = {timeout}").replace("[vary]", 'cases = "cases.csv"\n[vary]')
+    (folder / "study.toml").write_text(text)
+    (folder / "cases.csv").write_text("body.pad.young,world.duration\n" + "".join(f"{young},{duration}\n" for young, duration in rows))
+    return folder
+
+
+@unittest.skipUnless(distributed, "Dask cannot be had here")
+class OnDask(unittest.TestCase):
+    def cluster(self, workers):
+        cluster = Cluster(workers)
+        self.addCleanup(cluster.close)
+        return cluster
+
+    def driver(self, folder, address):
+        driver = subprocess.Popen(command(folder, address), env=DASK, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(driver.stderr.close)
+        return driver
+
+    def test_a_killed_worker_a_killed_driver_and_a_hanging_member_lose_nothing(self):
+        good = [(young, 0.2) for young in (2e3, 3e3, 4e3, 5e3)]
+        folder = study_of([(4e3, 3590), (-1, 0.2), *good], timeout=8)
+        cluster = self.cluster(2)
+        members = folder / "out/members"
+        driver = self.driver(folder, cluster.address)
+        wait_for(lambda: len(list(members.glob("*.json"))) >= 2)
+        driver.kill()
+        driver.wait()
+        before = {file.name: file.stat().st_mtime_ns for file in members.glob("*.json") if "measured" in file.read_text()}
+
+        driver = self.driver(folder, cluster.address)
+        wait_for(lambda: members_of(cluster.workers[0]))
+        cluster.workers[0].kill()
+        self.assertEqual(driver.wait(), 0)
+
+        rows = table_of(folder / "out")
+        self.assertIn("longer than 8 s", rows[0]["failed"])
+        self.assertIn("young", rows[1]["failed"])
+        after = {file.name: file.stat().st_mtime_ns for file in members.glob("*.json")}
+        self.assertEqual({name: after[name] for name in before}, before)
+        self.assertEqual(len(after), 6)
+        serial = study_of(good, timeout=20)
+        run_study(serial / "study.toml", serial / "out", jobs=2)
+        self.assertEqual(rows[2:], table_of(serial / "out"))
+
+    def test_a_member_whose_workers_die_costs_its_row_and_a_scheduler_that_dies_is_told(self):
+        folder = study_of([(4e3, 3590), (3e3, 0.2)], timeout=60)
+        cluster = self.cluster(2)
+        driver = self.driver(folder, cluster.address)
+        wait_for(lambda: list((folder / "out/members").glob("*.json")))
+        for _ in cluster.workers:
+            busy = wait_for(lambda: next((worker for worker in cluster.workers if members_of(worker)), None))
+            hanging = members_of(busy)[0]
+            busy.kill()
+            busy.wait()
+            wait_for(lambda: not is_there(hanging), seconds=5)
+        self.assertEqual(driver.wait(), 0)
+        rows = table_of(folder / "out")
+        self.assertEqual(rows[0]["failed"], "2 workers died while they did it")
+        self.assertGreater(float(rows[1]["force"]), 0)
+
+        driver = self.driver(folder, cluster.address)
+        self.assertIn("no worker is there yet", driver.stderr.readline())
+        cluster.scheduler.kill()
+        self.assertIn("the scheduler is gone", driver.communicate()[1])
+        self.assertEqual(driver.returncode, 2)
+        self.assertEqual(table_of(folder / "out"), rows)
+
+    def test_dask_in_this_process_gives_the_same_table(self):
+        folder = study_of([(2e3, 0.2), (3e3, 0.2)], timeout=20)
+        for out, cluster in (("plain", None), ("local", "local")):
+            run_study(folder / "study.toml", folder / out, jobs=2, cluster=cluster)
+        self.assertEqual(table_of(folder / "local"), table_of(folder / "plain"))
+
+    def test_a_worker_with_another_turgor_is_refused_with_a_sentence(self):
+        folder = study_of([(2e3, 0.2)], timeout=20)
+        of_another = lambda *given: {**_task(*given), "version": "9.9"}
+        with unittest.mock.patch("turgor.study._task", of_another), self.assertRaisesRegex(turgor.Error, "local: expected .* turgor 9.9 as on"):
+            run_study(folder / "study.toml", folder / "out", cluster="local")
+        self.assertEqual(list((folder / "out/members").iterdir()), [])
+
+    def test_an_address_where_nobody_is_gives_a_sentence(self):
+        folder = study_of([(2e3, 0.2)], timeout=20)
+        for driver in [self.driver(folder, address) for address in ("tcp://127.0.0.1:9", "no-such-thing://7")]:
+            said = driver.communicate()[1].strip().splitlines()
+            self.assertEqual(driver.returncode, 2, said)
+            self.assertIn("expected the address of a scheduler of Dask, or local, found", said[-1])
+
+
+class WithoutDask(unittest.TestCase):
+    def test_a_cluster_is_refused_with_a_sentence(self):
+        folder = study_of([(2e3, 0.2)], timeout=20)
+        script = "import sys; sys.modules['distributed'] = None; from turgor.study import main; sys.exit(main(sys.argv[1:]))"
+        done = subprocess.run([sys.executable, "-c", script, *command(folder, "local")[3:]], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("pip install distributed", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
