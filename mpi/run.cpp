@@ -67,7 +67,7 @@ Status step_frame(Running& run, const lattice::Others& others, bool measure_resi
   const lattice::Inputs inputs{.gravity = body.has_gravity ? run.scene.gravity : Vec3d{},
                                .measure_residual = measure_residual && has_forces,
                                .others = &others};
-  run.last = lattice::step(run.exec, body.model, body.state, inputs, to - from);
+  run.last = lattice::step(run.exec, body.model, body.state.change(), inputs, to - from);
   run.frames++;
   return Done{};
 }
@@ -181,7 +181,7 @@ Result<Json> run(const Exec& exec, const Ranks& ranks, const Scene& scene, const
   if (!loaded) return loaded.error();
   Running running{exec, ranks, scene, std::move(*loaded), {}, {}, 0, {}};
   LatticeBody& body = running.part.body;
-  PartOfBody part{ranks, running.part.shares, body.model, body.state, {}};
+  PartOfBody part{ranks, running.part.shares, body.model, body.state.watch(), {}};
   running.facts.share = part.share();
   running.facts.voxels_read = running.part.voxels_read;
   running.facts.load_seconds = loading.seconds();

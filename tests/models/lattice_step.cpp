@@ -367,7 +367,7 @@ TEST(lattice_step, no_two_slabs_of_a_phase_touch_the_same_node) {
   for (const int layers : {2, 3, 7, 12}) {
     for (int phase = 0; phase < 2; phase++) {
       std::set<int> touched;
-      for (int slab = phase; slab < slab_count(layers); slab += 2) {
+      for (int slab = phase; slab < slab_count({0, layers}); slab += 2) {
         std::set<int> nodes;  // layers that the slab writes: its own and, for edges and cells, the next
         for (int k = slab * kSlabLayers; k < (slab + 1) * kSlabLayers && k < layers; k++)
           nodes.insert({k, k + 1});
