@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "app/commands.hpp"
 #include "mpi/run.hpp"
 #include "mpi/scene.hpp"
 #include "turgor/sim/report/report.hpp"
@@ -17,8 +18,6 @@ namespace {
 
 using turgor::Error, turgor::Json, turgor::Result;
 using namespace turgor::mpi;
-
-constexpr int kNotFinite = 3;
 
 struct Options {
   std::filesystem::path scene, out;
@@ -54,7 +53,7 @@ int simulate(const Ranks& ranks, const Options& options) {
   if (report->at("finite").get<bool>()) return 0;
   fail(ranks, fmt::format("{}: stopped after {} frames: the numbers of the next step were not finite",
                           options.scene.string(), report->at("frames").get<int>()));
-  return kNotFinite;
+  return turgor::kNotFinite;
 }
 
 int command_line(const Ranks& ranks, int argc, char** argv) {
@@ -69,9 +68,7 @@ int command_line(const Ranks& ranks, int argc, char** argv) {
   CLI::App* command = program.add_subcommand("run", "Simulate a scene: displacements and a report");
   command->add_option("scene", options.scene, "The scene, a TOML file: a lattice and incisions")->required();
   command->add_option("-o,--out", options.out, "Folder for the results (default: out/SCENE)");
-  command->add_option("--set", options.overrides, "key=value: overrides a key of the scene; may be repeated")
-      ->type_size(1)
-      ->allow_extra_args(false);
+  turgor::add_set_option(*command, options.overrides);
   command->add_option("--threads", options.threads, "Threads of each process (default: 1); 0 = one per core")
       ->check(CLI::Range(0, 1024));
   command->add_flag("-q,--quiet", options.quiet, "Print nothing when it went well");

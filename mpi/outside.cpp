@@ -4,6 +4,7 @@
 #include <compare>
 #include <numeric>
 
+#include "turgor/core/disjoint_sets.hpp"
 #include "turgor/geometry/row_components.hpp"
 #include "turgor/models/lattice/body_nodes.hpp"
 
@@ -28,15 +29,6 @@ struct JoinedParts {
 
   int root_of(int own_part) const { return root[first_own + std::size_t(own_part)]; }
 };
-
-int find_root(std::vector<int>& root, int part) {
-  while (root[std::size_t(part)] != part) {
-    int& up = root[std::size_t(part)];
-    up = root[std::size_t(up)];
-    part = up;
-  }
-  return part;
-}
 
 /// The numbers of parts in one own layer, −1 where there is none.
 std::vector<int> layer_of_parts(const JoinedParts& parts, Int3 size, int layer) {
@@ -90,12 +82,9 @@ JoinedParts join_parts(const Ranks& ranks, const Grid& nodes, Layers own, const 
   parts.whole = join(ranks, mine);
   parts.root.resize(parts.whole.size());
   std::iota(parts.root.begin(), parts.root.end(), 0);
-  for (const auto& [a, b] : join(ranks, meeting_parts(ranks, parts, size))) {
-    const int root_a = find_root(parts.root, a), root_b = find_root(parts.root, b);
-    parts.root[std::size_t(std::max(root_a, root_b))] = std::min(root_a, root_b);
-  }
+  for (const auto& [a, b] : join(ranks, meeting_parts(ranks, parts, size))) join_sets(parts.root, a, b);
   for (int p = 0; p < int(parts.root.size()); p++) {
-    const int root = find_root(parts.root, p);
+    const int root = turgor::root_of(parts.root, p);
     parts.root[std::size_t(p)] = root;
     if (root == p) continue;
     Part &whole = parts.whole[std::size_t(root)], &part = parts.whole[std::size_t(p)];

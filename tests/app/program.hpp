@@ -1,7 +1,6 @@
 // Runs the built program as people do: a command line in, an exit code and what it printed out.
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -9,32 +8,19 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "folders.hpp"
+#include "shell.hpp"
 
 namespace turgor::test {
 
 namespace fs = std::filesystem;
 
-struct Ended {
-  int code = 0;
-  std::string printed;  // standard output and standard error together
-};
-
 /// A shell's command, run in a folder. Green's functions are kept for this test program alone.
 inline Ended run_shell(const std::string& command, const fs::path& folder) {
   static const fs::path cache = fresh_folder();
-  const std::string line = "cd '" + folder.string() + "' && export XDG_CACHE_HOME='" + cache.string() +
-                           "' && " + command + " 2>&1";
-  FILE* pipe = popen(line.c_str(), "r");
-  Ended ended;
-  char buffer[4096];
-  while (const std::size_t size = fread(buffer, 1, sizeof buffer, pipe)) ended.printed.append(buffer, size);
-  const int status = pclose(pipe);
-  ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return ended;
+  return run_command("export XDG_CACHE_HOME='" + cache.string() + "' && " + command, folder);
 }
 
 /// Arguments as a shell reads them; `before` is a shell's command, as "ulimit -f 8".

@@ -1,17 +1,16 @@
 // One body in several processes has, bit for bit, the state of the same body in one process without MPI, and
 // says in one sentence what it cannot do.
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <string>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "folders.hpp"
 #include "mpi/scene.hpp"
+#include "shell.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/sim/run.hpp"
@@ -20,6 +19,7 @@ namespace turgor {
 namespace {
 
 namespace fs = std::filesystem;
+using test::Ended;
 
 /// A torso of 25 layers of nodes, 12 mm apart: 7 pairs of slabs. With a cut along it, 0.12 m long, through
 /// layers that any two, three or four processes share, and a second one across the first.
@@ -60,23 +60,12 @@ Alone run_alone(const Folder& folder) {
   return alone;
 }
 
-struct Ended {
-  int code = 0;
-  std::string printed;
-};
 Ended run_shared(const Folder& folder, int processes, const std::string& more = "") {
-  const std::string line = fmt::format(
-      "cd '{}' && OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
-      "OMPI_MCA_btl_vader_single_copy_mechanism=none "
-      "'{}' -q --oversubscribe -n {} '{}' run scene.toml --out out {} 2>&1",
-      folder.path.string(), TURGOR_MPIRUN, processes, TURGOR_MPI_PROGRAM, more);
-  FILE* pipe = popen(line.c_str(), "r");
-  Ended ended;
-  char buffer[4096];
-  while (const std::size_t size = fread(buffer, 1, sizeof buffer, pipe)) ended.printed.append(buffer, size);
-  const int status = pclose(pipe);
-  ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return ended;
+  return test::run_command(fmt::format("OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
+                                       "OMPI_MCA_btl_vader_single_copy_mechanism=none "
+                                       "'{}' -q --oversubscribe -n {} '{}' run scene.toml --out out {}",
+                                       TURGOR_MPIRUN, processes, TURGOR_MPI_PROGRAM, more),
+                           folder.path);
 }
 nlohmann::json report_of(const Folder& folder) {
   return nlohmann::json::parse(test::bytes_of(folder.path / "out" / "report.json"));

@@ -104,6 +104,11 @@ std::vector<std::byte> interleaved(const std::vector<std::byte>& stored, std::si
   return mixed;
 }
 
+RawVolume without_samples(const VolumeHeader& header) {
+  return {header.format, header.grid,      header.type, header.components,
+          header.slope,  header.intercept, {},          header.label_names};
+}
+
 void swap_bytes(RawVolume& raw) {
   const std::size_t size = byte_size(raw.type);
   for (auto at = raw.bytes.begin(); size > 1 && at != raw.bytes.end(); at += std::ptrdiff_t(size))
@@ -116,8 +121,7 @@ Result<RawVolume> read_volume_slices(const fs::path& path, const VolumeHeader& h
   if (header.is_packed)
     return Error{fmt::format("{}: compressed; expected an uncompressed file, of which slices can be read",
                              path.string())};
-  RawVolume raw{header.format, header.grid,      header.type, header.components,
-                header.slope,  header.intercept, {},          header.label_names};
+  RawVolume raw = without_samples(header);
   const std::size_t samples = sample_count(raw.grid) * std::size_t(raw.components) * byte_size(raw.type),
                     slice = samples / std::size_t(raw.grid.size.z);
   Result<FileRange> range = find_samples(path, header, std::int64_t(samples));
@@ -131,8 +135,7 @@ Result<RawVolume> read_volume_slices(const fs::path& path, const VolumeHeader& h
 }
 
 Result<RawVolume> read_volume_samples(const fs::path& path, const VolumeHeader& header) {
-  RawVolume raw{header.format, header.grid,      header.type, header.components,
-                header.slope,  header.intercept, {},          header.label_names};
+  RawVolume raw = without_samples(header);
   const std::size_t size = byte_size(raw.type), components = std::size_t(raw.components);
   const std::size_t wanted = sample_count(raw.grid) * components * size;
   const Result<FileRange> range = find_samples(path, header, std::int64_t(wanted));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "turgor/core/disjoint_sets.hpp"
 #include "turgor/geometry/surface_check.hpp"
 #include "turgor/models/cloth/cloth.hpp"
 
@@ -28,11 +29,6 @@ bool crosses_itself(const Exec& exec, const Model& model, const Vectors& x) {
   return !crossing_triangles(exec, mesh).empty();
 }
 
-int root_of(std::vector<int>& zone, int n) {
-  while (zone[std::size_t(n)] != n) n = zone[std::size_t(n)] = zone[std::size_t(zone[std::size_t(n)])];
-  return n;
-}
-
 /// What meets, directly or through others, becomes one zone, named by its smallest member.
 void join_zones(Crossing& crossing) {
   auto &caught = crossing.caught, &zone = crossing.zone;
@@ -46,10 +42,7 @@ void join_zones(Crossing& crossing) {
     return int(std::lower_bound(caught.begin(), caught.end(), v) - caught.begin());
   };
   for (const Meeting& m : crossing.meetings)
-    for (std::size_t k = 1; k < 4; k++) {
-      const int a = root_of(zone, index(m.vertex[0])), b = root_of(zone, index(m.vertex[k]));
-      zone[std::size_t(std::max(a, b))] = std::min(a, b);
-    }
+    for (std::size_t k = 1; k < 4; k++) join_sets(zone, index(m.vertex[0]), index(m.vertex[k]));
   for (std::size_t n = 0; n < zone.size(); n++) zone[n] = root_of(zone, int(n));
 }
 

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/block_scene.hpp"
 #include "sim/bodies/cloth/cloth_scenes.hpp"
 #include "turgor/sim/bodies/cloth/cloth_support.hpp"
 #include "turgor/sim/world.hpp"
@@ -14,19 +13,10 @@ namespace {
 
 using namespace test;
 
-/// A sheet that covers the middle of 40 mm of fat on bone, which gravity holds down from the front (+y).
+/// A sheet that covers the middle of the fat.
 World sheet_on_lattice(const std::filesystem::path& folder, const Exec& exec = Exec(1),
                        const std::vector<std::string>& overrides = {}) {
-  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
-  const std::string text = R"(
-[world]
-gravity = [0, 9.81, 0]
-[body.fat]
-model = "lattice"
-ct = "block.nii"
-block = 2
-gravity = false
-skin = false
+  return fat_on_bone(folder, R"(
 tissue = { fat = 5e3, poisson = 0.25 }
 [body.sheet]
 model = "cloth"
@@ -36,12 +26,8 @@ collision = { self = false, thickness = 0.0015 }
 wind = { density = 0 }
 [body.sheet.obstacle.fat]
 body = "fat"
-)";
-  const Result<Scene> scene = parse_scene(text, folder / "sheet.toml", overrides);
-  EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-  Result<World> world = load_world(exec, *scene);
-  EXPECT_TRUE(world) << (world ? "" : world.error().message);
-  return std::move(*world);
+)",
+                     overrides, exec);
 }
 
 /// How far the front of the block's middle has gone, and its first height above fixed nodes [m].

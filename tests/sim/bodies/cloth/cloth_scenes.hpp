@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/block_scene.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor::test {
@@ -42,6 +43,26 @@ inline World must_load_scene(const Scene& scene, const Exec& exec = Exec(1)) {
   Result<World> world = load_world(exec, scene);
   EXPECT_TRUE(world) << (world ? "" : world.error().message);
   return std::move(*world);
+}
+
+/// 40 mm of fat on bone, "fat", which gravity presses from the front (+y); its tissue and what else there is
+/// follow. The CT is written into the folder.
+inline World fat_on_bone(const std::filesystem::path& folder, const std::string& rest,
+                         const std::vector<std::string>& overrides = {}, const Exec& exec = Exec(1)) {
+  EXPECT_TRUE(write_ct(folder / "block.nii", block_ct()));
+  const std::string text = R"(
+[world]
+gravity = [0, 9.81, 0]
+[body.fat]
+model = "lattice"
+ct = "block.nii"
+block = 2
+gravity = false
+skin = false
+)";
+  const Result<Scene> scene = parse_scene(text + rest, folder / "sheet.toml", overrides);
+  EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+  return must_load_scene(*scene, exec);
 }
 
 inline World must_load(const std::string& text, const std::vector<std::string>& overrides = {},

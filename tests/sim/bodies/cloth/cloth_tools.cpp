@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "sim/block_scene.hpp"
 #include "sim/bodies/cloth/cloth_scenes.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -225,17 +224,7 @@ TEST(ClothTools, a_finger_on_a_sheet_presses_the_organ_below_about_as_without_th
 }
 
 TEST(ClothTools, a_finger_on_a_sheet_presses_the_lattice_below) {
-  const std::filesystem::path folder = test::fresh_folder();
-  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
-  const Result<Scene> scene = parse_scene(R"(
-[world]
-gravity = [0, 9.81, 0]
-[body.fat]
-model = "lattice"
-ct = "block.nii"
-block = 2
-gravity = false
-skin = false
+  World world = fat_on_bone(test::fresh_folder(), R"(
 tissue = { fat = 5e3 }
 [body.sheet]
 model = "cloth"
@@ -251,10 +240,7 @@ body = "fat"
 body = "sheet"
 shape = { sphere = 0.012 }
 path = [[0, 0, -0.05, 0], [0.5, 0, -0.037, 0], [1.2, 0, -0.033, 0]]
-)",
-                                          folder / "sheet.toml", {});
-  ASSERT_TRUE(scene) << scene.error().message;
-  World world = must_load_scene(*scene);
+)");
   run(world, 150);
   const Vec3d tool = felt(world, 60), fat = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
   EXPECT_LT(tool.y, -0.05) << "N: it is pushed back";
