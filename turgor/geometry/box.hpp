@@ -17,6 +17,8 @@ inline Box box_around(std::span<const Vec3d> points) {
   for (const Vec3d p : points) box = {min(box.low, p), max(box.high, p)};
   return box;
 }
+/// The smallest box around both.
+inline Box joined(const Box& a, const Box& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
 inline bool meet(const Box& a, const Box& b) {
   return a.low.x <= b.high.x && a.low.y <= b.high.y && a.low.z <= b.high.z && b.low.x <= a.high.x &&
          b.low.y <= a.high.y && b.low.z <= a.high.z;

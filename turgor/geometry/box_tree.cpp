@@ -13,8 +13,7 @@ Vec3d middle(const Box& box) { return (box.low + box.high) * 0.5; }
 
 Box box_of(std::span<const Box> boxes, std::span<const int> items) {
   Box all = boxes[std::size_t(items[0])];
-  for (const int i : items)
-    all = {min(all.low, boxes[std::size_t(i)].low), max(all.high, boxes[std::size_t(i)].high)};
+  for (const int i : items) all = joined(all, boxes[std::size_t(i)]);
   return all;
 }
 

@@ -77,11 +77,10 @@ constexpr double kArrowPart = 0.2;  // of a whole body's diagonal
 Camera camera_of_whole(const ShownBody& body, const ShownTool& tool, const Aim& aside, const Outputs& outputs,
                        double aspect) {
   Box box = body.box;
-  const auto add = [&box](const Box& more) { box = {min(box.low, more.low), max(box.high, more.high)}; };
   const Vec3d arrow =
       tool.pose.position + normalized(aside.up) * (1.25 * kArrowPart * norm(box.high - box.low));
-  add({arrow, arrow});
-  if (tool.has_jaws) add(bounding_box(placed_mesh(tool)));
+  box = joined(box, {arrow, arrow});
+  if (tool.has_jaws) box = joined(box, bounding_box(placed_mesh(tool)));
   const Camera& view = outputs.views.front().camera;
   return tool.has_jaws ? frame_box(box, aside.direction, aside.up, aspect)
                        : frame_box(box, view.eye - view.target, view.up, aspect);

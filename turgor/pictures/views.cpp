@@ -30,8 +30,6 @@ SurfaceView view_of_cut(const World& world, const Cut& cut, const lattice::Blade
           frame_box(grown(box, std::max(0.01, 0.08 * length)), direction, {0, 0, 1}, aspect)};
 }
 
-Box joined(const Box& a, const Box& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
-
 constexpr double kFarAway = std::numeric_limits<double>::max();
 constexpr Box kNothing{{kFarAway, kFarAway, kFarAway}, {-kFarAway, -kFarAway, -kFarAway}};
 

@@ -17,10 +17,7 @@ void add_triangle(BladeSheet& sheet, const std::array<Vec3d, 3>& corner, const s
       .box = {min(corner[0], min(corner[1], corner[2])), max(corner[0], max(corner[1], corner[2]))}};
   t.normal = cross(t.side1, t.side2);
   if (!(norm(t.normal) > 0)) return;
-  if (sheet.triangles.empty())
-    sheet.box = t.box;
-  else
-    sheet.box = {min(sheet.box.low, t.box.low), max(sheet.box.high, t.box.high)};
+  sheet.box = sheet.triangles.empty() ? t.box : joined(sheet.box, t.box);
   sheet.triangles.push_back(t);
 }
 
