@@ -12,6 +12,7 @@
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/models/lattice/block_body.hpp"
 #include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/turned_block.hpp"
 
 namespace turgor {
 
@@ -77,6 +78,23 @@ double settled_gape(const Exec& exec, TissueLaw law, double step, double rate, i
   return wounded.gape();
 }
 
+/// The same wound in a block that lies across the lattice.
+double turned_gape(const Exec& exec, double step, const Mat3d& turn) {
+  Params params;
+  params.tissue.law = TissueLaw::kSolid;
+  params.skin.direction = turn.column[0];
+  params.solver = {.sweeps = 20, .damping = 4};
+  const Model model =
+      turned_model({.side = kSide, .height = kHeight, .step = step, .young = kYoung, .turn = turn}, params);
+  State state = lattice::make_state(model);
+  const Vec3d half = turn.column[0] * (0.5 * kLength), aside = turn.column[1] * (0.37 * step);
+  const lattice::BladePath path =
+      lay_blade(model, state, {.from = aside - half, .to = aside + half, .depth = kDepth}).value();
+  cut_edges(model, state, path, 0, 1, 0);
+  for (int n = 0; n < 120; n++) lattice::step(exec, model, state, {}, 1.0 / 30);
+  return measure_wound(model, state, path, 0).gape_max;
+}
+
 /// What elements that fit the blade say, on a line through two meshes to a mesh of no size.
 double limit_of_elements(bool quick) {
   const lattice::SkinParams skin;
@@ -118,6 +136,21 @@ void add_steps(const Exec& exec, bool quick, std::vector<Figure>& figures) {
   for (const Place& place :
        {Place{0.25, 0.1, 0}, {0, 0.3, 90}, {0.5, 0.5, 30}, {0.5, 0.2, 110}, {0.5, 0.3, 45}})
     add(TissueLaw::kSolid, 0.004, place, 0.05);
+
+  struct Turn {
+    Vec3d axis;
+    double degrees;
+  };
+  steps = quick ? std::vector{0.004} : std::vector{0.004, 0.003, 0.002};
+  for (const double step : steps)
+    for (const auto& [axis, degrees] :
+         {Turn{{1, 0, 0}, 5}, {{1, 0, 0}, 15}, {{0, 1, 0}, 20}, {{1, 0.8, 0.1}, 33}, {{0.1, 1, 0.6}, 40}})
+      figures.push_back(
+          near_figure(fmt::format("a wound in solid, step {:.1f} mm, the body turned by {} degrees about "
+                                  "({}, {}, {})",
+                                  1e3 * step, degrees, axis.x, axis.y, axis.z),
+                      fmt::format("finite elements, {:.2f} mm", 1e3 * limit),
+                      turned_gape(exec, step, turn_about(axis, degrees)), limit, 0.12));
 }
 
 void add_rates(const Exec& exec, TissueLaw law, bool quick, std::vector<Figure>& figures) {

@@ -144,6 +144,7 @@ Result<LoadedPart> load_part(const Exec& exec, const Ranks& ranks, const Lattice
   nodes.grid.size.z = share.held.end - share.held.begin;
   nodes.first = share.held.begin;
   nodes.own = {share.own.begin - nodes.first, share.own.end - nodes.first};
+  nodes.join_skin = [&ranks](std::vector<lattice::SkinNodes>& skin) { skin = join(ranks, skin); };
   nodes.hu = held_layers(ranks, part.shares, part.nodes, known->hu);
   lattice::name_tissues(exec, held_layers(ranks, part.shares, part.nodes, outside), params, nodes.first,
                         part.nodes.size.z, nodes);

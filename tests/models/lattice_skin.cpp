@@ -45,13 +45,59 @@ TEST(lattice_skin, the_skin_of_a_ball_is_closed_and_faces_outward) {
       x[c] = point_at(model.grid, Vec3d(slot_node(model.lattice, t.vertex[c])));
     }
     six_volumes += dot(x[0], cross(x[1], x[2]));
-    EXPECT_GT(t.area, 0.49e-6f);
   }
   for (const auto& [edge, count] : edges)
     EXPECT_EQ(count, (edges[{edge.second, edge.first}])) << "every edge is shared";
   const double ball = 4.0 / 3 * M_PI * std::pow(0.0102, 3);
   EXPECT_GT(six_volumes / 6, 0.7 * ball) << "positive: outward; smaller than the ball by up to a step";
   EXPECT_LT(six_volumes / 6, ball);
+}
+
+/// Area of the skin, and the sum of the forces by which the tissue answers its tension.
+struct SkinSums {
+  double area = 0, pull = 0;
+};
+SkinSums sums_of(const Model& model) {
+  SkinSums sums;
+  for (const SkinTriangle& t : model.skin.triangles) sums.area += double(t.area);
+  for (const Vec3 f : model.skin.pull) sums.pull += norm(Vec3d(f));
+  return sums;
+}
+
+TEST(lattice_skin, a_ball_has_its_area_and_laplace_s_pressure_without_the_stairs_of_the_lattice) {
+  for (const double radius : {0.0102, 0.0147, 0.0206}) {
+    const int size = 2 * int(radius / 1e-3) + 9;
+    const BodyNodes nodes = shape_nodes({size, size, size}, [&](Vec3d p) { return norm(p) < radius; });
+    const Model model = assemble(kExec, nodes, nullptr, {}).value();
+    double mean = 0, corners = 0;  // distance of the skin's nodes from the middle [m]
+    for (const SkinTriangle& t : model.skin.triangles)
+      for (int c = 0; c < 3; c++)
+        mean += norm(point_at(model.grid, Vec3d(slot_node(model.lattice, t.vertex[c])))), corners++;
+    mean /= corners;
+    const SkinSums sums = sums_of(model);
+    const double tension = model.params.skin.tension_along, area = 4 * M_PI * mean * mean;
+    EXPECT_NEAR(sums.area, area, 0.04 * area) << "m², radius " << radius;
+    EXPECT_NEAR(sums.pull, 2 * tension / mean * area, 0.08 * 2 * tension / mean * area) << "N: 2 T / r";
+  }
+}
+
+TEST(lattice_skin, a_plane_across_the_lattice_hardly_pulls) {
+  // Of stairs every edge pulls with T a length: the way up and the way down of each step.
+  for (const Vec3d normal : {Vec3d{0, 0.1, 1}, Vec3d{0.2, 0, 1}, Vec3d{0.3, 0.25, 1}}) {
+    const BodyNodes nodes =
+        shape_nodes({49, 49, 25}, [&](Vec3d p) { return dot(p, normal) < 1e-5 && p.z > -0.0115; });
+    const Model model = assemble(kExec, nodes, nullptr, {}).value();
+    double pull = 0, area = 0;
+    for (std::size_t n = 0; n < model.skin.nodes.size(); n++) {
+      const Int3 p = slot_node(model.lattice, model.skin.nodes[n]);
+      if (std::min(p.x, p.y) < 12 || std::max(p.x, p.y) > 36 || p.z < 4) continue;
+      pull += norm(Vec3d(model.skin.pull[n])), area += 1e-6;
+    }
+    const double stairs =
+        2 * model.params.skin.tension_along * (std::abs(normal.x) + std::abs(normal.y)) / 1e-3 * area;  // N
+    EXPECT_GT(area, 4e-4);
+    EXPECT_LT(pull, 0.1 * stairs) << "N, of " << stairs;
+  }
 }
 
 void expect_batches_without_shared_nodes(const Skin& skin) {
@@ -141,7 +187,7 @@ TEST(lattice_skin, images_of_unit_vectors_are_unit_vectors_at_rest) {
   for (const SkinTriangle& t : model.skin.triangles) {
     Vec3d along, across;
     for (int c = 0; c < 3; c++) {
-      const Vec3d x(rest_position(model.lattice, slot_node(model.lattice, t.vertex[c])));
+      const Vec3d x = c == 0 ? Vec3d{} : Vec3d(c == 1 ? t.edge1 : t.edge2);
       along += x * double(t.along[c]);
       across += x * double(t.across[c]);
     }

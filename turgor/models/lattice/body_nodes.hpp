@@ -1,9 +1,16 @@
 // From a CT to the nodes of a body: what every node is made of, how stiff it is, and whether it may move.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <functional>
+
 #include "turgor/models/lattice/beside_body.hpp"
 
 namespace turgor::lattice {
+
+/// A triangle of skin by its nodes' numbers in the body (number_in_body).
+using SkinNodes = std::array<std::int64_t, 3>;
 
 /// One value a node, i fastest.
 struct BodyNodes {
@@ -17,6 +24,8 @@ struct BodyNodes {
   // `grid` has the part's size and the whole's origin.
   int first = 0;
   Layers own;
+  /// Triangles of own layers become those of the whole body, in the order of layers.
+  std::function<void(std::vector<SkinNodes>&)> join_skin;
 };
 
 // The steps of classify, for those who have only a part of a CT:

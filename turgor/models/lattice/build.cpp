@@ -96,7 +96,7 @@ Result<Model> assemble(const Exec& exec, const BodyNodes& nodes, const VectorVol
     model.free_nodes += is_body(nodes.tissue[n]) && !nodes.fixed[n];
   }
   if (params.skin.enabled) {
-    detect_skin(exec, lines, model);
+    detect_skin(exec, lines, nodes.join_skin, model);
     if (model.skin.triangles.empty() && nodes.own.end == 0)
       return Error{"the body has no skin: expected a boundary to outside air, found none in " +
                    std::to_string(model.body_nodes) + " body nodes"};

@@ -81,9 +81,7 @@ struct LayerEnergy {
 /// A triangle whose corners have moved by u.
 double skin_energy(const Model& model, const SkinTriangle& t, const Vec3d (&u)[3]) {
   const SkinParams& p = model.params.skin;
-  Vec3d x[3];
-  for (int c = 0; c < 3; c++)
-    x[c] = Vec3d(rest_position(model.lattice, slot_node(model.lattice, t.vertex[c]))) + u[c];
+  const Vec3d x[3] = {u[0], Vec3d(t.edge1) + u[1], Vec3d(t.edge2) + u[2]};
   if (p.law == SkinLaw::kArea) {
     const double area = 0.5 * norm(cross(x[1] - x[0], x[2] - x[0])),
                  rest = double(rest_area_ratio(p)) * t.area;

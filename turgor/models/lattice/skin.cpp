@@ -7,6 +7,7 @@
 
 #include "turgor/models/lattice/colours.hpp"
 #include "turgor/models/lattice/skin_forces.hpp"
+#include "turgor/models/lattice/skin_places.hpp"
 
 namespace turgor::lattice {
 
@@ -164,6 +165,7 @@ void measure_triangle(const Vec3d (&x)[3], Vec3d line, SkinTriangle& triangle) {
 
 struct MeasureTriangle {
   const Model& model;
+  const SkinPlaces& places;
   const VectorVolume* lines;
   SkinTriangle* triangles;
   Vec3* given;  // null without lines
@@ -174,7 +176,7 @@ struct MeasureTriangle {
     Vec3d x[3], centre;
     double hu = 0;
     for (int c = 0; c < 3; c++) {
-      x[c] = Vec3d(rest_position(model.lattice, slot_node(model.lattice, triangle.vertex[c])));
+      x[c] = places.of(number_in_body(model.lattice, slot_node(model.lattice, triangle.vertex[c])));
       centre += x[c] / 3;
       hu += model.hu[std::size_t(triangle.vertex[c])] / 3.0;
     }
@@ -264,6 +266,21 @@ std::vector<Corner> collect_corners(const Lattice& lattice, Skin& skin) {
   return entries;
 }
 
+/// Where skin lies, made of the triangles of own cells, which are in the order of their layers.
+SkinPlaces find_places(const Exec& exec, const Model& model,
+                       const std::function<void(std::vector<SkinNodes>&)>& join_skin) {
+  const Lattice& l = model.lattice;
+  std::vector<SkinNodes> all;
+  for (const SkinTriangle& t : model.skin.triangles) {
+    const int layer = cell_of(l, t.vertex).z;
+    if (layer < model.own.begin || layer >= model.own.end) continue;
+    SkinNodes& nodes = all.emplace_back();
+    for (int c = 0; c < 3; c++) nodes[std::size_t(c)] = number_in_body(l, slot_node(l, t.vertex[c]));
+  }
+  if (join_skin) join_skin(all);
+  return {exec, l, all};
+}
+
 }  // namespace
 
 Int3 cell_of(const Lattice& l, Int3 triangle) {
@@ -272,7 +289,8 @@ Int3 cell_of(const Lattice& l, Int3 triangle) {
   return low;
 }
 
-void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
+void detect_skin(const Exec& exec, const VectorVolume* lines,
+                 const std::function<void(std::vector<SkinNodes>&)>& join_skin, Model& model) {
   Skin& skin = model.skin;
   std::vector<std::vector<Int3>> layers(std::size_t(model.lattice.size.z - 1));
   parallel_for(exec, layers.size(), [&](std::size_t k) { detect_layer(model, int(k), layers[k]); });
@@ -294,9 +312,11 @@ void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model) {
   skin.triangles.shrink_to_fit();
   skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
   if (lines != nullptr) skin.lines.resize(skin.triangles.size());
-  parallel_for(exec, skin.triangles.size(),
-               MeasureTriangle{model, lines, skin.triangles.data(), lines ? skin.lines.data() : nullptr},
-               1024);
+  const SkinPlaces places = find_places(exec, model, join_skin);
+  parallel_for(
+      exec, skin.triangles.size(),
+      MeasureTriangle{model, places, lines, skin.triangles.data(), lines ? skin.lines.data() : nullptr},
+      1024);
   const std::vector<Corner> corners = collect_corners(model.lattice, skin);
   if (model.params.solver.method == Method::kPbd) return lay_out_batches(skin);
   lay_out_corners(corners, skin);

@@ -1,13 +1,14 @@
 // Finding the skin of a body: the triangles between tissue and the outside. [STC 4.1, Algorithm 2]
 #pragma once
 
-#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/body_nodes.hpp"
 
 namespace turgor::lattice {
 
 /// Fills model.skin from model.lattice, tissue and hu. `lines` = Langer's lines in the patient frame, or null
-/// for model.params.skin.direction.
-void detect_skin(const Exec& exec, const VectorVolume* lines, Model& model);
+/// for model.params.skin.direction; `join_skin`: of a part of a body (BodyNodes).
+void detect_skin(const Exec& exec, const VectorVolume* lines,
+                 const std::function<void(std::vector<SkinNodes>&)>& join_skin, Model& model);
 
 /// Descent: fills `skin.pull` for the tension that the model's parameters ask for, so that the body lies in
 /// the CT as before.
