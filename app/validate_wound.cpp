@@ -150,7 +150,7 @@ void add_steps(const Exec& exec, bool quick, std::vector<Figure>& figures) {
                                   "({}, {}, {})",
                                   1e3 * step, degrees, axis.x, axis.y, axis.z),
                       fmt::format("finite elements, {:.2f} mm", 1e3 * limit),
-                      turned_gape(exec, step, turn_about(axis, degrees)), limit, 0.12));
+                      turned_gape(exec, step, lattice::turn_about(axis, degrees)), limit, 0.12));
 }
 
 void add_rates(const Exec& exec, TissueLaw law, bool quick, std::vector<Figure>& figures) {
