@@ -150,7 +150,8 @@ void add_steps(const Exec& exec, bool quick, std::vector<Figure>& figures) {
                                   "({}, {}, {})",
                                   1e3 * step, degrees, axis.x, axis.y, axis.z),
                       fmt::format("finite elements, {:.2f} mm", 1e3 * limit),
-                      turned_gape(exec, step, lattice::turn_about(axis, degrees)), limit, 0.12));
+                      turned_gape(exec, step, lattice::turn_about(axis, degrees)), limit,
+                      0.15 * (step / 0.004) * (step / 0.004)));
 }
 
 void add_rates(const Exec& exec, TissueLaw law, bool quick, std::vector<Figure>& figures) {

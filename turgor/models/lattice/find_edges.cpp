@@ -72,7 +72,8 @@ struct LatticeEdges {
   }
 };
 
-/// Edges of the fine lattice, in and around the body: those through the skin say where lips are.
+/// Edges of the fine lattice in all cells that have a node of the body: those through the skin say where lips
+/// are. One in a face between two cells is counted to the higher one, which may be air.
 struct FineEdges {
   const Model& model;
   const State& state;
@@ -81,15 +82,34 @@ struct FineEdges {
   std::vector<CutEdge>& found;
   std::vector<int> near;
   std::array<Vec3d, kMostPlaces> place;
+  std::array<bool, 8> has_body;  // of the cell in hand, and of those below it along x (1), y (2), z (4)
+
+  bool is_of_body(Int3 cell) const {
+    const int slot = node_slot(model.lattice, cell);
+    for (int c = 0; c < 8; c++)
+      if (is_solid(model, state, slot + slot_offset(model.lattice, {c & 1, c >> 1 & 1, c >> 2}, cell.x & 1)))
+        return true;
+    return false;
+  }
+  /// Is a cell that has an edge between these places of the one in hand of the body?
+  bool is_in_body(Int3 from, Int3 to) const {
+    int faces = 0;  // lower faces of the cell that the edge lies in
+    for (int axis = 0; axis < 3; axis++) faces |= int(from[axis] == 0 && to[axis] == 0) << axis;
+    for (int n = 0; n < 8; n++)
+      if ((n & ~faces) == 0 && has_body[std::size_t(n)]) return true;
+    return false;
+  }
 
   void operator()(Int3 cell) {
     const Lattice& l = model.lattice;
-    const int slot = node_slot(l, cell), parity = cell.x & 1;
     bool any = false;
-    for (int c = 0; c < 8 && !any; c++)
-      any = is_solid(model, state, slot + slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, parity));
+    for (int n = 0; n < 8; n++) {
+      const Int3 below{n & 1, n >> 1 & 1, n >> 2};
+      has_body[std::size_t(n)] = contains(l, cell - below) && is_of_body(cell - below);
+      any |= has_body[std::size_t(n)];
+    }
     if (!any) return;
-    const CutCell* cut = find_cell(pieces, slot);
+    const CutCell* cut = find_cell(pieces, node_slot(l, cell));
     const int count = cut && cut->piece_count > 1 ? cut->piece_count : 1;
     for (int p = 0; p < count; p++) add_piece(cell, cut, p);
   }
@@ -123,10 +143,10 @@ struct FineEdges {
     const Int3 node = first_of_cell(f, cell) + local;
     if (!(cell_of(f, node) == cell)) return;  // counted to another one
     const int at = place_in_cell(f, local);
-    if (cut && cut->piece_count > 1 && pieces.label[cut->places + std::size_t(at)] != piece) return;
+    if (cut && cut->piece_count > 1 && piece_of(pieces, *cut, at) != piece) return;
     for (int n = 0; n < kFamilyCount; n++) {
       const Int3 other = local + kFamilies[std::size_t(n)];
-      if (!in_cell(f, other)) continue;
+      if (!in_cell(f, other) || !is_in_body(local, other)) continue;
       if (cut && pieces.cut[cut->places + std::size_t(at)] >> n & 1) continue;
       const auto hit =
           cross_sheet(sheet, near, place[std::size_t(at)], place[std::size_t(place_in_cell(f, other))]);
@@ -148,7 +168,7 @@ void find_edges(const Model& model, const State& state, const BladeSheet& sheet,
   LatticeEdges edges{model, state, sheet, path.edges, {}};
   for_range(range, last, edges);
   const Pieces pieces = make_pieces(model, state);
-  FineEdges fine{model, state, pieces, sheet, path.fine_edges, {}, {}};
+  FineEdges fine{model, state, pieces, sheet, path.fine_edges, {}, {}, {}};
   for_range(range, last - Int3{1, 1, 1}, fine);
   if (others) others->join_edges(path);
 }

@@ -3,6 +3,7 @@
 // it. Springs, cells and their unknowns stay those of the lattice.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -60,6 +61,20 @@ void for_places(const FineLattice& f, const Visit& visit) {
 constexpr bool in_cell(const FineLattice& f, Int3 local) {
   return local.x >= 0 && local.y >= 0 && local.z >= 0 && local.x <= f.parts.x && local.y <= f.parts.y &&
          local.z <= f.parts.z;
+}
+
+/// Calls visit(cell) for the cells that a fine edge, or a fine node (a = b), lies in, or on their borders.
+template <class Visit>
+void for_cells_of_edge(const FineLattice& f, Int3 a, Int3 b, const Visit& visit) {
+  Int3 low, high;
+  for (int axis = 0; axis < 3; axis++) {
+    const int first = std::min(a[axis], b[axis]), last = std::max(a[axis], b[axis]), parts = f.parts[axis];
+    low[axis] = std::max(0, (last + parts - 1) / parts - 1);
+    high[axis] = std::min(f.cells.size[axis] - 2, first / parts);
+  }
+  for (int k = low.z; k <= high.z; k++)
+    for (int j = low.y; j <= high.y; j++)
+      for (int i = low.x; i <= high.x; i++) visit(Int3{i, j, k});
 }
 
 /// The lower end of a cut edge.

@@ -82,7 +82,7 @@ int piece_at(const Pieces& pieces, const State& state, const CutCell& cell, Vec3
   bool two = true;
   int other = -1;
   for (std::size_t n = 0; n < 4; n++) {
-    label[n] = pieces.label[cell.places + std::size_t(place_in_cell(f, corners[n]))];
+    label[n] = piece_of(pieces, cell, place_in_cell(f, corners[n]));
     if (label[n] == label[0]) continue;
     two &= other < 0 || label[n] == other;
     other = label[n];

@@ -11,20 +11,6 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Cells that a fine edge lies in, itself or on their borders.
-template <class Visit>
-void for_cells_of_edge(const FineLattice& f, Int3 a, Int3 b, const Visit& visit) {
-  Int3 low, high;
-  for (int axis = 0; axis < 3; axis++) {
-    const int first = std::min(a[axis], b[axis]), last = std::max(a[axis], b[axis]), parts = f.parts[axis];
-    low[axis] = std::max(0, (last + parts - 1) / parts - 1);
-    high[axis] = std::min(f.cells.size[axis] - 2, first / parts);
-  }
-  for (int k = low.z; k <= high.z; k++)
-    for (int j = low.y; j <= high.y; j++)
-      for (int i = low.x; i <= high.x; i++) visit(Int3{i, j, k});
-}
-
 /// The slots of the cells that have a cut edge, and of those around their nodes.
 void find_cells(const State& state, Pieces& out) {
   const Lattice& l = out.fine.cells;
@@ -141,8 +127,8 @@ int label_tissue(const CellPlaces& places, const std::array<bool, kMostPlaces>& 
   return count;
 }
 
-/// Air takes the label of the tissue that it is nearest to on its own side of the blades; what is shut in,
-/// any.
+/// Air takes the label of the tissue that it is nearest to on its own side of the blades; what has none there
+/// stays -1.
 void label_air(const CellPlaces& places) {
   std::vector<Int3> open;
   for_places(places.fine, [&](Int3 p) {
@@ -157,9 +143,6 @@ void label_air(const CellPlaces& places) {
       open.push_back(beside);
     });
   }
-  if (!open.empty())
-    for (int p = 0; p < places_of_cell(places.fine); p++)
-      places.label[p] = std::max(places.label[p], std::int16_t(0));
 }
 
 /// Parts the one piece of a cell that a blade entered: by a plane. Returns how many pieces

@@ -47,11 +47,12 @@ struct CopySource {
 
 struct Pieces {
   FineLattice fine;
-  std::vector<CutCell> cells;       // slots ascend
-  KeyIndex cell_index;              // of a slot: index into cells
-  std::vector<Piece> pieces;        // cell by cell
-  std::vector<std::int16_t> label;  // by place of a cell: which of its pieces, -1 = none near
-  std::vector<std::uint8_t> cut;    // by place: bit f = the edge of family f that starts there is cut
+  std::vector<CutCell> cells;  // slots ascend
+  KeyIndex cell_index;         // of a slot: index into cells
+  std::vector<Piece> pieces;   // cell by cell
+  // By place of a cell: which of its pieces; -1: none on its own side of the blades.
+  std::vector<std::int16_t> label;
+  std::vector<std::uint8_t> cut;  // by place: bit f = the edge of family f that starts there is cut
   std::vector<NodeCopy> copies;
   std::vector<CopySource> sources;
   KeyIndex edge_index;      // of a fine edge's key: index into State::cut_edges
@@ -73,6 +74,10 @@ struct Crossing {
 };
 Crossing crossing(const Pieces& pieces, const State& state, Int3 a, Int3 b);
 
+/// The piece of a place of a cell; the first one where there is none on its own side; -1 in air without any.
+inline int piece_of(const Pieces& pieces, const CutCell& cell, int place) {
+  return std::max(int(pieces.label[cell.places + std::size_t(place)]), cell.piece_count > 0 ? 0 : -1);
+}
 /// Which piece of its cell holds a point, from its coordinates in the cell, 0 to 1; -1 where there is none.
 int piece_at(const Pieces& pieces, const State& state, const CutCell& cell, Vec3 at);
 

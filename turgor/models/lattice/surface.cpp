@@ -64,16 +64,33 @@ std::uint64_t key_of(const Tet& tet, TetPoint p) {
   return ((tet.index[std::size_t(p.i)] * 27 + offset(p.j)) * 27 + offset(p.b)) * 8 + own;
 }
 
+/// What carries points beside a corner of a tetrahedron. Where the CT's skin lies beyond the lattice's, a
+/// cell may have no tissue on the corner's side of a blade: it goes with another cell that it is in.
+Carrier carrier_of(const Builder& builder, const Tet& tet, std::size_t corner) {
+  const CellInHand& c = builder.in_hand;
+  if (c.cut == nullptr) return {c.slot, -1};
+  const FineLattice& f = builder.fine();
+  Carrier found{c.slot, builder.pieces.label[c.cut->places + std::size_t(tet.place[corner])]};
+  if (found.piece >= 0) return found;
+  const Int3 node = tet.nodes[corner];
+  for_cells_of_edge(f, node, node, [&](Int3 cell) {
+    const CutCell* other = find_cell(builder.pieces, node_slot(f.cells, cell));
+    if (found.piece >= 0 || other == nullptr) return;
+    const int place = place_in_cell(f, node - first_of_cell(f, cell));
+    found = {other->slot, builder.pieces.label[other->places + std::size_t(place)]};
+  });
+  return found.piece >= 0 ? found : Carrier{c.slot, piece_of(builder.pieces, *c.cut, tet.place[corner])};
+}
+
 int point_index(Builder& builder, const Tet& tet, TetPoint p) {
   const std::uint64_t key = key_of(tet, p);
   const int point = builder.known.index.find_or_add(key);
   if (std::size_t(point) == builder.known.keys.size()) {
     builder.known.keys.push_back(key);
-    const CellInHand& c = builder.in_hand;
     const auto i = std::size_t(p.i), b = std::size_t(p.b);
     SurfacePoint made;
     made.place = place_of(tet, p);
-    made.carrier = {c.slot, c.cut ? builder.pieces.label[c.cut->places + std::size_t(tet.place[i])] : -1};
+    made.carrier = carrier_of(builder, tet, i);
     made.border = border_of(builder.fine(), tet.nodes[i]) & border_of(builder.fine(), tet.nodes[b]);
     made.is_skin = is_skin_point(p);
     builder.known.points.all.push_back(made);
