@@ -50,6 +50,12 @@ struct ListOn {
     [[maybe_unused]] const bool there = fits(wanted, wanted / 2);
     TURGOR_ASSERT(there, "a GPU has memory left for what a step or a cut adds to a body");
   }
+  /// With these, if there is room for them.
+  bool holds(std::span<const T> values) {
+    if (!fits(values.size(), values.size() / 2)) return false;
+    room.upload(values);
+    return true;
+  }
   void put(std::span<const T> values) {
     fit(values.size());
     room.upload(values);

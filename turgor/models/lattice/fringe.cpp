@@ -26,7 +26,7 @@ int reach_in(const Grid& out, const Grid& ct) {
   double reach = 1;
   for (int axis = 0; axis < 3; axis++)
     reach = std::max(reach, std::ceil(kBlur * ct.spacing[axis] / out.spacing[axis] - 1e-6));
-  return int(std::min(reach, double(kSlabLayers)));
+  return int(std::min(reach, double(kVoxelLayers)));
 }
 
 /// The 26 neighbours of a voxel, those across faces first, then across edges.
@@ -49,8 +49,8 @@ struct Window {
   Int3 low, size;   // with what is around it
 
   Window(const Grid& out, Int3 tile, int reach)
-      : begin(hadamard(tile, {kTile, kTile, kSlabLayers})),
-        end(min(begin + Int3{kTile, kTile, kSlabLayers}, out.size)),
+      : begin(hadamard(tile, {kTile, kTile, kVoxelLayers})),
+        end(min(begin + Int3{kTile, kTile, kVoxelLayers}, out.size)),
         low(max(begin - Int3{reach, reach, reach}, {0, 0, 0})),
         size(min(end + Int3{reach, reach, reach}, out.size) - low) {}
   std::size_t index(Int3 p) const {
@@ -85,7 +85,7 @@ bool comes_before(const RimVoxel& a, const RimVoxel& b) {
 
 /// Those of a row from a voxel on, before `end`.
 std::span<const RimVoxel> rim_of_row(const FringeInputs& inputs, Int3 from, int end) {
-  const std::vector<RimVoxel>& rim = inputs.rim[std::size_t(from.z / kSlabLayers)];
+  const std::vector<RimVoxel>& rim = inputs.rim[std::size_t(from.z / kVoxelLayers)];
   const auto first = std::lower_bound(rim.begin(), rim.end(), RimVoxel{from, {}}, comes_before);
   const auto last = std::lower_bound(first, rim.end(), RimVoxel{{end, from.y, from.z}, {}}, comes_before);
   return {first, last};

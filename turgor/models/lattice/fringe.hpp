@@ -57,7 +57,7 @@ struct FringeInputs {
   const RestBody& rest;
   const BesideBody& beside;
   std::span<const std::uint8_t> covered;       // by voxel of the output: 1 = tissue
-  std::span<const std::vector<RimVoxel>> rim;  // by slab of kSlabLayers, as keep_rim leaves it
+  std::span<const std::vector<RimVoxel>> rim;  // by slab of kVoxelLayers, as keep_rim leaves it
 };
 
 /// Fills the voxels of a slab that no tissue covers. Air within three voxels of the skin goes with the

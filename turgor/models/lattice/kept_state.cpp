@@ -52,6 +52,11 @@ void put_over(const Model& model, const std::shared_ptr<StateAndPlace>& kept) {
   kept->changed = Changed::kNothing;
 }
 
+/// Are the state's numbers there as well, whether or not they came back?
+bool is_there(const std::shared_ptr<StateAndPlace>& kept) {
+  return kept->there->whose.lock() == kept && kept->changed == Changed::kNothing;
+}
+
 }  // namespace
 
 KeptState::KeptState(State state) : kept_(std::make_shared<StateAndPlace>()) {
@@ -103,10 +108,10 @@ StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& i
 
 CtVolume KeptState::resample(const Exec& exec, const Model& model, const CtVolume& ct,
                              const Grid& grid) const {
-  if (kept_->there && cuts() == 0) {
+  if (kept_->there) {
     const std::lock_guard lock(kept_->there->in_use);
-    if (kept_->away)
-      if (std::optional<CtVolume> now = kept_->there->resample(model, ct, grid)) return std::move(*now);
+    if (is_there(kept_))
+      if (auto now = kept_->there->resample(model, kept_->state, ct, grid)) return std::move(*now);
   }
   return resample_ct(exec, model, here(), ct, grid, {.conserve_mass = false, .keep_surroundings = false}).ct;
 }

@@ -25,9 +25,11 @@ struct BodyThere {
   /// Of the state that is there; a step whose numbers are not finite is undone. The model is the one that was
   /// put; its sweeps, damping and skin may be others since. `fastest`: State::fastest.
   virtual StepReport step(const Model& model, const Inputs& inputs, double dt, Real fastest) = 0;
-  /// What resample_ct makes of the body alone, if no blade has been at it; nothing where there is no room for
-  /// it. `ct` is the one that the body was built from.
-  virtual std::optional<CtVolume> resample(const Model& model, const CtVolume& ct, const Grid& grid) = 0;
+  /// What resample_ct makes of the body alone; nothing where there is no room for it. `cuts`: the state that
+  /// is there, of which only what blades did to it is looked at. `ct` is the one that the body was built
+  /// from.
+  virtual std::optional<CtVolume> resample(const Model& model, const State& cuts, const CtVolume& ct,
+                                           const Grid& grid) = 0;
 
   std::mutex in_use;
   std::weak_ptr<StateAndPlace> whose;  // state it holds

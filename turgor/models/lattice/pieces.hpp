@@ -89,6 +89,15 @@ inline bool is_borne(const Model& model, const State& state, const Pieces& piece
 /// [m].
 Vec3 corner_displacement(const Model& model, const State& state, const Pieces& pieces, int corner);
 
+/// A cell that is not drawn as a whole: it is in pieces, which do not all go with its own nodes, or nodes of
+/// it left the body.
+struct SpecialCell {
+  int slot = 0;
+  int cut = -1;  // index into Pieces::cells; -1: one piece
+};
+/// Slots ascend.
+std::vector<SpecialCell> special_cells(const Model& model, const State& state, const Pieces& pieces);
+
 /// The corners of a piece of a cell, or of a whole cell when `piece` is -1.
 std::array<int, 8> corners_of(const Model& model, const Pieces& pieces, int slot, int piece);
 
