@@ -156,8 +156,8 @@ Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
       output.deformed_size ? lattice::resized(body.ct.grid, *output.deformed_size) : body.ct.grid;
   if (const Status status = write_fields(body, grid, outputs); !status || !wanted) return status;
 
-  const lattice::ResampledCt now = lattice::resample_ct(*outputs.exec, body.model, body.state, body.ct, grid,
-                                                        {.conserve_mass = output.conserve_mass});
+  const lattice::ResampledCt now =
+      body.state.resample(*outputs.exec, body.model, body.ct, grid, {.conserve_mass = output.conserve_mass});
   const std::string file = output.deformed_ct.empty() ? "" : file_of(outputs, body, output.deformed_ct);
   outputs.facts.deformed.push_back(
       {body.name, file, grid.size, now.report.seconds, now.report.mass_error, now.report.folds});

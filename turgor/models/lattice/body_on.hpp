@@ -228,11 +228,12 @@ class BodyOn final : public BodyThere {
     return {.finite = false};
   }
 
-  std::optional<CtVolume> resample(const Model& model, const State& cuts, const CtVolume& ct,
-                                   const Grid& grid) override {
+  std::optional<ResampledCt> resample(const Exec& exec, const Model& model, const State& cuts,
+                                      const CtVolume& ct, const Grid& grid,
+                                      const ResampleOptions& options) override {
     BodyToResample body{nodes_.view().nodes, nodes_.removed.data(), nullptr, 0};
     if (descent_) body.shifts = descent_->shifts.data(), body.shift_count = descent_->shifts.count;
-    std::optional<CtVolume> now = resampled_.make(run_, model, cuts, body, ct, grid);
+    std::optional<ResampledCt> now = resampled_.make(run_, exec, model, cuts, body, ct, grid, options);
     if (!now) resampled_ = {};
     return now;
   }

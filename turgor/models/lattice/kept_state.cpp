@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "turgor/models/lattice/resample.hpp"
-
 namespace turgor::lattice {
 
 /// What was changed here since it last went over.
@@ -106,14 +104,15 @@ StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& i
   return report;
 }
 
-CtVolume KeptState::resample(const Exec& exec, const Model& model, const CtVolume& ct,
-                             const Grid& grid) const {
+ResampledCt KeptState::resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
+                                const ResampleOptions& options) const {
   if (kept_->there) {
     const std::lock_guard lock(kept_->there->in_use);
     if (is_there(kept_))
-      if (auto now = kept_->there->resample(model, kept_->state, ct, grid)) return std::move(*now);
+      if (auto now = kept_->there->resample(exec, model, kept_->state, ct, grid, options))
+        return std::move(*now);
   }
-  return resample_ct(exec, model, here(), ct, grid, {.conserve_mass = false, .keep_surroundings = false}).ct;
+  return resample_ct(exec, model, here(), ct, grid, options);
 }
 
 template <class Cut>

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/resample.hpp"
 
 namespace turgor::lattice {
 
@@ -25,11 +26,11 @@ struct BodyThere {
   /// Of the state that is there; a step whose numbers are not finite is undone. The model is the one that was
   /// put; its sweeps, damping and skin may be others since. `fastest`: State::fastest.
   virtual StepReport step(const Model& model, const Inputs& inputs, double dt, Real fastest) = 0;
-  /// What resample_ct makes of the body alone; nothing where there is no room for it. `cuts`: the state that
-  /// is there, of which only what blades did to it is looked at. `ct` is the one that the body was built
-  /// from.
-  virtual std::optional<CtVolume> resample(const Model& model, const State& cuts, const CtVolume& ct,
-                                           const Grid& grid) = 0;
+  /// What resample_ct makes; nothing where there is no room for it. `cuts`: the state that is there, of which
+  /// only what blades did to it is looked at. `ct` is the one that the body was built from.
+  virtual std::optional<ResampledCt> resample(const Exec& exec, const Model& model, const State& cuts,
+                                              const CtVolume& ct, const Grid& grid,
+                                              const ResampleOptions& options) = 0;
 
   std::mutex in_use;
   std::weak_ptr<StateAndPlace> whose;  // state it holds
@@ -67,8 +68,9 @@ class KeptState {
   /// What the functions of these names do (incision.hpp).
   int cut_edges(const Model& model, const BladePath& path, double begin, double end, int incision);
   int cut_region(const Model& model, const BladePath& path);
-  /// resample_ct without surroundings, where the state is.
-  CtVolume resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid) const;
+  /// resample_ct, where the state is.
+  ResampledCt resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
+                       const ResampleOptions& options = {}) const;
 
  private:
   template <class Cut>

@@ -128,14 +128,12 @@ template <class Visit>
 long walk_slab(const PlacedBody& body, int slab, const RestFrame& rest, const Visit& visit) {
   const int layers = body.out.size.z, bits = body.window.bits;
   const int low = slab * kVoxelLayers, high = std::min(low + kVoxelLayers, layers);
-  const double units = double(1 << bits);
-  detail::SlabWalk walk{
-      .body = body,
-      .rest = rest,
-      .window = body.window,
-      .begin = slab == 0 ? std::numeric_limits<int>::min() : low << bits,
-      .end = high == layers ? std::numeric_limits<int>::max() : high << bits,
-      .to_ratio = sample_volume(body.out) / sample_volume(body.model.grid) / (units * units * units)};
+  detail::SlabWalk walk{.body = body,
+                        .rest = rest,
+                        .window = body.window,
+                        .begin = slab == 0 ? std::numeric_limits<int>::min() : low << bits,
+                        .end = high == layers ? std::numeric_limits<int>::max() : high << bits,
+                        .to_ratio = volume_ratio(body.model, body.out, bits)};
   walk.window.low.z = low, walk.window.high.z = high;
   const Int3 size = body.model.lattice.size;
   for (int k = 0; k + 1 < size.z; k++)
