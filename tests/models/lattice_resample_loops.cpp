@@ -42,7 +42,11 @@ ResampledCt by_loops(const Model& model, const State& state, const CtVolume& ct,
                      const ResampleOptions& options) {
   const std::shared_ptr<BodyThere> there = put_on_host<R>(model);
   there->put_state(model, state);
-  return there->resample(kExec, model, state, ct, grid, options).value();
+  ResampledCt now{.ct = {.grid = grid, .samples = {}},
+                  .report = there->resample(kExec, model, state, ct, grid, options).value().report};
+  now.ct.samples.resize(sample_count(grid));
+  there->get_resampled(now.ct.samples);
+  return now;
 }
 
 /// Voxels that are not air, and those that others made otherwise.

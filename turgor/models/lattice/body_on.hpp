@@ -228,15 +228,16 @@ class BodyOn final : public BodyThere {
     return {.finite = false};
   }
 
-  std::optional<ResampledCt> resample(const Exec& exec, const Model& model, const State& cuts,
-                                      const CtVolume& ct, const Grid& grid,
-                                      const ResampleOptions& options) override {
+  std::optional<ResampledThere> resample(const Exec& exec, const Model& model, const State& cuts,
+                                         const CtVolume& ct, const Grid& grid,
+                                         const ResampleOptions& options) override {
     BodyToResample body{nodes_.view().nodes, nodes_.removed.data(), nullptr, 0};
     if (descent_) body.shifts = descent_->shifts.data(), body.shift_count = descent_->shifts.count;
-    std::optional<ResampledCt> now = resampled_.make(run_, exec, model, cuts, body, ct, grid, options);
+    std::optional<ResampledThere> now = resampled_.make(run_, exec, model, cuts, body, ct, grid, options);
     if (!now) resampled_ = {};
     return now;
   }
+  void get_resampled(std::span<std::int16_t> samples) const override { resampled_.get(samples); }
 
  private:
   void put_loads(std::span<const NodeLoad> loads) {

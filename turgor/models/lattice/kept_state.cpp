@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "turgor/core/timing.hpp"
+
 namespace turgor::lattice {
 
 /// What was changed here since it last went over.
@@ -107,12 +109,29 @@ StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& i
 ResampledCt KeptState::resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
                                 const ResampleOptions& options) const {
   if (kept_->there) {
+    const Timer timer;
     const std::lock_guard lock(kept_->there->in_use);
     if (is_there(kept_))
-      if (auto now = kept_->there->resample(exec, model, kept_->state, ct, grid, options))
-        return std::move(*now);
+      if (const auto made = kept_->there->resample(exec, model, kept_->state, ct, grid, options)) {
+        ResampledCt now{.ct = {.grid = grid, .samples = {}}, .report = made->report};
+        now.ct.samples.resize(sample_count(grid));
+        kept_->there->get_resampled(now.ct.samples);
+        now.report.seconds = timer.seconds();
+        return now;
+      }
   }
   return resample_ct(exec, model, here(), ct, grid, options);
+}
+
+bool KeptState::show_resampled(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
+                               const ResampleOptions& options,
+                               const std::function<void(const std::int16_t*)>& show) const {
+  if (!kept_->there) return false;
+  const std::lock_guard lock(kept_->there->in_use);
+  if (!is_there(kept_)) return false;
+  const auto made = kept_->there->resample(exec, model, kept_->state, ct, grid, options);
+  if (made) show(made->samples);
+  return made.has_value();
 }
 
 template <class Cut>

@@ -3,6 +3,7 @@
 // velocities here are empty.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,6 +14,12 @@
 namespace turgor::lattice {
 
 struct StateAndPlace;
+
+/// A deformed CT on the other side of a bus.
+struct ResampledThere {
+  const std::int16_t* samples;  // there [HU]
+  ResampleReport report;
+};
 
 /// A body on the other side of a bus (body_on.hpp): its model, and one state at a time.
 struct BodyThere {
@@ -26,11 +33,14 @@ struct BodyThere {
   /// Of the state that is there; a step whose numbers are not finite is undone. The model is the one that was
   /// put; its sweeps, damping and skin may be others since. `fastest`: State::fastest.
   virtual StepReport step(const Model& model, const Inputs& inputs, double dt, Real fastest) = 0;
-  /// What resample_ct makes; nothing where there is no room for it. `cuts`: the state that is there, of which
-  /// only what blades did to it is looked at. `ct` is the one that the body was built from.
-  virtual std::optional<ResampledCt> resample(const Exec& exec, const Model& model, const State& cuts,
-                                              const CtVolume& ct, const Grid& grid,
-                                              const ResampleOptions& options) = 0;
+  /// What resample_ct makes, left there until the next; nothing where there is no room for it. `cuts`: the
+  /// state that is there, of which only what blades did to it is looked at. `ct` is the one that the body was
+  /// built from.
+  virtual std::optional<ResampledThere> resample(const Exec& exec, const Model& model, const State& cuts,
+                                                 const CtVolume& ct, const Grid& grid,
+                                                 const ResampleOptions& options) = 0;
+  /// The samples of that one.
+  virtual void get_resampled(std::span<std::int16_t> samples) const = 0;
 
   std::mutex in_use;
   std::weak_ptr<StateAndPlace> whose;  // state it holds
@@ -71,6 +81,11 @@ class KeptState {
   /// resample_ct, where the state is.
   ResampledCt resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
                        const ResampleOptions& options = {}) const;
+  /// The same where the state is elsewhere, for pictures that are drawn there: shows the samples, which last
+  /// as long as that. False: it is here, or there is no room, and nothing was shown.
+  bool show_resampled(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
+                      const ResampleOptions& options,
+                      const std::function<void(const std::int16_t* there)>& show) const;
 
  private:
   template <class Cut>

@@ -4,11 +4,10 @@
 
 #include <optional>
 
-#include "turgor/core/timing.hpp"
 #include "turgor/models/lattice/arrays_on.hpp"
 #include "turgor/models/lattice/fringe.hpp"
 #include "turgor/models/lattice/fringe_loops.hpp"
-#include "turgor/models/lattice/resample.hpp"
+#include "turgor/models/lattice/kept_state.hpp"
 #include "turgor/models/lattice/rest_mass.hpp"
 
 namespace turgor::lattice {
@@ -119,10 +118,9 @@ class ResampledOn {
   /// resample_ct. `cuts`: what blades did to the state that is there; its places are not looked at. Nothing
   /// where there is no room.
   template <class Run>
-  std::optional<ResampledCt> make(const Run& run, const Exec& exec, const Model& model, const State& cuts,
-                                  const BodyToResample& body, const CtVolume& ct, const Grid& grid,
-                                  const ResampleOptions& options) {
-    const Timer timer;
+  std::optional<ResampledThere> make(const Run& run, const Exec& exec, const Model& model, const State& cuts,
+                                     const BodyToResample& body, const CtVolume& ct, const Grid& grid,
+                                     const ResampleOptions& options) {
     const std::size_t nodes = std::size_t(node_count(model.lattice)), voxels = sample_count(grid);
     if (nodes > ResampleView::kBeside / ResampleView::kClaims) return {};
     if (!pieces_.known) {
@@ -137,12 +135,9 @@ class ResampledOn {
     find_finest(run, model, grid, view);
     resample_with(run, view);
     if (beside) fill_beside(run, model, view, ct, grid);
-    ResampledCt now{.ct = {.grid = grid, .samples = std::vector<std::int16_t>(voxels)},
-                    .report = report(grid)};
-    out_.room.download(now.ct.samples);
-    now.report.seconds = timer.seconds();
-    return now;
+    return ResampledThere{out_.data(), report(grid)};
   }
+  void get(std::span<std::int16_t> samples) const { out_.room.download(samples); }
 
  private:
   template <class T>
