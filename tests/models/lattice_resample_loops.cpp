@@ -166,6 +166,16 @@ TEST(lattice_resample_loops, of_a_body_that_nodes_left_are_the_ct_that_the_cpu_m
   expect_the_cpus_ct(whole.model, whole.state, whole.ct, whole.ct.grid, {});
 }
 
+TEST(lattice_resample_loops, leave_a_body_without_stiffness_to_the_cpu) {
+  CutBall ball({.method = Method::kPbd, .pbd_stiffness = 0});
+  KeptState state = ball.state;
+  state.step_on(put_on_host<SeededRun<1>>(ball.model));
+  EXPECT_TRUE(state.step(kExec, ball.model, {}, 1e-3).finite);
+  const CtVolume now = state.resample(kExec, ball.model, ball.ct, ball.ct.grid).ct;
+  EXPECT_EQ(now.samples, resample_ct(kExec, ball.model, state, ball.ct, ball.ct.grid).ct.samples);
+  EXPECT_GT(std::count_if(now.samples.begin(), now.samples.end(), [](int hu) { return hu > -200; }), 5000);
+}
+
 TEST(lattice_resample_loops, of_a_wound_are_made_there_and_follow_the_blade) {
   CutBall ball({});
   KeptState state = ball.state;

@@ -116,13 +116,15 @@ class ResampledOn {
   void forget_cuts() { pieces_.known = false; }
 
   /// resample_ct. `cuts`: what blades did to the state that is there; its places are not looked at. Nothing
-  /// where there is no room.
+  /// where there is no room, or no stiffness.
   template <class Run>
   std::optional<ResampledThere> make(const Run& run, const Exec& exec, const Model& model, const State& cuts,
                                      const BodyToResample& body, const CtVolume& ct, const Grid& grid,
                                      const ResampleOptions& options) {
     const std::size_t nodes = std::size_t(node_count(model.lattice)), voxels = sample_count(grid);
     if (nodes > ResampleView::kBeside / ResampleView::kClaims) return {};
+    if (model.params.solver.method == Method::kPbd && model.params.solver.pbd_stiffness == 0)
+      return {};  // tissue is known by its stiffness
     if (!pieces_.known) {
       if (!pieces_.put(model, cuts)) return {};
       rest_mass_ = rest_mass(exec, model, cuts, ct);
