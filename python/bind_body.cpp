@@ -3,7 +3,6 @@
 #include <nanobind/stl/tuple.h>
 
 #include "bindings.hpp"
-#include "turgor/models/lattice/resample.hpp"
 
 namespace turgor {
 
@@ -50,8 +49,7 @@ VolumeParts deformed_volume(const PyBody& body) {
   CtVolume ct;
   {
     const nb::gil_scoped_release others;
-    ct = lattice::resample_ct(body.world->exec(), lattice.model, lattice.state, lattice.ct, lattice.ct.grid)
-             .ct;
+    ct = lattice.state.resample(body.world->exec(), lattice.model, lattice.ct, lattice.ct.grid).ct;
   }
   return parts_of(std::move(ct));
 }

@@ -1,6 +1,7 @@
 // Small CTs with a body in air, and cuts and moves made by hand, for tests of what is drawn and resampled.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -40,6 +41,19 @@ void for_voxels(const Grid& grid, const See& see) {
   for (int k = 0; k < grid.size.z; k++)
     for (int j = 0; j < grid.size.y; j++)
       for (int i = 0; i < grid.size.x; i++) see(Int3{i, j, k});
+}
+
+/// A ball whose edge is blurred over about three voxels, in noise or in clean air.
+inline CtVolume blurred_ball_ct(int n, double radius, bool noise) {
+  CtVolume ct = ball_ct(n, radius);
+  const double middle = 0.5 * (n - 1);
+  for_voxels(ct.grid, [&](Int3 p) {
+    const double out = norm(Vec3d(p) - Vec3d{middle, middle, middle}) - radius;
+    if (out > -1.5) ct.at(p.x, p.y, p.z) = std::int16_t(-1000 + 1000 * std::clamp(0.5 - out / 3, 0.0, 1.0));
+    if (out >= 1.5 && noise)
+      ct.at(p.x, p.y, p.z) = std::int16_t(-1000 + (p.x * 31 + p.y * 17 + p.z * 7) % 60);
+  });
+  return ct;
 }
 
 /// A body from a CT: no skin, for what moves it is the test.

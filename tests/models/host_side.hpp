@@ -42,8 +42,8 @@ struct ThreadedRun {
   Exec exec = Exec(kThreads);
 
   template <class Kernel>
-  void operator()(std::size_t count, const Kernel& kernel) const {
-    CpuRun{exec}(count, kernel, 64);
+  void operator()(std::size_t count, const Kernel& kernel, std::size_t together = 64) const {
+    CpuRun{exec}(count, kernel, together);
   }
 };
 

@@ -12,19 +12,6 @@ namespace {
 
 const Exec kExec(1);
 
-/// A ball whose edge is blurred over about three voxels, in noise or in clean air.
-CtVolume blurred_ball_ct(int n, double radius, bool noise) {
-  CtVolume ct = ball_ct(n, radius);
-  const double middle = 0.5 * (n - 1);
-  for_voxels(ct.grid, [&](Int3 p) {
-    const double out = norm(Vec3d(p) - Vec3d{middle, middle, middle}) - radius;
-    if (out > -1.5) ct.at(p.x, p.y, p.z) = std::int16_t(-1000 + 1000 * std::clamp(0.5 - out / 3, 0.0, 1.0));
-    if (out >= 1.5 && noise)
-      ct.at(p.x, p.y, p.z) = std::int16_t(-1000 + (p.x * 31 + p.y * 17 + p.z * 7) % 60);
-  });
-  return ct;
-}
-
 TEST(lattice_fringe, a_blurred_body_at_rest_is_its_ct_bit_for_bit) {
   for (const Int3 block : {Int3{1, 1, 1}, {2, 2, 2}, {4, 4, 4}, {3, 5, 2}}) {
     const CtVolume ct = blurred_ball_ct(33, 11.3, true);

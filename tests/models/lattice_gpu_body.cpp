@@ -1,5 +1,5 @@
 // What needs a GPU; elsewhere it is skipped with a sentence. What it does there, lattice_body_on tests here.
-#include "ct_body.hpp"
+#include "cut_ball.hpp"
 #include "cut_block.hpp"
 #include "turgor/models/lattice/gpu_body.hpp"
 #include "turgor/models/lattice/resample.hpp"
@@ -45,6 +45,19 @@ TEST(gpu_lattice, bodies_step_there_as_they_do_here) {
   }
 }
 
+/// Of the same body, by both: how many voxels have other values.
+long other_voxels(const Gpu& gpu, const Model& model, const State& state, const CtVolume& ct) {
+  const std::shared_ptr<BodyThere> body = put(gpu, model).value();
+  body->put_state(model, state);
+  CtVolume there = ct;
+  EXPECT_TRUE(body->resample(kOne, model, state, ct, ct.grid, {}));
+  body->get_resampled(there.samples);
+  const CtVolume here = resample_ct(kOne, model, state, ct, ct.grid).ct;
+  long other = 0;
+  for (std::size_t v = 0; v < here.samples.size(); v++) other += there.samples[v] != here.samples[v];
+  return other;
+}
+
 TEST(gpu_lattice, the_deformed_ct_made_there_is_the_one_made_here) {
   const Result<Gpu> gpu = open_gpu();
   if (!gpu) GTEST_SKIP() << gpu.error().message;
@@ -55,13 +68,18 @@ TEST(gpu_lattice, the_deformed_ct_made_there_is_the_one_made_here) {
   move(model, state, [](Vec3d x) {
     return Vec3d{0.003 * std::sin(300 * x.y), 0.004 * std::sin(400 * x.x), 0};
   });
-  const std::shared_ptr<BodyThere> body = put(*gpu, model).value();
-  body->put_state(model, state);
-  const CtVolume there = body->resample(model, ct, ct.grid).value();
-  const CtVolume here = resample_ct(kOne, model, state, ct, ct.grid, {.keep_surroundings = false}).ct;
-  long other = 0;
-  for (std::size_t v = 0; v < here.samples.size(); v++) other += there.samples[v] != here.samples[v];
-  EXPECT_LE(other, long(here.samples.size()) / 1000) << "voxels: fused multiply-adds round otherwise";
+  EXPECT_LE(other_voxels(*gpu, model, state, ct), long(ct.samples.size()) / 1000)
+      << "fused multiply-adds round otherwise";
+}
+
+TEST(gpu_lattice, the_deformed_ct_of_a_wound_made_there_is_the_one_made_here) {
+  const Result<Gpu> gpu = open_gpu();
+  if (!gpu) GTEST_SKIP() << gpu.error().message;
+  for (CutBall& ball : std::vector{CutBall({}, TissueLaw::kSolid), CutBall({.method = Method::kPbd})}) {
+    EXPECT_LE(other_voxels(*gpu, ball.model, ball.state, ball.ct), long(ball.ct.samples.size()) / 1000);
+    ASSERT_GT(cut_region(ball.model, ball.state, ball.path({-6, -5, 0}, {6, -4, 0}, 0, 0.003)), 5);
+    EXPECT_LE(other_voxels(*gpu, ball.model, ball.state, ball.ct), long(ball.ct.samples.size()) / 1000);
+  }
 }
 
 TEST(gpu_lattice, what_runs_there_is_known_before) {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ct_body.hpp"
+#include "cut_ball.hpp"
 #include "host_side.hpp"
 #include "turgor/models/lattice/resample.hpp"
 #include "turgor/models/lattice/resample_loops.hpp"
@@ -15,6 +15,8 @@ namespace {
 
 const Exec kExec(2);
 constexpr ResampleOptions kAlone{.conserve_mass = false, .keep_surroundings = false};
+/// Bytes beside the voxels that go over and come back: how far the body has moved, and what is counted.
+constexpr std::size_t kTold = sizeof(MovedBits) + kCountParts * sizeof(ResampleCounts);
 
 /// Bent, and where `fold` is large folded over itself.
 State waved(const Model& model, double fold) {
@@ -36,10 +38,52 @@ Grid other_grid(const Grid& ct) {
 }
 
 template <class R>
-CtVolume by_loops(const Model& model, const State& state, const CtVolume& ct, const Grid& grid) {
+ResampledCt by_loops(const Model& model, const State& state, const CtVolume& ct, const Grid& grid,
+                     const ResampleOptions& options) {
   const std::shared_ptr<BodyThere> there = put_on_host<R>(model);
   there->put_state(model, state);
-  return there->resample(model, ct, grid).value();
+  ResampledCt now{.ct = {.grid = grid, .samples = {}},
+                  .report = there->resample(kExec, model, state, ct, grid, options).value().report};
+  now.ct.samples.resize(sample_count(grid));
+  there->get_resampled(now.ct.samples);
+  return now;
+}
+
+/// Voxels that are not air, and those that others made otherwise.
+struct Compared {
+  long tissue = 0, other = 0;
+};
+Compared compared(const CtVolume& there, const CtVolume& here) {
+  Compared found;
+  for (std::size_t v = 0; v < here.samples.size(); v++) {
+    found.tissue += here.samples[v] != kAirHu;
+    found.other += there.samples[v] != here.samples[v];
+  }
+  return found;
+}
+
+/// The CT that loops make in any order and the CPU's are the same, and so is what is told of them.
+void expect_the_cpus_ct(const Model& model, const State& state, const CtVolume& ct, const Grid& grid,
+                        const ResampleOptions& options) {
+  const auto by = [&]<class R>(R) { return by_loops<R>(model, state, ct, grid, options); };
+  const ResampledCt here = resample_ct(kExec, model, state, ct, grid, options);
+  const ResampledCt one = by(SeededRun<1>{});
+  for (const ResampledCt& other :
+       {by(SeededRun<2>{}), by(ThreadedRun<1>{}), by(ThreadedRun<2>{}), by(ThreadedRun<8>{})}) {
+    EXPECT_EQ(one.ct.samples, other.ct.samples);
+    EXPECT_EQ(one.report.mass_error, other.report.mass_error);
+  }
+  EXPECT_EQ(one.report.folds, here.report.folds);
+  EXPECT_EQ(one.report.overlaps, here.report.overlaps);
+  EXPECT_NEAR(one.report.mass_error, here.report.mass_error, 1e-6);
+  const Compared found = compared(one.ct, here.ct);
+  EXPECT_GT(found.tissue, 1000);
+#ifdef TURGOR_SAME_BITS
+  EXPECT_EQ(found.other, 0);
+#else
+  EXPECT_LE(found.other, found.tissue / 2000)
+      << "of " << found.tissue << " voxels: fused multiply-adds round otherwise";
+#endif
 }
 
 TEST(lattice_resample_loops, in_any_order_are_the_ct_that_the_cpu_makes) {
@@ -50,25 +94,30 @@ TEST(lattice_resample_loops, in_any_order_are_the_ct_that_the_cpu_makes) {
       const Model model = body_of(ct, block);
       const State state = waved(model, fold);
       for (const Grid& grid : {ct.grid, resized(ct.grid, {22, 30, 41}), other_grid(ct.grid)}) {
-        const ResampledCt here = resample_ct(kExec, model, state, ct, grid, kAlone);
-        overlaps += here.report.overlaps;
-        const CtVolume one = by_loops<SeededRun<1>>(model, state, ct, grid);
-        EXPECT_EQ(one.samples, (by_loops<SeededRun<2>>(model, state, ct, grid).samples));
-        EXPECT_EQ(one.samples, (by_loops<ThreadedRun<8>>(model, state, ct, grid).samples));
-        long tissue = 0, other = 0;
-        for (std::size_t v = 0; v < one.samples.size(); v++) {
-          tissue += here.ct.samples[v] != kAirHu;
-          other += one.samples[v] != here.ct.samples[v];
-        }
-        EXPECT_GT(tissue, 1000);
-#ifdef TURGOR_SAME_BITS
-        EXPECT_EQ(other, 0);
-#else
-        EXPECT_LE(other, tissue / 2000) << "of " << tissue << " voxels: fused multiply-adds round otherwise";
-#endif
+        overlaps += resample_ct(kExec, model, state, ct, grid, kAlone).report.overlaps;
+        expect_the_cpus_ct(model, state, ct, grid, {.keep_surroundings = fold == 0});
       }
     }
   EXPECT_GT(overlaps, 500) << "voxels that several tetrahedra claim";
+}
+
+TEST(lattice_resample_loops, take_the_blur_of_the_skin_along_and_leave_a_table) {
+  CtVolume ct = blurred_ball_ct(40, 12.4, true);
+  for_voxels(ct.grid, [&](Int3 p) {  // a table and its cover
+    if (p.y > 32 && p.y < 37) ct.at(p.x, p.y, p.z) = p.y == 33 ? -600 : std::int16_t(-300 + p.x);
+  });
+  for (const Int3 block : {Int3{2, 2, 2}, {3, 5, 4}}) {
+    const Model model = body_of(ct, block);
+    State state = make_state(model);
+    expect_the_cpus_ct(model, state, ct, ct.grid, {});
+    EXPECT_EQ(by_loops<SeededRun<3>>(model, state, ct, ct.grid, {}).ct.samples, ct.samples) << "at rest";
+    cut_across_y(model, state, 0.0203, [](Vec3d x) { return x.z > 0.012; });
+    move(model, state, [&](Vec3d x) {
+      return wobble(x, 0.001, 0.05, 0.3) + Vec3d{0.0003, x.y >= 0.0203 ? 0.0004 : -0.004, 0};
+    });
+    for (const Grid& grid : {ct.grid, resized(ct.grid, {27, 80, 40}), other_grid(ct.grid)})
+      expect_the_cpus_ct(model, state, ct, grid, {});
+  }
 }
 
 TEST(lattice_resample_loops, what_is_away_is_resampled_there_and_the_picture_alone_comes_back) {
@@ -79,30 +128,73 @@ TEST(lattice_resample_loops, what_is_away_is_resampled_there_and_the_picture_alo
   const Inputs inputs{.gravity = {0, 0, -9.81}};
   for (int n = 0; n < 2; n++) EXPECT_TRUE(state.step(kExec, model, inputs, 1e-3).finite);
   Bus::over = Bus::back = 0;
-  const CtVolume now = state.resample(kExec, model, ct, ct.grid);
-  EXPECT_EQ(Bus::back, now.samples.size() * sizeof(std::int16_t) + sizeof(MovedBits));
+  const CtVolume now = state.resample(kExec, model, ct, ct.grid, kAlone).ct;
+  EXPECT_EQ(Bus::back, now.samples.size() * sizeof(std::int16_t) + kTold);
   Bus::over = 0;
-  (void)state.resample(kExec, model, ct, ct.grid);
-  EXPECT_EQ(Bus::over, sizeof(MovedBits)) << "the CT is there";
+  (void)state.resample(kExec, model, ct, ct.grid, kAlone);
+  EXPECT_EQ(Bus::over, kTold) << "the CT is there";
   const CtVolume fetched = resample_ct(kExec, model, state, ct, ct.grid, kAlone).ct;
-  long other = 0;
-  for (std::size_t v = 0; v < now.samples.size(); v++) other += now.samples[v] != fetched.samples[v];
-  EXPECT_LE(other, 8) << "voxels: fused multiply-adds round otherwise";
-  EXPECT_EQ(state.resample(kExec, model, ct, ct.grid).samples, fetched.samples) << "it is here";
+  EXPECT_LE(compared(now, fetched).other, 8) << "voxels: fused multiply-adds round otherwise";
+  EXPECT_EQ(state.resample(kExec, model, ct, ct.grid, kAlone).ct.samples, now.samples)
+      << "it is here and there";
+  state.change().u.x[std::size_t(node_slot(model.lattice, 5, 5, 5))] += 1e-4f;
+  EXPECT_EQ(state.resample(kExec, model, ct, ct.grid, kAlone).ct.samples,
+            resample_ct(kExec, model, state, ct, ct.grid, kAlone).ct.samples)
+      << "only here";
 }
 
-TEST(lattice_resample_loops, a_body_that_was_cut_is_resampled_here) {
-  const CtVolume ct = ball_ct(33, 12);
-  const Model model = body_of(ct, {3, 3, 3});
-  State cut = waved(model, 0);
-  ASSERT_GT(cut_across_y(model, cut, 0.016, [](Vec3d x) { return x.z > 0.016; }), 10);
-  KeptState state = cut;
-  state.step_on(put_on_host<SeededRun<1>>(model));
-  EXPECT_TRUE(state.step(kExec, model, {}, 1e-3).finite);
-  Bus::back = 0;
-  const CtVolume now = state.resample(kExec, model, ct, ct.grid);
-  EXPECT_GE(Bus::back, 9 * sizeof(Real) * model.inverse_mass.size()) << "it comes back";
-  EXPECT_EQ(now.samples, resample_ct(kExec, model, state, ct, ct.grid, kAlone).ct.samples);
+TEST(lattice_resample_loops, of_a_body_in_pieces_are_the_ct_that_the_cpu_makes) {
+  for (const CutBall& ball : {CutBall({}), CutBall({}, TissueLaw::kSolid), CutBall({.method = Method::kPbd}),
+                              CutBall({}, TissueLaw::kSprings, {4, 3, 2})}) {
+    const Pieces pieces = make_pieces(ball.model, ball.state);
+    ASSERT_GT(pieces.copies.size(), 20u);
+    EXPECT_EQ(ball.state.copies.size() == pieces.copies.size(),
+              ball.model.params.tissue.law == TissueLaw::kSolid)
+        << "copies are solved for";
+    expect_the_cpus_ct(ball.model, ball.state, ball.ct, ball.ct.grid, {.conserve_mass = true});
+    expect_the_cpus_ct(ball.model, ball.state, ball.ct, other_grid(ball.ct.grid), kAlone);
+  }
+}
+
+TEST(lattice_resample_loops, of_a_body_that_nodes_left_are_the_ct_that_the_cpu_makes) {
+  CutBall ball({});
+  ASSERT_GT(cut_region(ball.model, ball.state, ball.path({-6, -5, 0}, {6, -4, 0}, 0, 0.003)), 5);
+  expect_the_cpus_ct(ball.model, ball.state, ball.ct, ball.ct.grid, {});
+  CutBall whole({});
+  whole.state = make_state(whole.model);
+  ASSERT_GT(cut_region(whole.model, whole.state, whole.path({-6, -5, 0}, {6, -4, 0}, 0, 0.003)), 5);
+  expect_the_cpus_ct(whole.model, whole.state, whole.ct, whole.ct.grid, {});
+}
+
+TEST(lattice_resample_loops, leave_a_body_without_stiffness_to_the_cpu) {
+  CutBall ball({.method = Method::kPbd, .pbd_stiffness = 0});
+  KeptState state = ball.state;
+  state.step_on(put_on_host<SeededRun<1>>(ball.model));
+  EXPECT_TRUE(state.step(kExec, ball.model, {}, 1e-3).finite);
+  const CtVolume now = state.resample(kExec, ball.model, ball.ct, ball.ct.grid).ct;
+  EXPECT_EQ(now.samples, resample_ct(kExec, ball.model, state, ball.ct, ball.ct.grid).ct.samples);
+  EXPECT_GT(std::count_if(now.samples.begin(), now.samples.end(), [](int hu) { return hu > -200; }), 5000);
+}
+
+TEST(lattice_resample_loops, of_a_wound_are_made_there_and_follow_the_blade) {
+  CutBall ball({});
+  KeptState state = ball.state;
+  state.step_on(put_on_host<SeededRun<1>>(ball.model));
+  const Inputs inputs{.gravity = {0, 0, -9.81}};
+  EXPECT_TRUE(state.step(kExec, ball.model, inputs, 1e-3).finite);
+  for (int n = 0; n < 2; n++) {
+    Bus::back = 0;
+    const CtVolume now = state.resample(kExec, ball.model, ball.ct, ball.ct.grid, kAlone).ct;
+    EXPECT_EQ(Bus::back, now.samples.size() * sizeof(std::int16_t) + kTold) << "and no state";
+    const CtVolume here = resample_ct(kExec, ball.model, state, ball.ct, ball.ct.grid, kAlone).ct;
+    EXPECT_LE(compared(now, here).other, 8) << "voxels: fused multiply-adds round otherwise";
+    Bus::over = 0;
+    (void)state.resample(kExec, ball.model, ball.ct, ball.ct.grid, kAlone);
+    EXPECT_EQ(Bus::over, kTold) << "pieces are there";
+    if (n > 0) break;
+    EXPECT_GT(state.cut_edges(ball.model, ball.path({-6, -5, 0}, {6, -4, 0}, 10, 0), 0, 1, 1), 5);
+    for (int k = 0; k < 3; k++) EXPECT_TRUE(state.step(kExec, ball.model, inputs, 2e-3).finite);
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The largest and the least of many numbers that threads find at once, the same whoever comes first.
+// The largest, the least and the sum of many numbers that threads find at once, the same whoever comes first.
 #pragma once
 
 #include <atomic>
@@ -37,6 +37,31 @@ TURGOR_HD inline void atomic_min(std::uint32_t& least, std::uint32_t found) {
   std::uint32_t seen = shared.load(std::memory_order_relaxed);
   while (found < seen && !shared.compare_exchange_weak(seen, found)) {
   }
+#endif
+}
+
+/// sum += more
+TURGOR_HD inline void atomic_add(std::uint64_t& sum, std::uint64_t more) {
+#ifdef __CUDA_ARCH__
+  atomicAdd(reinterpret_cast<unsigned long long*>(&sum), static_cast<unsigned long long>(more));
+#else
+  std::atomic_ref<std::uint64_t>(sum).fetch_add(more, std::memory_order_relaxed);
+#endif
+}
+
+/// A number that other threads may write at the same time.
+TURGOR_HD inline std::uint32_t shared_load(std::uint32_t& value) {
+#ifdef __CUDA_ARCH__
+  return *static_cast<volatile std::uint32_t*>(&value);
+#else
+  return std::atomic_ref<std::uint32_t>(value).load(std::memory_order_relaxed);
+#endif
+}
+TURGOR_HD inline void shared_store(std::uint32_t& value, std::uint32_t now) {
+#ifdef __CUDA_ARCH__
+  *static_cast<volatile std::uint32_t*>(&value) = now;
+#else
+  std::atomic_ref<std::uint32_t>(value).store(now, std::memory_order_relaxed);
 #endif
 }
 

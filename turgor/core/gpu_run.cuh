@@ -3,6 +3,7 @@
 
 #include <cuda_runtime.h>
 
+#include "turgor/core/gpu.hpp"
 #include "turgor/core/run.hpp"
 
 namespace turgor {
@@ -24,6 +25,13 @@ struct GpuRun {
     if (count > 0)
       call_kernel<<<unsigned((count + kThreads - 1) / kThreads), kThreads, 0, stream>>>(count, kernel);
   }
+};
+
+/// A GPU as the side that arrays and loops are on.
+struct GpuSide {
+  template <class T>
+  using Array = GpuArray<T>;
+  using Run = GpuRun;
 };
 
 }  // namespace turgor

@@ -5,6 +5,7 @@
 
 #include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/resample.hpp"
+#include "turgor/pictures/deformed_volume.hpp"
 #include "turgor/pictures/outputs.hpp"
 
 namespace turgor {
@@ -96,16 +97,20 @@ Status add_sections(const LatticeBody& body, const CtVolume& now, const Cut& cut
 Status add_volume_rendering(const LatticeBody& body, const lattice::State& rest, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   const Camera& camera = outputs.views.front().camera;
-  const auto drawn = [&](const lattice::State& state) {
+  std::vector<Image> images;
+  {
     const AddTime time(outputs.facts.drawing_seconds);
-    const lattice::ResampledCt alone = lattice::resample_ct(*outputs.exec, body.model, state, body.ct,
+    const lattice::ResampledCt alone = lattice::resample_ct(*outputs.exec, body.model, rest, body.ct,
                                                             body.ct.grid, {.keep_surroundings = false});
-    return draw_volume(*outputs.exec, alone.ct, output.volume_rendering, camera, output.width, output.height);
-  };
+    images.push_back(
+        draw_volume(*outputs.exec, alone.ct, output.volume_rendering, camera, output.width, output.height));
+    images.push_back(draw_deformed_volume(*outputs.exec, body, output.volume_rendering, camera, output.width,
+                                          output.height));
+  }
   return add_picture(
       outputs, body.name + "-volume.png",
       fmt::format("volume rendering of {} ({}), before and after", body.name, output.volume_rendering),
-      side_by_side({drawn(rest), drawn(body.state)}, {"before", "after"}), true);
+      side_by_side(images, {"before", "after"}), true);
 }
 
 /// The name of a file of one of several bodies.
@@ -156,8 +161,8 @@ Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
       output.deformed_size ? lattice::resized(body.ct.grid, *output.deformed_size) : body.ct.grid;
   if (const Status status = write_fields(body, grid, outputs); !status || !wanted) return status;
 
-  const lattice::ResampledCt now = lattice::resample_ct(*outputs.exec, body.model, body.state, body.ct, grid,
-                                                        {.conserve_mass = output.conserve_mass});
+  const lattice::ResampledCt now =
+      body.state.resample(*outputs.exec, body.model, body.ct, grid, {.conserve_mass = output.conserve_mass});
   const std::string file = output.deformed_ct.empty() ? "" : file_of(outputs, body, output.deformed_ct);
   outputs.facts.deformed.push_back(
       {body.name, file, grid.size, now.report.seconds, now.report.mass_error, now.report.folds});

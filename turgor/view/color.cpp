@@ -34,12 +34,6 @@ Vec3 linear_of(const Oklab& c) {
           float(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
 }
 
-std::uint8_t encode(float linear) {
-  const float x = std::clamp(linear, 0.0f, 1.0f);
-  const float s = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-  return static_cast<std::uint8_t>(std::lround(255 * s));
-}
-
 // The curve at equal distances along it, so that equal steps of the scalar look equally large.
 std::array<Rgb, kMapSize> build_map() {
   constexpr int kFine = 4096;
@@ -54,7 +48,7 @@ std::array<Rgb, kMapSize> build_map() {
   for (int i = 0; i < kMapSize; i++) {
     while (at < kFine && length[at] < length[kFine] * i / (kMapSize - 1)) at++;
     const Vec3 color = linear_of(map_curve(double(at) / kFine));
-    map[std::size_t(i)] = {encode(color.x), encode(color.y), encode(color.z)};
+    map[std::size_t(i)] = {screen_byte(color.x), screen_byte(color.y), screen_byte(color.z)};
   }
   return map;
 }
@@ -62,10 +56,6 @@ std::array<Rgb, kMapSize> build_map() {
 float decode(std::uint8_t byte) {
   const float s = float(byte) / 255;
   return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
-}
-
-float roll_off(float x) {
-  return x <= kShoulder ? x : kShoulder + (1 - kShoulder) * std::tanh((x - kShoulder) / (1 - kShoulder));
 }
 
 }  // namespace
@@ -80,16 +70,6 @@ float scale_fraction(const ColorScale& scale, float scalar) {
 }
 
 Vec3 linear_color(Rgb color) { return {decode(color.r), decode(color.g), decode(color.b)}; }
-
-Rgb screen_color(Vec3 linear) {
-  return {encode(roll_off(linear.x)), encode(roll_off(linear.y)), encode(roll_off(linear.z))};
-}
-
-Vec3 backdrop(float x, float y) {
-  const float dx = x - 0.5f, dy = y - 0.42f;
-  const float distance = std::min(1.0f, 1.9f * (dx * dx + dy * dy));
-  return kBackdropCentre + (kBackdropEdge - kBackdropCentre) * distance;
-}
 
 Rgb mix(Rgb a, Rgb b, float fraction) {
   const auto byte = [fraction](std::uint8_t from, std::uint8_t to) {

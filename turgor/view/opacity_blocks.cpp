@@ -7,12 +7,6 @@ namespace turgor {
 
 namespace {
 
-constexpr int kLevels = 4;
-
-std::size_t block_index(Int3 size, int i, int j, int k) {
-  return (std::size_t(k) * std::size_t(size.y) + std::size_t(j)) * std::size_t(size.x) + std::size_t(i);
-}
-
 int block_count(int samples, int edge) { return (samples + edge - 1) / edge; }
 
 // One row of blocks. Blocks share their border samples with the next, as interpolation does.
@@ -105,35 +99,27 @@ OpacityBlocks build_opacity_blocks(const Exec& exec, const CtVolume& ct, const T
   blocks.faint.resize(count);
   blocks.levels.push_back({blocks.size, std::vector<float>(count)});
 
-  const Vec3d spacing = ct.grid.spacing;
-  const auto faint_extinction =
-      float(-std::log(1 - double(kFaint)) / std::min({spacing.x, spacing.y, spacing.z}));
-  const double sample = std::cbrt(sample_volume(ct.grid));
+  const OpacityOfSamples opacity_of(transfer.view(), ct.grid);
   std::vector<float> opacity(65536);
-  for (int hu = -32768; hu < 32768; hu++)
-    opacity[std::size_t(hu + 32768)] = float(1 - std::exp(-transfer.extinction(hu) * kBlock * sample));
+  for (int hu = -32768; hu < 32768; hu++) opacity[std::size_t(hu + 32768)] = opacity_of(hu);
   parallel_for(exec, std::size_t(blocks.size.y) * std::size_t(blocks.size.z),
-               ClassifyRow{ct, transfer, opacity, faint_extinction, blocks});
+               ClassifyRow{ct, transfer, opacity, opacity_of.faint_extinction, blocks});
   spread_distance(blocks.size, blocks.distance);
   while (int(blocks.levels.size()) < kLevels) blocks.levels.push_back(half_resolution(blocks.levels.back()));
   return blocks;
 }
 
-float occupancy_at(const OccupancyLevel& level, int level_number, Vec3 index) {
-  const float edge = float(kBlock << level_number);
-  const Vec3 place{(index.x + 0.5f) / edge - 0.5f, (index.y + 0.5f) / edge - 0.5f,
-                   (index.z + 0.5f) / edge - 0.5f};
-  const Int3 low{int(std::floor(place.x)), int(std::floor(place.y)), int(std::floor(place.z))};
-  const Vec3 f = place - Vec3(low);
-  float sum = 0;
-  for (int corner = 0; corner < 8; corner++) {
-    const int bx = corner & 1, by = corner >> 1 & 1, bz = corner >> 2;
-    const int i = low.x + bx, j = low.y + by, k = low.z + bz;
-    if (i < 0 || j < 0 || k < 0 || i >= level.size.x || j >= level.size.y || k >= level.size.z) continue;
-    sum += (bx ? f.x : 1 - f.x) * (by ? f.y : 1 - f.y) * (bz ? f.z : 1 - f.z) *
-           level.opaque[block_index(level.size, i, j, k)];
-  }
-  return sum;
+OpacityOfSamples::OpacityOfSamples(const TransferView& of, const Grid& grid)
+    : transfer(of), depth(kBlock * std::cbrt(sample_volume(grid))) {
+  const Vec3d spacing = grid.spacing;
+  faint_extinction = float(-std::log(1 - double(kFaint)) / std::min({spacing.x, spacing.y, spacing.z}));
+}
+
+OpacityBlocksView view(const OpacityBlocks& blocks) {
+  OpacityBlocksView v{blocks.size, blocks.distance.data(), blocks.faint.data(), {}};
+  for (std::size_t n = 0; n < blocks.levels.size(); n++)
+    v.levels[n] = {blocks.levels[n].size, blocks.levels[n].opaque.data()};
+  return v;
 }
 
 }  // namespace turgor

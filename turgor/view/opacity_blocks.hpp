@@ -3,6 +3,7 @@
 // opaque (what lies in a hollow is darker).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -13,6 +14,7 @@
 namespace turgor {
 
 constexpr int kBlock = 4;         // samples along a block's edge
+constexpr int kLevels = 4;        // of occupancy
 constexpr float kFaint = 0.024f;  // what hides less within the smallest spacing is a cloud
 
 /// One value a block of the level; level 0 has blocks of kBlock samples, every further one of twice the edge.
@@ -29,10 +31,55 @@ struct OpacityBlocks {
   std::vector<OccupancyLevel> levels;
 };
 
+/// The blocks on either side of a bus.
+struct OccupancyView {
+  Int3 size;
+  const float* opaque;
+};
+struct OpacityBlocksView {
+  Int3 size;
+  const std::uint8_t *distance, *faint;
+  OccupancyView levels[kLevels];
+};
+OpacityBlocksView view(const OpacityBlocks& blocks);
+
+/// What does not change from block to block while they are built.
+struct OpacityOfSamples {
+  TransferView transfer;
+  float faint_extinction;  // [1/m]
+  double depth;            // of a block [m]
+
+  OpacityOfSamples(const TransferView& of, const Grid& grid);
+  /// Of a block with this value throughout, 0…1.
+  TURGOR_HD float operator()(int hu) const { return float(1 - std::exp(-transfer.extinction(hu) * depth)); }
+};
+
 /// The volume must have samples. Values between the samples of a block count as visible too.
 OpacityBlocks build_opacity_blocks(const Exec& exec, const CtVolume& ct, const Transfer& transfer);
 
+TURGOR_HD inline std::size_t block_index(Int3 size, int i, int j, int k) {
+  return (std::size_t(k) * std::size_t(size.y) + std::size_t(j)) * std::size_t(size.x) + std::size_t(i);
+}
+
 /// Mean opacity around an index, between blocks, 0 outside.
-float occupancy_at(const OccupancyLevel& level, int level_number, Vec3 index);
+TURGOR_HD inline float occupancy_at(const OccupancyView& level, int level_number, Vec3 index) {
+  const float edge = float(kBlock << level_number);
+  const Vec3 place{(index.x + 0.5f) / edge - 0.5f, (index.y + 0.5f) / edge - 0.5f,
+                   (index.z + 0.5f) / edge - 0.5f};
+  const Int3 low{int(std::floor(place.x)), int(std::floor(place.y)), int(std::floor(place.z))};
+  const Vec3 f = place - Vec3(low);
+  float sum = 0;
+  for (int corner = 0; corner < 8; corner++) {
+    const int bx = corner & 1, by = corner >> 1 & 1, bz = corner >> 2;
+    const int i = low.x + bx, j = low.y + by, k = low.z + bz;
+    if (i < 0 || j < 0 || k < 0 || i >= level.size.x || j >= level.size.y || k >= level.size.z) continue;
+    sum += (bx ? f.x : 1 - f.x) * (by ? f.y : 1 - f.y) * (bz ? f.z : 1 - f.z) *
+           level.opaque[block_index(level.size, i, j, k)];
+  }
+  return sum;
+}
+inline float occupancy_at(const OccupancyLevel& level, int level_number, Vec3 index) {
+  return occupancy_at(OccupancyView{level.size, level.opaque.data()}, level_number, index);
+}
 
 }  // namespace turgor

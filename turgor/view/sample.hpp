@@ -14,19 +14,33 @@ inline bool inside_samples(const Grid& grid, Vec3d index) {
   return true;
 }
 
+/// The samples of a CT, on either side of a bus.
+struct Samples {
+  const std::int16_t* values;
+  Int3 size;
+
+  TURGOR_HD const std::int16_t* at(int i, int j, int k) const {
+    return values + (std::size_t(k) * std::size_t(size.y) + std::size_t(j)) * std::size_t(size.x) +
+           std::size_t(i);
+  }
+};
+inline Samples samples_of(const CtVolume& ct) { return {ct.samples.data(), ct.grid.size}; }
+
 /// The value at an index in [0, size - 1] along every axis, of a volume at least two samples thick.
-inline float sample_linear(const CtVolume& ct, Vec3 index) {
-  const Int3 n = ct.grid.size;
+TURGOR_HD inline float sample_linear(const Samples& ct, Vec3 index) {
+  const Int3 n = ct.size;
   const int i = std::min(int(index.x), n.x - 2), j = std::min(int(index.y), n.y - 2),
             k = std::min(int(index.z), n.z - 2);
   const float u = index.x - float(i), v = index.y - float(j), w = index.z - float(k);
   const std::size_t row = std::size_t(n.x), layer = row * std::size_t(n.y);
-  const std::int16_t* s = ct.samples.data() + sample_index(ct.grid, i, j, k);
+  const std::int16_t* s = ct.at(i, j, k);
   const auto edge = [u](const std::int16_t* p) { return float(p[0]) + u * float(p[1] - p[0]); };
   const float low = edge(s) + v * (edge(s + row) - edge(s));
   const float high = edge(s + layer) + v * (edge(s + layer + row) - edge(s + layer));
   return low + w * (high - low);
 }
+
+inline float sample_linear(const CtVolume& ct, Vec3 index) { return sample_linear(samples_of(ct), index); }
 
 /// The value at any index: outside, that of the nearest place inside; works for volumes one sample thick.
 inline float sample_clamped(const CtVolume& ct, Vec3 index) {

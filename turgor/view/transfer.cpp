@@ -1,7 +1,6 @@
 #include "turgor/view/transfer.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "turgor/view/color.hpp"
@@ -60,57 +59,27 @@ Optical optical_at(std::span<const TransferPoint> points, float hu) {
 
 }  // namespace
 
-std::size_t Transfer::entry(int hu) { return std::size_t(std::clamp(hu - kLow, 0, kCount - 1)); }
-
 Transfer::Transfer(std::span<const TransferPoint> points)
-    : extinction_(kCount), sums_(kCount), visible_(kCount + 1) {
+    : sums_(TransferView::kCount), most_(TransferView::kCount), visible_(TransferView::kCount + 1) {
+  constexpr auto kCount = std::size_t(TransferView::kCount);
   Optical before;
   for (std::size_t i = 0; i < kCount; i++) {
-    const Optical here = optical_at(points, float(int(i) + kLow));
-    extinction_[i] = here.extinction;
+    const Optical here = optical_at(points, float(int(i) + TransferView::kLow));
+    most_[i] = here.extinction;
     visible_[i + 1] = visible_[i] + (here.extinction > 0);
     if (i > 0) {
       const double a = 0.5 * before.extinction, b = 0.5 * here.extinction;
-      const Sum& s = sums_[i - 1];
+      const OpticalSum& s = sums_[i - 1];
       sums_[i] = {s.extinction + a + b, s.r + a * before.color.x + b * here.color.x,
                   s.g + a * before.color.y + b * here.color.y, s.b + a * before.color.z + b * here.color.z};
     }
     before = here;
   }
-  most_.push_back(extinction_);
-  for (std::size_t width = 1; 2 * width <= kCount; width *= 2) {
-    std::vector<float> most(kCount - 2 * width + 1);
-    for (std::size_t i = 0; i < most.size(); i++)
-      most[i] = std::max(most_.back()[i], most_.back()[i + width]);
-    most_.push_back(std::move(most));
+  for (std::size_t width = 1, row = 0; 2 * width <= kCount; width *= 2, row += kCount) {
+    most_.resize(row + 2 * kCount);
+    for (std::size_t i = 0; i + 2 * width <= kCount; i++)
+      most_[row + kCount + i] = std::max(most_[row + i], most_[row + i + width]);
   }
-}
-
-float Transfer::most_extinction(int low, int high) const {
-  const std::size_t first = entry(low), count = entry(high) - first + 1;
-  const auto row = std::size_t(std::bit_width(count) - 1);
-  return std::max(most_[row][first], most_[row][first + count - (std::size_t(1) << row)]);
-}
-
-Transfer::Sum Transfer::sum_at(float hu) const {
-  const float x = std::clamp(hu - float(kLow), 0.0f, float(kCount - 1));
-  const auto i = std::min(std::size_t(x), std::size_t(kCount - 2));
-  const double f = double(x) - double(i);
-  const Sum &p = sums_[i], &q = sums_[i + 1];
-  return {p.extinction + f * (q.extinction - p.extinction), p.r + f * (q.r - p.r), p.g + f * (q.g - p.g),
-          p.b + f * (q.b - p.b)};
-}
-
-Optical Transfer::mean(float a, float b) const {
-  if (!is_visible(int(std::min(a, b)) - 1, int(std::max(a, b)) + 1)) return {};
-  constexpr float kLeast = 1;  // [HU] narrower ranges are widened: the tables hold no more detail
-  const float middle = std::clamp(0.5f * (a + b), float(kLow) + kLeast, float(kLow + kCount - 1) - kLeast);
-  const float half = std::max(0.5f * std::abs(b - a), 0.5f * kLeast);
-  const Sum p = sum_at(middle - half), q = sum_at(middle + half);
-  const double extinction = q.extinction - p.extinction;
-  if (extinction <= 0) return {};
-  return {{float((q.r - p.r) / extinction), float((q.g - p.g) / extinction), float((q.b - p.b) / extinction)},
-          float(extinction / (2 * half))};
 }
 
 std::span<const TransferPoint> transfer_points(const std::string& preset) {

@@ -3,7 +3,9 @@
 // surfaces show no rings [Engel, Kraus, Ertl 2001, without self-absorption inside a segment].
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,31 +28,76 @@ struct Optical {
   float extinction = 0;  // [1/m]
 };
 
+struct OpticalSum {
+  double extinction = 0, r = 0, g = 0, b = 0;
+};
+
+/// The tables of a transfer function, on either side of a bus.
+struct TransferView {
+  static constexpr int kLow = -1024, kCount = 4096;  // table entries, one a Hounsfield unit
+
+  const OpticalSum* sums;  // integrals from the first entry up to each
+  const float* most;       // row r: the largest of 2^r entries from each on; row 0: each [1/m]
+  const int* visible;      // absorbing entries before each
+
+  TURGOR_HD static std::size_t entry(int hu) { return std::size_t(std::clamp(hu - kLow, 0, kCount - 1)); }
+  TURGOR_HD float extinction(int hu) const { return most[entry(hu)]; }
+  TURGOR_HD bool is_visible(int low, int high) const {
+    return visible[entry(high) + 1] > visible[entry(low)];
+  }
+  TURGOR_HD float most_extinction(int low, int high) const {
+    const std::size_t first = entry(low), count = entry(high) - first + 1;
+    std::size_t row = 0;
+    while (std::size_t(2) << row <= count) row++;
+    const float* of_row = most + row * std::size_t(kCount);
+    return std::max(of_row[first], of_row[first + count - (std::size_t(1) << row)]);
+  }
+  TURGOR_HD Optical mean(float a, float b) const {
+    if (!is_visible(int(std::min(a, b)) - 1, int(std::max(a, b)) + 1)) return {};
+    constexpr float kLeast = 1;  // [HU] narrower ranges are widened: the tables hold no more detail
+    const float middle = std::clamp(0.5f * (a + b), float(kLow) + kLeast, float(kLow + kCount - 1) - kLeast);
+    const float half = std::max(0.5f * std::abs(b - a), 0.5f * kLeast);
+    const OpticalSum p = sum_at(middle - half), q = sum_at(middle + half);
+    const double extinction = q.extinction - p.extinction;
+    if (extinction <= 0) return {};
+    return {
+        {float((q.r - p.r) / extinction), float((q.g - p.g) / extinction), float((q.b - p.b) / extinction)},
+        float(extinction / (2 * half))};
+  }
+
+ private:
+  TURGOR_HD OpticalSum sum_at(float hu) const {
+    const float x = std::clamp(hu - float(kLow), 0.0f, float(kCount - 1));
+    const auto i = std::min(std::size_t(x), std::size_t(kCount - 2));
+    const double f = double(x) - double(i);
+    const OpticalSum &p = sums[i], &q = sums[i + 1];
+    return {p.extinction + f * (q.extinction - p.extinction), p.r + f * (q.r - p.r), p.g + f * (q.g - p.g),
+            p.b + f * (q.b - p.b)};
+  }
+};
+
 class Transfer {
  public:
   explicit Transfer(std::span<const TransferPoint> points);
 
   /// The mean over the values from `a` to `b`.
-  Optical mean(float a, float b) const;
+  Optical mean(float a, float b) const { return view().mean(a, b); }
   /// Whether some value in [low, high] absorbs.
-  bool is_visible(int low, int high) const { return visible_[entry(high) + 1] > visible_[entry(low)]; }
+  bool is_visible(int low, int high) const { return view().is_visible(low, high); }
   /// The strongest absorption of any value in [low, high] [1/m].
-  float most_extinction(int low, int high) const;
-  float extinction(int hu) const { return extinction_[entry(hu)]; }
+  float most_extinction(int low, int high) const { return view().most_extinction(low, high); }
+  float extinction(int hu) const { return view().extinction(hu); }
+
+  TransferView view() const { return {sums_.data(), most_.data(), visible_.data()}; }
+  // The tables, to be copied.
+  const std::vector<OpticalSum>& sums() const { return sums_; }
+  const std::vector<float>& most() const { return most_; }
+  const std::vector<int>& visible() const { return visible_; }
 
  private:
-  static constexpr int kLow = -1024, kCount = 4096;  // table entries, one a Hounsfield unit
-  static std::size_t entry(int hu);
-
-  struct Sum {
-    double extinction = 0, r = 0, g = 0, b = 0;
-  };
-  Sum sum_at(float hu) const;
-
-  std::vector<float> extinction_;         // at each entry [1/m]
-  std::vector<Sum> sums_;                 // integrals from the first entry up to each
-  std::vector<std::vector<float>> most_;  // row r: the largest of 2^r entries from each on
-  std::vector<int> visible_;              // absorbing entries before each
+  std::vector<OpticalSum> sums_;
+  std::vector<float> most_;
+  std::vector<int> visible_;
 };
 
 /// The points of a tissue preset; empty when there is none of this name.

@@ -1,62 +1,10 @@
-// Arrays of one side of a bus or the other, and what they need of its memory. A side has Array<T>: made with
-// a count, is_there, size, data, upload and download of the first of its values (core/gpu.hpp).
+// Displacements and the like on one side of a bus or the other.
 #pragma once
 
-#include <span>
-#include <vector>
-
-#include "turgor/core/assert.hpp"
+#include "turgor/core/arrays_on.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
-
-/// Makes arrays of a side, as long as there is room, and counts what all of them need.
-template <class Side>
-struct Rooms {
-  std::size_t bytes = 0;
-  bool all_there = true;
-
-  template <class T>
-  typename Side::template Array<T> room(std::size_t count) {
-    bytes += count * sizeof(T);
-    if (!all_there) return {};
-    typename Side::template Array<T> array(count);
-    all_there = array.is_there();
-    return array;
-  }
-  /// With what a vector holds.
-  template <class Values>
-  auto copy(const Values& values) {
-    using T = typename Values::value_type;
-    auto array = room<T>(values.size());
-    if (all_there) array.upload(std::span<const T>(values.data(), values.size()));
-    return array;
-  }
-};
-
-/// A list whose length changes between steps.
-template <class Side, class T>
-struct ListOn {
-  typename Side::template Array<T> room;
-  std::size_t count = 0;
-
-  /// Is there room for so many?
-  bool fits(std::size_t wanted, std::size_t spare = 0) {
-    if (wanted > room.size()) room = {}, room = typename Side::template Array<T>(wanted + spare);
-    count = room.is_there() ? wanted : 0;
-    return room.is_there();
-  }
-  void fit(std::size_t wanted) {
-    [[maybe_unused]] const bool there = fits(wanted, wanted / 2);
-    TURGOR_ASSERT(there, "a GPU has memory left for what a step or a cut adds to a body");
-  }
-  void put(std::span<const T> values) {
-    fit(values.size());
-    room.upload(values);
-  }
-  T* data() const { return room.data(); }
-  std::span<const T> values() const { return {room.data(), count}; }
-};
 
 template <class Side>
 struct VectorsOn {

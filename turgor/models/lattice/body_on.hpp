@@ -11,7 +11,7 @@
 #include "turgor/models/lattice/descent_loops.hpp"
 #include "turgor/models/lattice/kept_state.hpp"
 #include "turgor/models/lattice/pbd_loops.hpp"
-#include "turgor/models/lattice/resample_loops.hpp"
+#include "turgor/models/lattice/resampled_on.hpp"
 
 namespace turgor::lattice {
 
@@ -182,42 +182,6 @@ struct DescentOn {
   }
 };
 
-/// The deformed body as a CT, once it is asked for.
-template <class Side>
-struct ResampledOn {
-  template <class T>
-  using List = ListOn<Side, T>;
-
-  List<std::int16_t> ct, out;
-  List<Int3> place;
-  List<std::uint32_t> owner;
-  List<MovedBits> moved;
-
-  bool fits(std::size_t slots, const CtVolume& from, std::size_t voxels) {
-    const bool is_new = ct.count == 0;
-    const bool all = ct.fits(from.samples.size()) && out.fits(voxels) && place.fits(slots) &&
-                     owner.fits(voxels) && moved.fits(1);
-    if (all && is_new) ct.room.upload(from.samples);
-    return all;
-  }
-  ResampleView view(const Model& model, const NodeArrays& nodes, const CtVolume& from,
-                    const Grid& grid) const {
-    const ToVoxels to = to_voxels(model, grid);
-    const Vec3d voxel = from.grid.spacing, step = model.grid.spacing;
-    return {.lattice = model.lattice,
-            .nodes = nodes,
-            .moved = moved.data(),
-            .to_voxels = to,
-            .window = {.low = {0, 0, 0}, .high = grid.size, .handed = handed(to)},
-            .rest = {.first_node = index_at(from.grid, model.grid.origin),
-                     .cell_size = {step.x / voxel.x, step.y / voxel.y, step.z / voxel.z}},
-            .place = place.data(),
-            .owner = owner.data(),
-            .sample = Sampler(ct.data(), from.grid.size),
-            .out = out.data()};
-  }
-};
-
 template <class Side>
 class BodyOn final : public BodyThere {
  public:
@@ -234,6 +198,7 @@ class BodyOn final : public BodyThere {
   }
   void put_cuts(const Model& model, const State& state) override {
     nodes_.put_cuts(state);
+    resampled_.forget_cuts();
     if (descent_) descent_->put_cuts(model, state);
   }
   void get_state(State& state) const override {
@@ -263,24 +228,16 @@ class BodyOn final : public BodyThere {
     return {.finite = false};
   }
 
-  std::optional<CtVolume> resample(const Model& model, const CtVolume& ct, const Grid& grid) override {
-    CtVolume now{.grid = grid, .samples = {}};
-    now.samples.resize(sample_count(grid));
-    const std::size_t nodes = std::size_t(node_count(model.lattice));
-    if (nodes > ResampleView::kNobody / 6 || !resampled_.fits(nodes_.w.size(), ct, now.samples.size())) {
-      resampled_ = {};
-      return {};
-    }
-    ResampleView view = resampled_.view(model, nodes_.view().nodes, ct, grid);
-    MovedBits moved;
-    resampled_.moved.room.upload({&moved, 1});
-    run_(nodes, FindMoved{view});
-    resampled_.moved.room.download({&moved, 1});
-    view.window.bits = view.to_voxels.bits = finest_bits(view.to_voxels, moved.low(), moved.high());
-    resample_with(run_, view);
-    resampled_.out.room.download(now.samples);
+  std::optional<ResampledThere> resample(const Exec& exec, const Model& model, const State& cuts,
+                                         const CtVolume& ct, const Grid& grid,
+                                         const ResampleOptions& options) override {
+    BodyToResample body{nodes_.view().nodes, nodes_.removed.data(), nullptr, 0};
+    if (descent_) body.shifts = descent_->shifts.data(), body.shift_count = descent_->shifts.count;
+    std::optional<ResampledThere> now = resampled_.make(run_, exec, model, cuts, body, ct, grid, options);
+    if (!now) resampled_ = {};
     return now;
   }
+  void get_resampled(std::span<std::int16_t> samples) const override { resampled_.get(samples); }
 
  private:
   void put_loads(std::span<const NodeLoad> loads) {

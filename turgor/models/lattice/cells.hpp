@@ -23,6 +23,16 @@ constexpr std::uint8_t edges_from_corner(int n) {
   return bits;
 }
 
+/// The same of a corner that is not known before, where the table of families is not at hand: on a GPU.
+constexpr std::uint8_t edges_from(int n) {
+  constexpr std::uint64_t kEdges = [] {
+    std::uint64_t all = 0;
+    for (int c = 0; c < 8; c++) all |= std::uint64_t(edges_from_corner(c)) << 8 * c;
+    return all;
+  }();
+  return std::uint8_t(kEdges >> 8 * n);
+}
+
 /// Does a cell hold both its corner n and the node at `offset` from it?
 constexpr bool cell_holds(int n, Int3 offset) {
   const Int3 end = cell_corner(n) + offset;

@@ -143,7 +143,7 @@ struct FineEdges {
     const Int3 node = first_of_cell(f, cell) + local;
     if (!(cell_of(f, node) == cell)) return;  // counted to another one
     const int at = place_in_cell(f, local);
-    if (cut && cut->piece_count > 1 && piece_of(pieces, *cut, at) != piece) return;
+    if (cut && cut->piece_count > 1 && piece_of(pieces.label.data(), *cut, at) != piece) return;
     for (int n = 0; n < kFamilyCount; n++) {
       const Int3 other = local + kFamilies[std::size_t(n)];
       if (!in_cell(f, other) || !is_in_body(local, other)) continue;

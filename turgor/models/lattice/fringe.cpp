@@ -6,28 +6,13 @@
 #include <tuple>
 
 #include "turgor/geometry/dilate.hpp"
-#include "turgor/models/lattice/ct_sampler.hpp"
 #include "turgor/models/lattice/placed_body.hpp"
 
 namespace turgor::lattice {
 
 namespace {
 
-/// A scanner blurs an edge by hardly more than this [voxels of the CT].
-constexpr double kBlur = 3;
-/// So much further from the skin it is still told whether that has hardly moved, by less than a voxel of the
-/// CT: then it has not left [voxels of the output].
-constexpr int kBeyond = 2;
-
 using Mask = std::vector<std::uint8_t>;
-
-/// How many voxels of the output that is.
-int reach_in(const Grid& out, const Grid& ct) {
-  double reach = 1;
-  for (int axis = 0; axis < 3; axis++)
-    reach = std::max(reach, std::ceil(kBlur * ct.spacing[axis] / out.spacing[axis] - 1e-6));
-  return int(std::min(reach, double(kSlabLayers)));
-}
 
 /// The 26 neighbours of a voxel, those across faces first, then across edges.
 std::array<Int3, 26> neighbours_by_distance() {
@@ -49,8 +34,8 @@ struct Window {
   Int3 low, size;   // with what is around it
 
   Window(const Grid& out, Int3 tile, int reach)
-      : begin(hadamard(tile, {kTile, kTile, kSlabLayers})),
-        end(min(begin + Int3{kTile, kTile, kSlabLayers}, out.size)),
+      : begin(hadamard(tile, {kTile, kTile, kVoxelLayers})),
+        end(min(begin + Int3{kTile, kTile, kVoxelLayers}, out.size)),
         low(max(begin - Int3{reach, reach, reach}, {0, 0, 0})),
         size(min(end + Int3{reach, reach, reach}, out.size) - low) {}
   std::size_t index(Int3 p) const {
@@ -85,7 +70,7 @@ bool comes_before(const RimVoxel& a, const RimVoxel& b) {
 
 /// Those of a row from a voxel on, before `end`.
 std::span<const RimVoxel> rim_of_row(const FringeInputs& inputs, Int3 from, int end) {
-  const std::vector<RimVoxel>& rim = inputs.rim[std::size_t(from.z / kSlabLayers)];
+  const std::vector<RimVoxel>& rim = inputs.rim[std::size_t(from.z / kVoxelLayers)];
   const auto first = std::lower_bound(rim.begin(), rim.end(), RimVoxel{from, {}}, comes_before);
   const auto last = std::lower_bound(first, rim.end(), RimVoxel{{end, from.y, from.z}, {}}, comes_before);
   return {first, last};
@@ -115,10 +100,9 @@ struct Fringe {
     }
   }
 
-  bool has_hardly_moved(std::size_t n) const {
-    if (source[n] < 0) return false;
-    const Vec3 shift = shifts[std::size_t(source[n])];
-    return dot(shift, shift) < 1;
+  NearSkin near(std::size_t n) const {
+    if (source[n] < 0) return {.is_beyond = beyond[n] != 0};
+    return {.is_there = true, .is_beyond = beyond[n] != 0, .shift = shifts[std::size_t(source[n])]};
   }
 
   /// The voxels beside a ring that neither tissue nor an earlier ring has. Each goes with its nearest
@@ -157,8 +141,7 @@ Mask body_at_rest(const RestBody& body, const PlaceInCt& place, const Window& wi
   for (int k = window.low.z; k < high.z; k++)
     for (int j = window.low.y; j < high.y; j++) {
       const Vec3d first = place({0, j, k});
-      for (int i = window.low.x; i < high.x; i++)
-        rest[n++] = body.holds(first + place.step.column[0] * double(i));
+      for (int i = window.low.x; i < high.x; i++) rest[n++] = body.holds(place.in_row(first, i));
     }
   return rest;
 }
@@ -176,92 +159,49 @@ bool is_untouched(const FringeInputs& inputs, const Grid& out, const PlaceInCt& 
   return inputs.rest.is_air(low, high);
 }
 
-/// Tells the body's fringe from what lies beside the body.
-struct FringeOfBody {
-  const FringeInputs& inputs;
-  std::int16_t dense;  // from here on it is no air [HU]
-
-  /// Of a place that is no body: does it go with the skin? Air does, and a crumb of skin that is less than
-  /// half of a block; the table does not.
-  bool operator()(Vec3d at, float value) const { return value < float(dense) || is_crumb(at); }
-
-  /// Tissue is where its cells are, and nowhere else; its blur may begin within them, by a voxel.
-  bool is_tissue(Vec3d at, float value) const {
-    if (!inputs.rest.holds(at)) return false;
-    if (value >= float(dense)) return true;
-    for (const Vec3d way : {Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}})
-      if (!inputs.rest.holds(at + way) || !inputs.rest.holds(at - way)) return false;
-    return true;
-  }
-
- private:
-  bool is_crumb(Vec3d at) const {
-    constexpr int kReach = 2;
-    const CtVolume& ct = inputs.ct;
-    const Int3 p{int(std::lrint(at.x)), int(std::lrint(at.y)), int(std::lrint(at.z))};
-    if (!contains(ct.grid, p)) return false;
-    if (inputs.beside.has_row(p.y, p.z) && inputs.beside.row(p.y, p.z)[p.x / inputs.beside.cell.x])
-      return false;
-    const Int3 low = max(p - Int3{kReach, kReach, kReach}, Int3{0, 0, 0}),
-               high = min(p + Int3{kReach, kReach, kReach}, ct.grid.size - Int3{1, 1, 1});
-    for (int k = low.z; k <= high.z; k++)
-      for (int j = low.y; j <= high.y; j++)
-        for (int i = low.x; i <= high.x; i++)
-          if (ct.at(i, j, k) >= dense && inputs.rest.holds(Vec3d(Int3{i, j, k}))) return true;
-    return false;
-  }
-};
-
 }  // namespace
 
+int reach_in(const Grid& out, const Grid& ct) {
+  double reach = 1;
+  for (int axis = 0; axis < 3; axis++)
+    reach = std::max(reach, std::ceil(kBlur * ct.spacing[axis] / out.spacing[axis] - 1e-6));
+  return int(std::min(reach, double(kMostReach)));
+}
+
 RestBody::RestBody(const Exec& exec, const Model& model, Vec3d first_node, Vec3d cell_size)
-    : model_(model),
+    : lattice_(model.lattice),
       first_node_(first_node),
       per_cell_{1 / cell_size.x, 1 / cell_size.y, 1 / cell_size.z},
-      cells_(model.tissue.size(), Cell::kAir),
-      near_air_(model.tissue.size()) {
+      marks_(model.tissue.size()) {
   const Lattice& l = model.lattice;
   const Int3 last = l.size - Int3{2, 2, 2};  // cell
-  parallel_for(exec, std::size_t(std::max(0, last.z + 1)), [&](std::size_t k) {
-    for (int j = 0; j <= last.y; j++)
-      for (int i = 0; i <= last.x; i++) {
+  parallel_for(exec, std::size_t(l.size.z), [&](std::size_t k) {
+    for (int j = 0; j < l.size.y; j++)
+      for (int i = 0; i < l.size.x; i++) {
         const auto slot = std::size_t(node_slot(l, i, j, int(k)));
-        int count = 0;
-        for (int c = 0; c < 8; c++)
-          count +=
-              is_body(model.tissue[slot + std::size_t(slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, i & 1))]);
-        cells_[slot] = count == 0 ? Cell::kAir : count == 8 ? Cell::kBody : Cell::kRim;
+        std::uint8_t mark = is_body(model.tissue[slot]) ? kNodeIsBody : 0;
+        if (i <= last.x && j <= last.y && int(k) <= last.z)
+          for (int c = 0; c < 8; c++) {
+            const int corner = int(slot) + slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, i & 1);
+            mark |= is_body(model.tissue[std::size_t(corner)]) ? kCellHasBody : kCellHasAir;
+          }
+        marks_[slot] = mark;
       }
   });
   for (int k = 0; k <= last.z; k++)
     for (int j = 0; j <= last.y; j++)
       for (int i = 0; i <= last.x; i++) {
-        if (cells_[std::size_t(node_slot(l, i, j, k))] != Cell::kRim) continue;
+        constexpr std::uint8_t kRim = kCellHasBody | kCellHasAir;
+        if ((marks_[std::size_t(node_slot(l, i, j, k))] & kRim) != kRim) continue;
         for (int n = 0; n < 27; n++) {
           const Int3 other = Int3{i, j, k} + Int3{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-          near_air_[std::size_t(node_slot(l, min(max(other, Int3{0, 0, 0}), last)))] = 1;
+          marks_[std::size_t(node_slot(l, min(max(other, Int3{0, 0, 0}), last)))] |= kCellNearAir;
         }
       }
 }
 
-bool RestBody::holds(Vec3d at) const {
-  constexpr int kBits = 16;  // snapped, so that rounding does not decide ties
-  const Vec3d node = hadamard(at - first_node_, per_cell_) * double(1 << kBits);
-  const Int3 snapped{int(std::lrint(node.x)), int(std::lrint(node.y)), int(std::lrint(node.z))};
-  const Int3 cell{snapped.x >> kBits, snapped.y >> kBits, snapped.z >> kBits};
-  const Lattice& l = model_.lattice;
-  if (!contains(l, cell)) return false;
-  const Cell kind = cells_[std::size_t(node_slot(l, cell))];
-  if (kind != Cell::kRim) return kind == Cell::kBody;
-  const auto corners =
-      kuhn_corners(cell, kuhn_tet_at(snapped - Int3{cell.x << kBits, cell.y << kBits, cell.z << kBits}));
-  return std::any_of(corners.begin(), corners.end(), [&](Int3 node_at) {
-    return is_body(model_.tissue[std::size_t(node_slot(l, node_at))]);
-  });
-}
-
 bool RestBody::is_air(Vec3d low, Vec3d high) const {
-  const Lattice& l = model_.lattice;
+  const Lattice& l = lattice_;
   const auto cell_at = [&](Vec3d at, int more) {
     const Vec3d node = hadamard(at - first_node_, per_cell_);
     return Int3{int(std::floor(node.x)), int(std::floor(node.y)), int(std::floor(node.z))} +
@@ -271,7 +211,7 @@ bool RestBody::is_air(Vec3d low, Vec3d high) const {
   for (int k = from.z; k < to.z; k++)
     for (int j = from.y; j < to.y; j++)
       for (int i = from.x; i < to.x; i++)
-        if (cells_[std::size_t(node_slot(l, i, j, k))] != Cell::kAir) return false;
+        if (marks_[std::size_t(node_slot(l, i, j, k))] & kCellHasBody) return false;
   return true;
 }
 
@@ -281,9 +221,15 @@ PlaceInCt::PlaceInCt(const Grid& out, const Grid& ct) {
   step = {{at({1, 0, 0}) - first, at({0, 1, 0}) - first, at({0, 0, 1}) - first}};
 }
 
-RimVoxel rim_voxel(const PlaceInCt& place, Int3 voxel, Vec3 at) {
-  const Vec3d shift = (Vec3d(at) - place(voxel)) * 1024.0;
-  return {voxel, Vec3(Vec3d{std::rint(shift.x), std::rint(shift.y), std::rint(shift.z)} * (1 / 1024.0))};
+VoxelBeside voxel_beside(const CtVolume& ct, double air_max, const Grid& out, const RestBodyView& rest,
+                         const BesideView& beside) {
+  return {.rest = rest,
+          .beside = beside,
+          .place = PlaceInCt(out, ct.grid),
+          .sample = Sampler(ct),
+          .size = ct.grid.size,
+          .same = same_grid(out, ct.grid),
+          .dense = std::int16_t(std::ceil(air_max))};
 }
 
 void keep_rim(const Grid& out, std::span<const std::uint8_t> covered, std::vector<RimVoxel>& rim) {
@@ -316,31 +262,16 @@ void fill_tile(const FringeInputs& inputs, const PlaceInCt& place, const Window&
   Mask near_rest = rest;
   dilate(Exec(1), near_rest, window.size, reach);
 
-  const Sampler sample(inputs.ct);
-  const FringeOfBody is_fringe{inputs, std::int16_t(std::ceil(inputs.model.params.tissue.air_max))};
-  const bool same = same_grid(out.grid, inputs.ct.grid);
-  const auto value_at = [&](Int3 p, std::size_t voxel) {
-    const std::size_t n = window.index(p);
-    const int source =
-        fringe.beyond[n] && !(near_rest[n] && fringe.has_hardly_moved(n)) ? -1 : fringe.source[n];
-    if (same && !near_rest[n] && source < 0) return inputs.ct.samples[voxel];
-    const Vec3d at = place(p);
-    const float here = sample(Vec3(at));
-    if (!(near_rest[n] || source >= 0) || !(rest[n] || is_fringe(at, here)))
-      return std::int16_t(std::lrint(here));
-    const Vec3d before = at + (source < 0 ? Vec3d{} : Vec3d(fringe.shifts[std::size_t(source)]));
-    const float moved = sample(Vec3(before));
-    const bool from_fringe = is_fringe(before, moved);
-    float value = near_rest[n] ? kAirHu : here;
-    if (source >= 0 && from_fringe && !is_fringe.is_tissue(before, moved)) value = moved;
-    if (!from_fringe && !rest[n] && fringe.has_hardly_moved(n)) value = here;  // a cover of the table
-    return std::int16_t(std::lrint(value));
-  };
+  const VoxelBeside value_at = voxel_beside(inputs.ct, inputs.model.params.tissue.air_max, out.grid,
+                                            inputs.rest.view(), view(inputs.beside));
   for (int k = window.begin.z; k < window.end.z; k++)
     for (int j = window.begin.y; j < window.end.y; j++)
       for (int i = window.begin.x; i < window.end.x; i++) {
         const std::size_t voxel = sample_index(out.grid, i, j, k);
-        if (!inputs.covered[voxel]) out.samples[voxel] = value_at({i, j, k}, voxel);
+        if (inputs.covered[voxel]) continue;
+        const std::size_t n = window.index({i, j, k});
+        const WasBody was{rest[n] != 0, near_rest[n] != 0};
+        out.samples[voxel] = value_at({i, j, k}, voxel, was, fringe.near(n));
       }
 }
 

@@ -4,16 +4,6 @@
 
 namespace turgor::lattice {
 
-namespace {
-
-struct GpuSide {
-  template <class T>
-  using Array = GpuArray<T>;
-  using Run = GpuRun;
-};
-
-}  // namespace
-
 Result<std::shared_ptr<BodyThere>> put(const Gpu& gpu, const Model& model) {
   TURGOR_ASSERT(runs_on_gpu(model.params), "asked before by runs_on_gpu");
   Rooms<GpuSide> rooms;

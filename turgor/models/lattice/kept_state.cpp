@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "turgor/models/lattice/resample.hpp"
+#include "turgor/core/timing.hpp"
 
 namespace turgor::lattice {
 
@@ -50,6 +50,11 @@ void put_over(const Model& model, const std::shared_ptr<StateAndPlace>& kept) {
   if (kept->changed == Changed::kAll) there.put_state(model, kept->state);
   if (kept->changed == Changed::kCuts) there.put_cuts(model, kept->state);
   kept->changed = Changed::kNothing;
+}
+
+/// Are the state's numbers there as well, whether or not they came back?
+bool is_there(const std::shared_ptr<StateAndPlace>& kept) {
+  return kept->there->whose.lock() == kept && kept->changed == Changed::kNothing;
 }
 
 }  // namespace
@@ -101,14 +106,32 @@ StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& i
   return report;
 }
 
-CtVolume KeptState::resample(const Exec& exec, const Model& model, const CtVolume& ct,
-                             const Grid& grid) const {
-  if (kept_->there && cuts() == 0) {
+ResampledCt KeptState::resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
+                                const ResampleOptions& options) const {
+  if (kept_->there) {
+    const Timer timer;
     const std::lock_guard lock(kept_->there->in_use);
-    if (kept_->away)
-      if (std::optional<CtVolume> now = kept_->there->resample(model, ct, grid)) return std::move(*now);
+    if (is_there(kept_))
+      if (const auto made = kept_->there->resample(exec, model, kept_->state, ct, grid, options)) {
+        ResampledCt now{.ct = {.grid = grid, .samples = {}}, .report = made->report};
+        now.ct.samples.resize(sample_count(grid));
+        kept_->there->get_resampled(now.ct.samples);
+        now.report.seconds = timer.seconds();
+        return now;
+      }
   }
-  return resample_ct(exec, model, here(), ct, grid, {.conserve_mass = false, .keep_surroundings = false}).ct;
+  return resample_ct(exec, model, here(), ct, grid, options);
+}
+
+bool KeptState::show_resampled(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
+                               const ResampleOptions& options,
+                               const std::function<void(const std::int16_t*)>& show) const {
+  if (!kept_->there) return false;
+  const std::lock_guard lock(kept_->there->in_use);
+  if (!is_there(kept_)) return false;
+  const auto made = kept_->there->resample(exec, model, kept_->state, ct, grid, options);
+  if (made) show(made->samples);
+  return made.has_value();
 }
 
 template <class Cut>

@@ -3,15 +3,23 @@
 // velocities here are empty.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 
 #include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/resample.hpp"
 
 namespace turgor::lattice {
 
 struct StateAndPlace;
+
+/// A deformed CT on the other side of a bus.
+struct ResampledThere {
+  const std::int16_t* samples;  // there [HU]
+  ResampleReport report;
+};
 
 /// A body on the other side of a bus (body_on.hpp): its model, and one state at a time.
 struct BodyThere {
@@ -25,9 +33,14 @@ struct BodyThere {
   /// Of the state that is there; a step whose numbers are not finite is undone. The model is the one that was
   /// put; its sweeps, damping and skin may be others since. `fastest`: State::fastest.
   virtual StepReport step(const Model& model, const Inputs& inputs, double dt, Real fastest) = 0;
-  /// What resample_ct makes of the body alone, if no blade has been at it; nothing where there is no room for
-  /// it. `ct` is the one that the body was built from.
-  virtual std::optional<CtVolume> resample(const Model& model, const CtVolume& ct, const Grid& grid) = 0;
+  /// What resample_ct makes, left there until the next; nothing where there is no room for it. `cuts`: the
+  /// state that is there, of which only what blades did to it is looked at. `ct` is the one that the body was
+  /// built from.
+  virtual std::optional<ResampledThere> resample(const Exec& exec, const Model& model, const State& cuts,
+                                                 const CtVolume& ct, const Grid& grid,
+                                                 const ResampleOptions& options) = 0;
+  /// The samples of that one.
+  virtual void get_resampled(std::span<std::int16_t> samples) const = 0;
 
   std::mutex in_use;
   std::weak_ptr<StateAndPlace> whose;  // state it holds
@@ -65,8 +78,14 @@ class KeptState {
   /// What the functions of these names do (incision.hpp).
   int cut_edges(const Model& model, const BladePath& path, double begin, double end, int incision);
   int cut_region(const Model& model, const BladePath& path);
-  /// resample_ct without surroundings, where the state is.
-  CtVolume resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid) const;
+  /// resample_ct, where the state is.
+  ResampledCt resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
+                       const ResampleOptions& options = {}) const;
+  /// The same where the state is elsewhere, for pictures that are drawn there: shows the samples, which last
+  /// as long as that. False: it is here, or there is no room, and nothing was shown.
+  bool show_resampled(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
+                      const ResampleOptions& options,
+                      const std::function<void(const std::int16_t* there)>& show) const;
 
  private:
   template <class Cut>

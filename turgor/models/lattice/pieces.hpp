@@ -74,9 +74,10 @@ struct Crossing {
 };
 Crossing crossing(const Pieces& pieces, const State& state, Int3 a, Int3 b);
 
-/// The piece of a place of a cell; the first one where there is none on its own side; -1 in air without any.
-inline int piece_of(const Pieces& pieces, const CutCell& cell, int place) {
-  return std::max(int(pieces.label[cell.places + std::size_t(place)]), cell.piece_count > 0 ? 0 : -1);
+/// The piece of a place of a cell, from Pieces::label; the first one where there is none on its own side; -1 in air without any.
+TURGOR_HD inline int piece_of(const std::int16_t* label, const CutCell& cell, int place) {
+  const int piece = label[cell.places + std::size_t(place)];
+  return piece < 0 && cell.piece_count > 0 ? 0 : piece;
 }
 /// Which piece of its cell holds a point, from its coordinates in the cell, 0 to 1; -1 where there is none.
 int piece_at(const Pieces& pieces, const State& state, const CutCell& cell, Vec3 at);
@@ -93,6 +94,15 @@ inline bool is_borne(const Model& model, const State& state, const Pieces& piece
 /// Displacement of a corner of a piece: of a node, of a copy, or of air beside the body, which follows it
 /// [m].
 Vec3 corner_displacement(const Model& model, const State& state, const Pieces& pieces, int corner);
+
+/// A cell that is not drawn as a whole: it is in pieces, which do not all go with its own nodes, or nodes of
+/// it left the body.
+struct SpecialCell {
+  int slot = 0;
+  int cut = -1;  // index into Pieces::cells; -1: one piece
+};
+/// Slots ascend.
+std::vector<SpecialCell> special_cells(const Model& model, const State& state, const Pieces& pieces);
 
 /// The corners of a piece of a cell, or of a whole cell when `piece` is -1.
 std::array<int, 8> corners_of(const Model& model, const Pieces& pieces, int slot, int piece);

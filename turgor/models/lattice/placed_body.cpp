@@ -52,33 +52,6 @@ struct PlaceLayer {
   }
 };
 
-template <class Do>
-void for_box(const Lattice& l, Int3 low, Int3 high, const Do& act) {
-  low = max(low, Int3{0, 0, 0}), high = min(high, l.size - Int3{1, 1, 1});
-  for (int k = low.z; k <= high.z; k++)
-    for (int j = low.y; j <= high.y; j++)
-      for (int i = low.x; i <= high.x; i++) act(std::size_t(node_slot(l, i, j, k)));
-}
-
-/// Cells in pieces, unless they go with their own nodes alone, and those of removed nodes.
-void mark_special(PlacedBody& body) {
-  const Lattice& l = body.model.lattice;
-  const auto make_special = [&](std::size_t slot) {
-    if (body.cells[slot] == Cell::kPlain) body.cells[slot] = Cell::kSpecial;
-  };
-  for (const CutCell& cell : body.pieces.cells) {
-    const auto own = corners_of(body.model, body.pieces, cell.slot, -1);
-    if (cell.piece_count != 1 || corners_of(body.model, body.pieces, cell.slot, 0) != own)
-      make_special(std::size_t(cell.slot));
-  }
-  if (body.state.removed_nodes == 0) return;
-  for (std::size_t s = 0; s < body.solid.size(); s++)
-    if (!body.solid[s] && is_body(body.model.tissue[s])) {
-      const Int3 node = slot_node(l, int(s));
-      for_box(l, node - Int3{1, 1, 1}, node, make_special);
-    }
-}
-
 /// Copies may lie beyond the nodes of their row.
 void bound_copies(PlacedBody& body) {
   const int slots = slot_count(body.model.lattice);
@@ -137,7 +110,8 @@ PlacedBody place_body(const Exec& exec, const Model& model, const State& state, 
     body.place[std::size_t(corner)] = body.to_voxels(slot_node(l, body.pieces.copies[c].slot),
                                                      corner_displacement(model, state, body.pieces, corner));
   }
-  mark_special(body);
+  for (const SpecialCell& special : special_cells(model, state, body.pieces))
+    if (Cell& cell = body.cells[std::size_t(special.slot)]; cell == Cell::kPlain) cell = Cell::kSpecial;
   body.rows.resize(std::size_t(l.size.y - 1) * std::size_t(l.size.z - 1));
   bound_rows(body, node_rows);
   bound_copies(body);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "turgor/geometry/grid.hpp"
-#include "turgor/models/lattice/pieces.hpp"
+#include "turgor/models/lattice/piece_view.hpp"
 #include "turgor/models/lattice/to_voxels.hpp"
 
 namespace turgor::lattice {
@@ -36,8 +36,8 @@ struct PlacedBody {
 
 PlacedBody place_body(const Exec& exec, const Model& model, const State& state, const Grid& out);
 
-constexpr int kSlabLayers = 16;
-inline int slab_count(const PlacedBody& body) { return (body.out.size.z + kSlabLayers - 1) / kSlabLayers; }
+constexpr int kVoxelLayers = 16;
+inline int slab_count(const PlacedBody& body) { return (body.out.size.z + kVoxelLayers - 1) / kVoxelLayers; }
 
 namespace detail {
 
@@ -82,32 +82,22 @@ void walk_tet(SlabWalk& walk, Int3 cell, const std::array<int, 8>& slots, const 
   if (solid) walk_placed<Tet>(walk, cell, place, visit, keep);
 }
 
-/// More than half of its weight on removed nodes: a place that left the body.
-inline bool is_gone(const PlacedBody& body, const std::array<int, 8>& slots, Vec3 at) {
-  const int tet = kuhn_tet_at(at);
-  const auto nodes = kuhn_corners({0, 0, 0}, tet);
-  const auto weight = path_weights(tet, at);
-  float gone = 0;
-  for (std::size_t n = 0; n < 4; n++)
-    if (body.state.removed[std::size_t(slots[std::size_t(nodes[n].x + 2 * nodes[n].y + 4 * nodes[n].z)])])
-      gone += weight[n];
-  return gone > 0.5f;
-}
-
 /// Every piece carries the voxels that lay in it.
 template <class Visit>
 void walk_special(SlabWalk& walk, Int3 cell, const std::array<int, 8>& slots, const Visit& visit) {
   const PlacedBody& body = walk.body;
   const CutCell* cut = find_cell(body.pieces, slots[0]);
-  const Vec3d first = walk.rest.first_node + hadamard(Vec3d(cell), walk.rest.cell_size);
+  const PieceView pieces = view(body.pieces, body.state);
+  TissueOfPiece keep{.pieces = pieces,
+                     .removed = body.state.removed_nodes > 0 ? body.state.removed.data() : nullptr,
+                     .cut = cut,
+                     .piece = 0,
+                     .first = walk.rest.first_node + hadamard(Vec3d(cell), walk.rest.cell_size),
+                     .size = walk.rest.cell_size,
+                     .slots = slots};
   const int count = cut ? cut->piece_count : 1;
   for (int piece = 0; piece < count; piece++) {
-    const auto keep = [&](Vec3 at) {
-      const Vec3d d = Vec3d(at) - first, size = walk.rest.cell_size;
-      const Vec3 in_cell(Vec3d{d.x / size.x, d.y / size.y, d.z / size.z});
-      if (cut && piece_at(body.pieces, body.state, *cut, in_cell) != piece) return false;
-      return body.state.removed_nodes == 0 || !is_gone(body, slots, in_cell);
-    };
+    keep.piece = piece;
     const auto corners = corners_of(body.model, body.pieces, slots[0], cut ? piece : -1);
     [&]<std::size_t... T>(std::index_sequence<T...>) {
       (walk_tet<int(T)>(walk, cell, slots, corners, visit, keep), ...);
@@ -120,9 +110,7 @@ template <class Visit>
 void walk_cell(SlabWalk& walk, Int3 cell, const Visit& visit) {
   const Lattice& l = walk.body.model.lattice;
   const int parity = cell.x & 1, lower = node_slot(l, cell);
-  std::array<int, 8> slots;
-  for (int c = 0; c < 8; c++)
-    slots[std::size_t(c)] = lower + slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, parity);
+  const std::array<int, 8> slots = cell_slots(l, lower, parity);
   if (walk.body.cells[std::size_t(lower)] == Cell::kSpecial) return walk_special(walk, cell, slots, visit);
   const auto all = [](Vec3) { return true; };
   [&]<std::size_t... T>(std::index_sequence<T...>) {
@@ -139,15 +127,13 @@ void walk_cell(SlabWalk& walk, Int3 cell, const Visit& visit) {
 template <class Visit>
 long walk_slab(const PlacedBody& body, int slab, const RestFrame& rest, const Visit& visit) {
   const int layers = body.out.size.z, bits = body.window.bits;
-  const int low = slab * kSlabLayers, high = std::min(low + kSlabLayers, layers);
-  const double units = double(1 << bits);
-  detail::SlabWalk walk{
-      .body = body,
-      .rest = rest,
-      .window = body.window,
-      .begin = slab == 0 ? std::numeric_limits<int>::min() : low << bits,
-      .end = high == layers ? std::numeric_limits<int>::max() : high << bits,
-      .to_ratio = sample_volume(body.out) / sample_volume(body.model.grid) / (units * units * units)};
+  const int low = slab * kVoxelLayers, high = std::min(low + kVoxelLayers, layers);
+  detail::SlabWalk walk{.body = body,
+                        .rest = rest,
+                        .window = body.window,
+                        .begin = slab == 0 ? std::numeric_limits<int>::min() : low << bits,
+                        .end = high == layers ? std::numeric_limits<int>::max() : high << bits,
+                        .to_ratio = volume_ratio(body.model, body.out, bits)};
   walk.window.low.z = low, walk.window.high.z = high;
   const Int3 size = body.model.lattice.size;
   for (int k = 0; k + 1 < size.z; k++)

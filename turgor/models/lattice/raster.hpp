@@ -15,9 +15,14 @@ namespace turgor::lattice {
 constexpr std::array<Int3, 6> kKuhnPaths = {
     {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
 constexpr Int3 unit_step(int axis) { return {axis == 0, axis == 1, axis == 2}; }
+/// The same of a tetrahedron that is not known before: the table is not there on a GPU.
+constexpr Int3 kuhn_path(int tet) {
+  const int first = tet / 2, low = first == 0 ? 1 : 0, high = first == 2 ? 1 : 2;
+  return tet % 2 == 0 ? Int3{first, low, high} : Int3{first, high, low};
+}
 /// The corners of a tetrahedron in the order of its path.
 constexpr std::array<Int3, 4> kuhn_corners(Int3 cell, int tet) {
-  const Int3 path = kKuhnPaths[std::size_t(tet)];
+  const Int3 path = kuhn_path(tet);
   const Int3 first = cell + unit_step(path.x), second = first + unit_step(path.y);
   return {cell, first, second, second + unit_step(path.z)};
 }
@@ -31,7 +36,7 @@ constexpr int kuhn_tet_at(Vec<T> p) {
 }
 /// Barycentric weights, in the order of the path, of a point in the cell.
 TURGOR_HD inline std::array<float, 4> path_weights(int tet, Vec3 p) {
-  const Int3 path = kKuhnPaths[std::size_t(tet)];
+  const Int3 path = kuhn_path(tet);
   return {1 - p[path.x], p[path.x] - p[path.y], p[path.y] - p[path.z], p[path.z]};
 }
 

@@ -8,6 +8,7 @@
 #include "turgor/models/lattice/ct_sampler.hpp"
 #include "turgor/models/lattice/fringe.hpp"
 #include "turgor/models/lattice/placed_body.hpp"
+#include "turgor/models/lattice/rest_mass.hpp"
 
 namespace turgor::lattice {
 
@@ -27,7 +28,7 @@ struct CtWriter {
     if (options.conserve_mass) value = (value - kAirHu) / ratio + kAirHu;
     out.samples[voxel] = to_hu(value);
     mass += out.samples[voxel] - kAirHu;
-    if (options.keep_surroundings && rest.is_near_air(cell)) rim.push_back(rim_voxel(place, p, at));
+    if (options.keep_surroundings && rest.is_near_air(cell)) rim.push_back({p, rim_shift(place, p, at)});
   }
 };
 
@@ -104,88 +105,6 @@ void fill_rest(const Exec& exec, const Model& model, const CtVolume& ct, const R
   parallel_for(exec, rim.size(), [&](std::size_t s) { fill_beside_body(inputs, int(s), out); });
 }
 
-/// Σ HU + 1000 over the body in the CT: the voxels of all tetrahedra that are drawn.
-struct RestMass {
-  const PlacedBody& body;
-  const CtVolume& ct;
-  Int3 block;
-  std::vector<std::int64_t>& layer_mass;
-
-  void operator()(std::size_t layer) const {
-    const Lattice& l = body.model.lattice;
-    std::int64_t mass = 0;
-    for (int j = 0; j + 1 < l.size.y; j++) {
-      int begin = 0;  // of a run of cells that are drawn whole
-      for (int i = 0; i + 1 < l.size.x; i++) {
-        const Int3 cell{i, j, int(layer)};
-        if (is_whole(cell)) continue;
-        mass += box_mass({begin, j, cell.z}, {i, j + 1, cell.z + 1}) + part_mass(cell);
-        begin = i + 1;
-      }
-      mass += box_mass({begin, j, int(layer)}, {l.size.x - 1, j + 1, int(layer) + 1});
-    }
-    layer_mass[layer] = mass;
-  }
-
-  /// All six tetrahedra have the cell's first and last corner.
-  bool is_whole(Int3 cell) const {
-    const auto slot = std::size_t(node_slot(body.model.lattice, cell));
-    return body.cells[slot] == Cell::kPlain &&
-           (body.solid[slot] || body.solid[std::size_t(node_slot(body.model.lattice, cell + Int3{1, 1, 1}))]);
-  }
-
-  std::int64_t box_mass(Int3 low, Int3 high) const {
-    const Int3 from = hadamard(low, block), to = min(hadamard(high, block), ct.grid.size);
-    std::int64_t mass = 0;
-    for (int k = from.z; k < to.z; k++)
-      for (int j = from.y; j < to.y; j++) {
-        const std::int16_t* row = &ct.samples[sample_index(ct.grid, 0, j, k)];
-        std::int64_t sum = 0;
-        for (int i = from.x; i < to.x; i++) sum += row[i] - kAirHu;
-        mass += sum;
-      }
-    return mass;
-  }
-
-  std::int64_t part_mass(Int3 cell) const {
-    if (body.cells[std::size_t(node_slot(body.model.lattice, cell))] == Cell::kEmpty) return 0;
-    const Int3 from = hadamard(cell, block), to = min(from + block, ct.grid.size);
-    std::array<std::array<bool, 4>, 6> solid, removed;
-    for (int t = 0; t < 6; t++)
-      for (std::size_t n = 0; n < 4; n++) {
-        const auto slot = std::size_t(node_slot(body.model.lattice, kuhn_corners(cell, t)[n]));
-        solid[std::size_t(t)][n] = body.solid[slot] != 0;
-        removed[std::size_t(t)][n] = !body.solid[slot] && is_body(body.model.tissue[slot]);
-      }
-    std::int64_t mass = 0;
-    for (int k = from.z; k < to.z; k++)
-      for (int j = from.y; j < to.y; j++)
-        for (int i = from.x; i < to.x; i++) {
-          const Vec3 in_block = Vec3(Int3{i, j, k} - from) + Vec3{0.5f, 0.5f, 0.5f};
-          const Vec3 in_cell{in_block.x / float(block.x), in_block.y / float(block.y),
-                             in_block.z / float(block.z)};
-          const int tet = kuhn_tet_at(in_cell);
-          const std::array<float, 4> weight = path_weights(tet, in_cell);
-          bool any = false;
-          float gone = 0;
-          for (std::size_t n = 0; n < 4; n++) {
-            any |= solid[std::size_t(tet)][n];
-            if (removed[std::size_t(tet)][n]) gone += weight[n];
-          }
-          if (any && !(gone > 0.5f)) mass += ct.at(i, j, k) - kAirHu;
-        }
-    return mass;
-  }
-};
-
-double rest_mass(const Exec& exec, const PlacedBody& body, const CtVolume& ct, Int3 block) {
-  std::vector<std::int64_t> layer_mass(std::size_t(body.model.lattice.size.z - 1));
-  parallel_for(exec, layer_mass.size(), RestMass{body, ct, block, layer_mass});
-  double mass = 0;
-  for (const std::int64_t m : layer_mass) mass += double(m);
-  return mass;
-}
-
 }  // namespace
 
 Grid resized(const Grid& grid, Int3 size) {
@@ -200,19 +119,12 @@ Grid resized(const Grid& grid, Int3 size) {
 ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state, const CtVolume& ct,
                         const Grid& out, const ResampleOptions& options) {
   const Timer timer;
-  const Vec3d voxel = ct.grid.spacing, step = model.grid.spacing;
-  const Vec3d cell_size{step.x / voxel.x, step.y / voxel.y, step.z / voxel.z};
-  const Int3 block{int(std::lround(cell_size.x)), int(std::lround(cell_size.y)),
-                   int(std::lround(cell_size.z))};
-  TURGOR_ASSERT(norm(cell_size - Vec3d(block)) < 1e-3,
-                "the body was built from this CT, in whole blocks of its voxels");
-
+  const RestFrame rest = rest_frame(model, ct.grid);
   ResampledCt result;
   result.ct.grid = out;
   result.ct.samples.resize(sample_count(out));
   const PlacedBody body = place_body(exec, model, state, out);
-  const RestFrame rest{.first_node = index_at(ct.grid, model.grid.origin), .cell_size = cell_size};
-  const RestBody at_rest(exec, model, rest.first_node, cell_size);
+  const RestBody at_rest(exec, model, rest.first_node, rest.cell_size);
   Resampled<CtWriter> tissue = resample_with(exec, body, rest,
                                              CtWriter{.sample = Sampler(ct),
                                                       .out = result.ct,
@@ -223,7 +135,7 @@ ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state
   double mass = 0;
   for (const CtWriter& slab : tissue.slabs) mass += double(slab.mass);
   mass *= sample_volume(out);
-  const double before = rest_mass(exec, body, ct, block) * sample_volume(ct.grid);
+  const double before = rest_mass(exec, model, state, ct);
   result.report = {.seconds = timer.seconds(),
                    .mass_error = before > 0 ? (mass - before) / before : 0,
                    .folds = tissue.counts.folds,

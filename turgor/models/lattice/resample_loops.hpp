@@ -1,14 +1,14 @@
-// The deformed body alone as a CT, without cuts, as loops over plain pointers: a thread a node, a cell, a
-// voxel. A voxel that several tetrahedra claim belongs to the first in lattice order, whichever comes first
-// here: the same numbers as resample_ct. The same source runs on a CPU (CpuRun, ShuffledRun) and on a GPU; on
-// a CPU resample_ct is faster, and knows cuts and what lies beside the body.
+// The deformed body as a CT, as loops over plain pointers: a thread a node, a cell, a voxel. A voxel
+// that several tetrahedra claim belongs to the first in lattice order, whichever comes first here: the same
+// numbers as resample_ct. The same source runs on a CPU (CpuRun, ShuffledRun) and on a GPU; on a CPU
+// resample_ct is faster. What lies beside the body is in fringe_loops.hpp.
 #pragma once
 
 #include <utility>
 
 #include "turgor/core/atomic_max.hpp"
 #include "turgor/models/lattice/ct_sampler.hpp"
-#include "turgor/models/lattice/follow.hpp"
+#include "turgor/models/lattice/piece_view.hpp"
 #include "turgor/models/lattice/rows.hpp"
 #include "turgor/models/lattice/to_voxels.hpp"
 
@@ -25,24 +25,55 @@ struct MovedBits {
   }
 };
 
-/// A body without cuts on one side of the bus, and a grid for it.
+/// What cuts made of a body.
+struct ResampleCuts {
+  PieceView pieces;
+  int copy_count;
+  const SpecialCell* special;  // slots ascend
+  int special_count;
+  std::uint8_t* is_special;     // by slot of a cell's lowest node; null where no cell is
+  const std::uint8_t* removed;  // by slot; null where nothing is
+};
+
+/// What is counted of a deformed CT. Many of these, each for some of the threads: one place of memory takes
+/// few atomics a nanosecond.
+struct ResampleCounts {
+  std::uint64_t folds = 0, claims = 0, covered = 0;  // tetrahedra; voxels, by each that claims them; voxels
+  std::uint64_t mass = 0;  // Σ HU + 1000 over the voxels of the body, as two's complement
+};
+constexpr std::size_t kCountParts = 256;
+
+/// A body on one side of the bus, and a grid for it.
 struct ResampleView {
   Lattice lattice;
   NodeArrays nodes;
-  MovedBits* moved;  // one
+  ResampleCuts cuts;
+  MovedBits* moved;        // one
+  ResampleCounts* counts;  // kCountParts
+  bool conserve_mass;
+  double to_ratio;  // volume now over volume in the CT = det · to_ratio
   ToVoxels to_voxels;
   RasterWindow window;
   RestFrame rest;
-  Int3* place;           // by slot, where there is tissue or tissue beside [units]
-  std::uint32_t* owner;  // by voxel: kNobody, or less the earlier a tetrahedron is
-  Sampler sample;        // of the CT
-  std::int16_t* out;     // by voxel [HU]
+  Int3* place;           // by slot, where there is tissue or tissue beside, then of copies [units]
+  std::uint32_t* owner;  // by voxel: kNobody, or kClaims · number of the cell + claim, less the earlier; from
+                         // kBeside on: fringe_loops.hpp
+  Sampler sample;     // of the CT
+  std::int16_t* out;  // by voxel [HU]
 
-  static constexpr std::uint32_t kNobody = 0xffffffffu;
+  /// Claims are a whole cell's six tetrahedra, or 0 for whatever is in a special one.
+  static constexpr std::uint32_t kNobody = 0xffffffffu, kBeside = 0x80000000u, kClaims = 6;
 
-  TURGOR_HD bool is_solid(int slot) const { return nodes.root[slot] > 0; }
+  TURGOR_HD bool is_solid(int slot) const {
+    return nodes.root[slot] > 0 && (cuts.removed == nullptr || cuts.removed[slot] == 0);
+  }
   TURGOR_HD Vec3 u(int slot) const { return nodes.u(slot); }
-  TURGOR_HD bool is_parted(int, int, Int3) const { return false; }
+  TURGOR_HD bool is_parted(int beside, int behind, Int3 way) const {
+    return lattice::is_parted(nodes.cut, lattice, beside, behind, way);
+  }
+  TURGOR_HD bool is_special(int slot) const {
+    return cuts.is_special != nullptr && cuts.is_special[slot] != 0;
+  }
   TURGOR_HD Int3 node(std::size_t n) const {
     const auto x = std::size_t(lattice.size.x), y = std::size_t(lattice.size.y);
     return {int(n % x), int(n / x % y), int(n / (x * y))};
@@ -51,6 +82,15 @@ struct ResampleView {
     return (std::size_t(p.z) * std::size_t(window.high.y) + std::size_t(p.y)) * std::size_t(window.high.x) +
            std::size_t(p.x);
   }
+  TURGOR_HD ResampleCounts& count(std::size_t n) const { return counts[n % kCountParts]; }
+  TURGOR_HD std::size_t voxel_count() const {
+    return std::size_t(window.high.x) * std::size_t(window.high.y) * std::size_t(window.high.z);
+  }
+  TURGOR_HD Int3 voxel(std::size_t n) const {
+    const auto x = std::size_t(window.high.x), y = std::size_t(window.high.y);
+    return {int(n % x), int(n / x % y), int(n / (x * y))};
+  }
+  /// A whole cell's tetrahedron. Is there tissue at a corner?
   TURGOR_HD std::array<Int3, 4> corners(Int3 cell, const std::array<Int3, 4>& nodes_of_tet,
                                         bool& solid) const {
     const int slot = node_slot(lattice, cell), parity = cell.x & 1;
@@ -102,27 +142,189 @@ struct ForgetOwner {
   TURGOR_HD void operator()(std::size_t voxel) const { v.owner[voxel] = ResampleView::kNobody; }
 };
 
-/// Claims the voxels of a cell's tetrahedra that are not turned inside out.
+struct PlaceCopy {
+  ResampleView v;
+
+  TURGOR_HD void operator()(std::size_t n) const {
+    const int corner = slot_count(v.lattice) + int(n);
+    v.place[corner] = v.to_voxels(slot_node(v.lattice, v.cuts.pieces.copies[n].slot),
+                                  corner_displacement(v, v.cuts.pieces, corner));
+  }
+};
+
+struct ForgetSpecial {
+  ResampleView v;
+  TURGOR_HD void operator()(std::size_t slot) const { v.cuts.is_special[slot] = 0; }
+};
+struct MarkSpecial {
+  ResampleView v;
+  TURGOR_HD void operator()(std::size_t n) const { v.cuts.is_special[v.cuts.special[n].slot] = 1; }
+};
+
+/// Of one cell.
+struct ClaimCounts {
+  std::uint32_t folds = 0, claims = 0;
+
+  TURGOR_HD void add_to(ResampleCounts& counts) const {
+    if (folds > 0) atomic_add(counts.folds, folds);
+    if (claims > 0) atomic_add(counts.claims, claims);
+  }
+};
+
+/// Claims the voxels of a whole cell's tetrahedra that are not turned inside out.
 struct ClaimVoxels {
   ResampleView v;
 
   TURGOR_HD void operator()(std::size_t n) const {
     const Int3 cell = v.node(n), beyond = v.lattice.size - Int3{1, 1, 1};
     if (cell.x >= beyond.x || cell.y >= beyond.y || cell.z >= beyond.z) return;
-    claim<0>(n, cell), claim<1>(n, cell), claim<2>(n, cell);
-    claim<3>(n, cell), claim<4>(n, cell), claim<5>(n, cell);
+    if (v.is_special(node_slot(v.lattice, cell))) return;
+    ClaimCounts counts;
+    claim<0>(n, cell, counts), claim<1>(n, cell, counts), claim<2>(n, cell, counts);
+    claim<3>(n, cell, counts), claim<4>(n, cell, counts), claim<5>(n, cell, counts);
+    counts.add_to(v.count(n));
   }
   template <int kTet>
-  TURGOR_HD void claim(std::size_t n, Int3 cell) const {
+  TURGOR_HD void claim(std::size_t n, Int3 cell, ClaimCounts& counts) const {
     constexpr std::array<Int3, 4> nodes = kuhn_corners({0, 0, 0}, kTet);
     bool solid = false;
     const std::array<Int3, 4> places = v.corners(cell, nodes, solid);
     if (!solid) return;
     const PlacedTet tet = place_tet<kTet>(places, v.window.handed);
-    if (!(tet.det > 0)) return;
+    if (!(tet.det > 0)) {
+      counts.folds++;
+      return;
+    }
     visit_voxels<kTet>(tet, v.window, v.rest, cell, [&](Int3 voxel, Vec3) {
-      atomic_min(v.owner[v.voxel_index(voxel)], std::uint32_t(6 * n + kTet));
+      counts.claims++;
+      atomic_min(v.owner[v.voxel_index(voxel)], std::uint32_t(ResampleView::kClaims * n + kTet));
     });
+  }
+};
+
+/// Calls visit(voxel, place in the CT, volume ratio) for the voxels of a window that the pieces of a special
+/// cell carry, piece by piece and tetrahedron by tetrahedron.
+template <class Visit>
+struct WalkSpecial {
+  const ResampleView& v;
+  RasterWindow window;
+  const Visit& visit;
+  std::uint32_t folds = 0;
+
+  TURGOR_HD void operator()(const SpecialCell& special) {
+    const Int3 cell = slot_node(v.lattice, special.slot);
+    const std::array<int, 8> slots = cell_slots(v.lattice, special.slot, cell.x & 1);
+    const PieceView& pieces = v.cuts.pieces;
+    const CutCell* cut = special.cut < 0 ? nullptr : &pieces.cells[special.cut];
+    TissueOfPiece keep{.pieces = pieces,
+                       .removed = v.cuts.removed,
+                       .cut = cut,
+                       .piece = 0,
+                       .first = v.rest.first_node + hadamard(Vec3d(cell), v.rest.cell_size),
+                       .size = v.rest.cell_size,
+                       .slots = slots};
+    const int count = cut ? cut->piece_count : 1;
+    for (int p = 0; p < count; p++) {
+      keep.piece = p;
+      const std::array<int, 8>& corners = cut ? pieces.pieces[cut->first_piece + p].corner : slots;
+      walk<0>(cell, slots, corners, keep), walk<1>(cell, slots, corners, keep);
+      walk<2>(cell, slots, corners, keep), walk<3>(cell, slots, corners, keep);
+      walk<4>(cell, slots, corners, keep), walk<5>(cell, slots, corners, keep);
+    }
+  }
+  template <int kTet>
+  TURGOR_HD void walk(Int3 cell, const std::array<int, 8>& slots, const std::array<int, 8>& corners,
+                      const TissueOfPiece& keep) {
+    constexpr std::array<Int3, 4> nodes = kuhn_corners({0, 0, 0}, kTet);
+    constexpr std::size_t at[4] = {0, std::size_t(nodes[1].x + 2 * nodes[1].y + 4 * nodes[1].z),
+                                   std::size_t(nodes[2].x + 2 * nodes[2].y + 4 * nodes[2].z), 7};
+    if (!v.is_solid(slots[at[0]]) && !v.is_solid(slots[at[1]]) && !v.is_solid(slots[at[2]]) &&
+        !v.is_solid(slots[at[3]]))
+      return;
+    const PlacedTet tet = place_tet<kTet>(
+        {v.place[corners[at[0]]], v.place[corners[at[1]]], v.place[corners[at[2]]], v.place[corners[at[3]]]},
+        window.handed);
+    if (!(tet.det > 0)) {
+      folds++;
+      return;
+    }
+    const auto ratio = float(tet.det * v.to_ratio);
+    visit_voxels<kTet>(tet, window, v.rest, cell, [&](Int3 voxel, Vec3 place) {
+      if (keep(place)) visit(voxel, place, ratio);
+    });
+  }
+};
+/// Returns the number of tetrahedra turned inside out.
+template <class Visit>
+TURGOR_HD std::uint32_t walk_special_cell(const ResampleView& v, const RasterWindow& window,
+                                          const SpecialCell& special, const Visit& visit) {
+  WalkSpecial<Visit> walk{v, window, visit};
+  walk(special);
+  return walk.folds;
+}
+
+struct ClaimSpecial {
+  ResampleView v;
+
+  TURGOR_HD void operator()(std::size_t n) const {
+    const Int3 cell = slot_node(v.lattice, v.cuts.special[n].slot), size = v.lattice.size;
+    const std::size_t number =
+        (std::size_t(cell.z) * std::size_t(size.y) + std::size_t(cell.y)) * std::size_t(size.x) +
+        std::size_t(cell.x);
+    ClaimCounts counts;
+    counts.folds = walk_special_cell(v, v.window, v.cuts.special[n], [&](Int3 voxel, Vec3, float) {
+      counts.claims++;
+      atomic_min(v.owner[v.voxel_index(voxel)], std::uint32_t(ResampleView::kClaims * number));
+    });
+    counts.add_to(v.count(n));
+  }
+};
+
+/// Where a voxel's tissue came from.
+struct TissueAt {
+  Vec3 place;       // in the CT [voxels]
+  float ratio = 1;  // volume now over volume in the CT
+};
+struct FindTissue {
+  const ResampleView& v;
+
+  TURGOR_HD TissueAt operator()(std::uint32_t owner, Int3 voxel) const {
+    const Int3 cell = v.node(owner / ResampleView::kClaims);
+    const int tet = int(owner % ResampleView::kClaims);
+    if (const int slot = node_slot(v.lattice, cell); v.is_special(slot)) return place_in_special(slot, voxel);
+    return tet == 0   ? place<0>(cell, voxel)
+           : tet == 1 ? place<1>(cell, voxel)
+           : tet == 2 ? place<2>(cell, voxel)
+           : tet == 3 ? place<3>(cell, voxel)
+           : tet == 4 ? place<4>(cell, voxel)
+                      : place<5>(cell, voxel);
+  }
+  /// By the first of its tetrahedra that has the voxel.
+  TURGOR_HD TissueAt place_in_special(int slot, Int3 voxel) const {
+    int low = 0, high = v.cuts.special_count - 1;
+    while (low < high) {
+      const int middle = (low + high) / 2;
+      if (v.cuts.special[middle].slot < slot)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    RasterWindow one = v.window;
+    one.low = voxel, one.high = voxel + Int3{1, 1, 1};
+    TissueAt found;
+    bool is_found = false;
+    walk_special_cell(v, one, v.cuts.special[low], [&](Int3, Vec3 at, float ratio) {
+      if (!is_found) found = {at, ratio};
+      is_found = true;
+    });
+    return found;
+  }
+  template <int kTet>
+  TURGOR_HD TissueAt place(Int3 cell, Int3 voxel) const {
+    constexpr std::array<Int3, 4> nodes = kuhn_corners({0, 0, 0}, kTet);
+    bool solid = false;
+    const PlacedTet tet = place_tet<kTet>(v.corners(cell, nodes, solid), v.window.handed);
+    return {PlaceOfVoxel(tet, v.window.bits, v.rest, cell)(voxel), float(tet.det * v.to_ratio)};
   }
 };
 
@@ -132,27 +334,29 @@ struct FillVoxel {
 
   TURGOR_HD void operator()(std::size_t n) const {
     const std::uint32_t owner = v.owner[n];
-    if (owner == ResampleView::kNobody) {
-      v.out[n] = kAirHu;
-      return;
-    }
-    const auto x = std::size_t(v.window.high.x), y = std::size_t(v.window.high.y);
-    const Int3 voxel{int(n % x), int(n / x % y), int(n / (x * y))}, cell = v.node(owner / 6);
-    const int tet = int(owner % 6);
-    const Vec3 at = tet == 0   ? place<0>(cell, voxel)
-                    : tet == 1 ? place<1>(cell, voxel)
-                    : tet == 2 ? place<2>(cell, voxel)
-                    : tet == 3 ? place<3>(cell, voxel)
-                    : tet == 4 ? place<4>(cell, voxel)
-                               : place<5>(cell, voxel);
-    v.out[n] = to_hu(v.sample(at));
+    v.out[n] = owner >= ResampleView::kBeside ? kAirHu : value(FindTissue{v}(owner, v.voxel(n)));
   }
-  template <int kTet>
-  TURGOR_HD Vec3 place(Int3 cell, Int3 voxel) const {
-    constexpr std::array<Int3, 4> nodes = kuhn_corners({0, 0, 0}, kTet);
-    bool solid = false;
-    const PlacedTet tet = place_tet<kTet>(v.corners(cell, nodes, solid), v.window.handed);
-    return PlaceOfVoxel(tet, v.window.bits, v.rest, cell)(voxel);
+  TURGOR_HD std::int16_t value(TissueAt tissue) const {
+    float value = v.sample(tissue.place);
+    if (v.conserve_mass) value = (value - kAirHu) / tissue.ratio + kAirHu;
+    return to_hu(value);
+  }
+};
+
+/// One row of voxels.
+struct CountTissue {
+  ResampleView v;
+
+  TURGOR_HD void operator()(std::size_t row) const {
+    const auto begin = row * std::size_t(v.window.high.x), end = begin + std::size_t(v.window.high.x);
+    std::uint32_t covered = 0;
+    std::int64_t mass = 0;
+    for (std::size_t n = begin; n < end; n++) {
+      if (v.owner[n] >= ResampleView::kBeside) continue;
+      covered++, mass += v.out[n] - kAirHu;
+    }
+    if (covered == 0) return;
+    atomic_add(v.count(row).covered, covered), atomic_add(v.count(row).mass, std::uint64_t(mass));
   }
 };
 
@@ -160,12 +364,17 @@ struct FillVoxel {
 template <class Run>
 void resample_with(const Run& run, const ResampleView& v) {
   const auto nodes = std::size_t(node_count(v.lattice));
-  const Int3 size = v.window.high;
-  const std::size_t voxels = std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z);
   run(nodes, PlaceNode{v});
-  run(voxels, ForgetOwner{v});
+  run(std::size_t(v.cuts.copy_count), PlaceCopy{v});
+  if (v.cuts.is_special) {
+    run(std::size_t(slot_count(v.lattice)), ForgetSpecial{v});
+    run(std::size_t(v.cuts.special_count), MarkSpecial{v});
+  }
+  run(v.voxel_count(), ForgetOwner{v});
   run(nodes, ClaimVoxels{v});
-  run(voxels, FillVoxel{v});
+  run(std::size_t(v.cuts.special_count), ClaimSpecial{v});
+  run(v.voxel_count(), FillVoxel{v});
+  run(v.voxel_count() / std::size_t(v.window.high.x), CountTissue{v});
 }
 
 }  // namespace turgor::lattice

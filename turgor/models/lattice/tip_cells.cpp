@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "turgor/models/lattice/cells.hpp"
+#include "turgor/models/lattice/piece_view.hpp"
 
 namespace turgor::lattice {
 
@@ -51,11 +51,7 @@ Vec3d flattest_way(const std::vector<Vec3d>& places) {
 }
 
 bool has_cut_edge(const State& state, const Lattice& lattice, int slot) {
-  const int parity = slot_node(lattice, slot).x & 1;
-  int cut = 0;
-  for (int n = 0; n < kCellCorners; n++)
-    cut |= state.cut[std::size_t(slot + slot_offset(lattice, cell_corner(n), parity))] & edges_from_corner(n);
-  return cut != 0;
+  return has_cut_edge(state.cut.data(), lattice, slot);
 }
 
 std::optional<TipPlane> fit_tip(const State& state, const Pieces& pieces, const EdgesOfCells& edges,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/geometry/grid.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/raster.hpp"
 
@@ -36,6 +37,12 @@ inline ToVoxels to_voxels(const Model& model, const Grid& out) {
 }
 /// -1 when voxel axes are mirrored against the lattice's.
 inline double handed(const ToVoxels& to) { return determinant(to.to_out) < 0 ? -1 : 1; }
+
+/// A placed tetrahedron's volume now over that in the CT is its det times this.
+inline double volume_ratio(const Model& model, const Grid& out, int bits) {
+  const double units = double(1 << bits);
+  return sample_volume(out) / sample_volume(model.grid) / (units * units * units);
+}
 
 /// The finest fixed point in which no tetrahedron is too large for exact arithmetic: no two nodes of a cell
 /// move apart by more than the range [low, high] of all displacements, 0 among them.

@@ -270,7 +270,7 @@ void Session::Thread::answer(const AskCt&) {
   const auto most = [](int samples) { return std::min(samples, DeformedCt::kMostSamples); };
   const Int3 size = body.ct.grid.size;
   const Grid grid = lattice::resized(body.ct.grid, {most(size.x), most(size.y), most(size.z)});
-  CtVolume now = body.state.resample(exec, body.model, body.ct, grid);
+  CtVolume now = body.state.resample(exec, body.model, body.ct, grid, {.keep_surroundings = false}).ct;
   next.ct = std::make_shared<const DeformedCt>(DeformedCt{world->frame, std::move(now)});
 }
 

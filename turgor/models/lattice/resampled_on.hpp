@@ -1,0 +1,216 @@
+// The deformed CT on one side of the bus (body_on.hpp): what it needs there beside the body, from when it is
+// first asked for.
+#pragma once
+
+#include <optional>
+
+#include "turgor/models/lattice/arrays_on.hpp"
+#include "turgor/models/lattice/fringe.hpp"
+#include "turgor/models/lattice/fringe_loops.hpp"
+#include "turgor/models/lattice/kept_state.hpp"
+#include "turgor/models/lattice/rest_mass.hpp"
+
+namespace turgor::lattice {
+
+/// A body that is there.
+struct BodyToResample {
+  NodeArrays nodes;
+  const std::uint8_t* removed;
+  const CopyShift* shifts;  // State::copies
+  std::size_t shift_count;
+};
+
+/// The pieces of a cut body, as they are after the last cut.
+template <class Side>
+struct PiecesOn {
+  template <class T>
+  using List = ListOn<Side, T>;
+
+  FineLattice fine{};
+  bool known = false;
+  List<CutCell> cells;
+  List<Piece> pieces;
+  List<NodeCopy> copies;
+  List<CopySource> sources;
+  List<std::int16_t> label;
+  List<KeyEntry> edge_index;
+  List<CutEdge> edges;
+  List<SpecialCell> special;
+  List<std::uint8_t> is_special;  // by slot
+
+  bool put(const Model& model, const State& cuts) {
+    const Pieces now = make_pieces(model, cuts);
+    fine = now.fine;
+    const std::vector<SpecialCell> cells_now = special_cells(model, cuts, now);
+    known = cells.holds(now.cells) && pieces.holds(now.pieces) && copies.holds(now.copies) &&
+            sources.holds(now.sources) && label.holds(now.label) &&
+            edge_index.holds(now.edge_index.entries()) && edges.holds(cuts.cut_edges) &&
+            special.holds(cells_now) && is_special.fits(cells_now.empty() ? 0 : model.tissue.size());
+    return known;
+  }
+  ResampleCuts view(const State& cuts, const BodyToResample& body) const {
+    return {.pieces = {.fine = fine,
+                       .cells = cells.data(),
+                       .pieces = pieces.data(),
+                       .copies = copies.data(),
+                       .sources = sources.data(),
+                       .label = label.data(),
+                       .edge_index = {edge_index.data(), edge_index.count},
+                       .edges = edges.data(),
+                       .shifts = body.shift_count == copies.count ? body.shifts : nullptr},
+            .copy_count = int(copies.count),
+            .special = special.data(),
+            .special_count = int(special.count),
+            .is_special = special.count > 0 ? is_special.data() : nullptr,
+            .removed = cuts.removed_nodes > 0 ? body.removed : nullptr};
+  }
+};
+
+/// What lies beside the body in the CT, and where the CT shows the body on a grid.
+template <class Side>
+struct BesideOn {
+  template <class T>
+  using List = ListOn<Side, T>;
+
+  List<std::uint8_t> marks, mask, row_mask;  // of RestBody, of BesideBody
+  Int3 cell, size;                           // of BesideBody
+  List<std::uint8_t> rest, near_rest;        // by voxel
+  Grid known;                                // whose voxels these are
+
+  bool put(const Exec& exec, const Model& model, const CtVolume& ct) {
+    if (marks.count > 0) return true;
+    const RestFrame frame = rest_frame(model, ct.grid);
+    const BesideBody beside = find_beside_body(exec, ct, model.params.tissue.air_max);
+    cell = beside.cell, size = beside.size;
+    return mask.holds(beside.mask) && row_mask.holds(beside.row_mask) &&
+           marks.holds(RestBody(exec, model, frame.first_node, frame.cell_size).marks());
+  }
+  bool fits(std::size_t voxels) { return rest.fits(voxels) && near_rest.fits(voxels); }
+  FringeView view(const Model& model, const ResampleView& body, const CtVolume& ct, const Grid& grid) const {
+    const RestFrame frame = rest_frame(model, ct.grid);
+    const Vec3d side = frame.cell_size;
+    const RestBodyView at_rest{.lattice = model.lattice,
+                               .first_node = frame.first_node,
+                               .per_cell = {1 / side.x, 1 / side.y, 1 / side.z},
+                               .marks = marks.data()};
+    FringeView f{.v = body,
+                 .value = voxel_beside(ct, model.params.tissue.air_max, grid, at_rest,
+                                       {cell, size, mask.data(), row_mask.data()}),
+                 .rest = rest.data(),
+                 .near_rest = near_rest.data(),
+                 .reach = reach_in(grid, ct.grid)};
+    f.value.sample = body.sample;
+    return f;
+  }
+  /// The marks by voxel are those of this grid.
+  bool knows(const Grid& grid) const {
+    return known.size == grid.size && known.spacing == grid.spacing && known.origin == grid.origin &&
+           known.axes == grid.axes;
+  }
+};
+
+template <class Side>
+class ResampledOn {
+ public:
+  /// Pieces are not those of the state that is there.
+  void forget_cuts() { pieces_.known = false; }
+
+  /// resample_ct. `cuts`: what blades did to the state that is there; its places are not looked at. Nothing
+  /// where there is no room, or no stiffness.
+  template <class Run>
+  std::optional<ResampledThere> make(const Run& run, const Exec& exec, const Model& model, const State& cuts,
+                                     const BodyToResample& body, const CtVolume& ct, const Grid& grid,
+                                     const ResampleOptions& options) {
+    const std::size_t nodes = std::size_t(node_count(model.lattice)), voxels = sample_count(grid);
+    if (nodes > ResampleView::kBeside / ResampleView::kClaims) return {};
+    if (model.params.solver.method == Method::kPbd && model.params.solver.pbd_stiffness == 0)
+      return {};  // tissue is known by its stiffness
+    if (!pieces_.known) {
+      if (!pieces_.put(model, cuts)) return {};
+      rest_mass_ = rest_mass(exec, model, cuts, ct);
+    }
+    const bool beside = options.keep_surroundings;
+    if (!fits(model.tissue.size() + pieces_.copies.count, ct, voxels)) return {};
+    if (beside && !(beside_.put(exec, model, ct) && beside_.fits(voxels))) return {};
+    ResampleView view = this->view(model, cuts, body, ct, grid);
+    view.conserve_mass = options.conserve_mass;
+    find_finest(run, model, grid, view);
+    resample_with(run, view);
+    if (beside) fill_beside(run, model, view, ct, grid);
+    return ResampledThere{out_.data(), report(grid)};
+  }
+  void get(std::span<std::int16_t> samples) const { out_.room.download(samples); }
+
+ private:
+  template <class T>
+  using List = ListOn<Side, T>;
+
+  bool fits(std::size_t corners, const CtVolume& ct, std::size_t voxels) {
+    const bool is_new = ct_.count == 0;
+    const bool all = ct_.fits(ct.samples.size()) && out_.fits(voxels) && place_.fits(corners) &&
+                     owner_.fits(voxels) && moved_.fits(1) && counts_.fits(kCountParts);
+    if (all && is_new) ct_.room.upload(ct.samples);
+    return all;
+  }
+  ResampleView view(const Model& model, const State& cuts, const BodyToResample& body, const CtVolume& ct,
+                    const Grid& grid) const {
+    const ToVoxels to = to_voxels(model, grid);
+    return {.lattice = model.lattice,
+            .nodes = body.nodes,
+            .cuts = pieces_.view(cuts, body),
+            .moved = moved_.data(),
+            .counts = counts_.data(),
+            .conserve_mass = false,
+            .to_ratio = 0,
+            .to_voxels = to,
+            .window = {.low = {0, 0, 0}, .high = grid.size, .handed = handed(to)},
+            .rest = rest_frame(model, ct.grid),
+            .place = place_.data(),
+            .owner = owner_.data(),
+            .sample = Sampler(ct_.data(), ct.grid.size),
+            .out = out_.data()};
+  }
+  /// The fixed point, by how far the body has moved.
+  template <class Run>
+  void find_finest(const Run& run, const Model& model, const Grid& grid, ResampleView& view) {
+    MovedBits moved;
+    moved_.room.upload({&moved, 1});
+    counts_.room.upload(std::vector<ResampleCounts>(kCountParts));
+    run(std::size_t(node_count(view.lattice)), FindMoved{view});
+    moved_.room.download({&moved, 1});
+    view.window.bits = view.to_voxels.bits = finest_bits(view.to_voxels, moved.low(), moved.high());
+    view.to_ratio = volume_ratio(model, grid, view.window.bits);
+  }
+  template <class Run>
+  void fill_beside(const Run& run, const Model& model, const ResampleView& view, const CtVolume& ct,
+                   const Grid& grid) {
+    const FringeView fringe = beside_.view(model, view, ct, grid);
+    if (!beside_.knows(grid)) mark_rest_with(run, fringe);
+    beside_.known = grid;
+    fill_beside_with(run, fringe);
+  }
+  ResampleReport report(const Grid& grid) const {
+    std::vector<ResampleCounts> parts(kCountParts);
+    counts_.room.download(parts);
+    ResampleCounts all;
+    for (const ResampleCounts& part : parts) {
+      all.folds += part.folds, all.claims += part.claims;
+      all.covered += part.covered, all.mass += part.mass;
+    }
+    const double mass = double(std::int64_t(all.mass)) * sample_volume(grid);
+    return {.mass_error = rest_mass_ > 0 ? (mass - rest_mass_) / rest_mass_ : 0,
+            .folds = long(all.folds),
+            .overlaps = long(all.claims - all.covered)};
+  }
+
+  PiecesOn<Side> pieces_;
+  BesideOn<Side> beside_;
+  List<std::int16_t> ct_, out_;
+  List<Int3> place_;
+  List<std::uint32_t> owner_;
+  List<MovedBits> moved_;
+  List<ResampleCounts> counts_;
+  double rest_mass_ = 0;  // of the body in the CT [HU m³]
+};
+
+}  // namespace turgor::lattice
