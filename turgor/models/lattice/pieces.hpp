@@ -74,7 +74,8 @@ struct Crossing {
 };
 Crossing crossing(const Pieces& pieces, const State& state, Int3 a, Int3 b);
 
-/// The piece of a place of a cell, from Pieces::label; the first one where there is none on its own side; -1 in air without any.
+/// The piece of a place of a cell, from Pieces::label; the first one where there is none on its own side; -1
+/// in air without any.
 TURGOR_HD inline int piece_of(const std::int16_t* label, const CutCell& cell, int place) {
   const int piece = label[cell.places + std::size_t(place)];
   return piece < 0 && cell.piece_count > 0 ? 0 : piece;

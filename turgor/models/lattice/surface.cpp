@@ -79,7 +79,8 @@ Carrier carrier_of(const Builder& builder, const Tet& tet, std::size_t corner) {
     const int place = place_in_cell(f, node - first_of_cell(f, cell));
     found = {other->slot, builder.pieces.label[other->places + std::size_t(place)]};
   });
-  return found.piece >= 0 ? found : Carrier{c.slot, piece_of(builder.pieces.label.data(), *c.cut, tet.place[corner])};
+  return found.piece >= 0 ? found
+                          : Carrier{c.slot, piece_of(builder.pieces.label.data(), *c.cut, tet.place[corner])};
 }
 
 int point_index(Builder& builder, const Tet& tet, TetPoint p) {
