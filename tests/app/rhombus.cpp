@@ -32,7 +32,7 @@ TEST(Rhombus, PhantomsMakeWhatARunWithForcepsNeeds) {
       run_program("phantom forceps -o forceps.obj", folder).printed.find("174 vertices and 348 triangles"),
       std::string::npos);
   write(folder / "s.toml", kForceps);
-  const Ended ended = run_program("run s.toml --out first", folder);
+  const Ended ended = run_program("run s.toml --out first --set output.pictures=all", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   const json report = report_in(folder / "first");
   EXPECT_EQ(report["bodies"][0]["vertices"], 3116);

@@ -17,7 +17,7 @@ constexpr const char* kSmall =
 TEST(ThreeModels, AnswerOnePathWithForcesAndDentsSideBySide) {
   const fs::path folder = fresh_folder();
   const std::string scene = std::string(TURGOR_SOURCE_DIR) + "/scenes/three-models.toml";
-  const Ended ended = run_program("run " + scene + kSmall + " --out first", folder);
+  const Ended ended = run_program("run " + scene + kSmall + " --set output.pictures=all --out first", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   const json report = report_in(folder / "first");
   ASSERT_EQ(report["costs"].size(), 3u);

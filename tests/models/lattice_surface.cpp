@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "ct_body.hpp"
-#include "turgor/models/lattice/surface.hpp"
+#include "turgor/models/lattice/surface_parts.hpp"
 
 namespace turgor::lattice {
 namespace {
@@ -98,6 +98,33 @@ TEST(lattice_surface, any_number_of_threads_finds_the_same_points_in_the_same_or
     EXPECT_EQ(many.slot, one.slot);
   }
   EXPECT_GT(one.triangles.size(), 1000u);
+}
+
+TEST(lattice_surface, made_again_from_what_is_known_it_is_the_one_made_from_nothing) {
+  const CtVolume ct = slab_ct();
+  const Model model = body_of(ct, {4, 4, 4});
+  State state = make_state(model);
+  detail::KnownSlabs known;
+  const auto is_the_same = [&](const char* when) {
+    const BodySurface again = build_surface(model, state, &ct, Extent::kAll, Exec(2), &known),
+                      nothing_known = build_surface(model, state, &ct, Extent::kAll, Exec(2));
+    EXPECT_EQ(again.triangles, nothing_known.triangles) << when;
+    EXPECT_EQ(again.rest, nothing_known.rest) << when;
+    EXPECT_EQ(again.slot, nothing_known.slot) << when;
+    EXPECT_EQ(again.twin, nothing_known.twin) << when;
+    EXPECT_EQ(again.skin_triangles, nothing_known.skin_triangles) << when;
+    return again.triangles.size();
+  };
+  const std::size_t whole = is_the_same("whole");
+  cut_across_y(model, state, 0.0323, [](Vec3d p) { return p.z > 0.018 && std::abs(p.x - 0.032) < 0.013; });
+  const std::size_t scratched = is_the_same("cut in its upper layers");
+  EXPECT_GT(scratched, whole);
+  cut_across_y(model, state, 0.0323, [](Vec3d p) { return p.z > 0.008 && std::abs(p.x - 0.032) < 0.02; });
+  EXPECT_GT(is_the_same("cut deeper"), scratched);
+  for (int i = 4; i < 8; i++) state.removed[std::size_t(node_slot(model.lattice, i, 4, 1))] = 1;
+  is_the_same("with nodes removed near its bottom");
+  std::fill(state.removed.begin(), state.removed.end(), std::uint8_t(0));
+  is_the_same("with these back");
 }
 
 TEST(lattice_surface, a_ball_is_watertight_and_has_no_holes) {

@@ -5,6 +5,7 @@
 
 #include "sim/four_kinds.hpp"
 #include "turgor/io/hdf5_file.hpp"
+#include "turgor/pictures/motion.hpp"
 #include "turgor/view/video.hpp"
 
 namespace turgor {
@@ -20,8 +21,8 @@ Json must_run(const Scene& scene, const fs::path& out, const RunCallbacks& callb
 
 /// What of a report is physics: no wall times, nothing that is only looked at in snapshots, no pictures.
 Json physics(Json report) {
-  for (const char* key :
-       {"timing", "machine", "pictures", "files", "solver", "scene", "warnings", "scene_text", "deformed_ct"})
+  for (const char* key : {"timing", "machine", "pictures", "more_pictures", "files", "solver", "scene",
+                          "warnings", "scene_text", "deformed_ct"})
     report.erase(key);
   const auto is_time = [](const std::string& key) {
     return key.ends_with("_s") && key != "force_max_at_s" && key != "slipped_at_s" && key != "jump_at_s" &&
@@ -120,6 +121,27 @@ TEST(RunScene, OneFileABodyHoldsWhatTheManyHoldAndCanStandForThem) {
   }
   const std::string read = "python3 '" TURGOR_SOURCE_DIR "/tests/pictures/read_vtkhdf.py' '";
   EXPECT_EQ(std::system((read + (out / "meshes").string() + "'").c_str()), 0);
+}
+
+TEST(RunScene, WhatThePageShowsInThreeDimensionsIsDrawnOnRequestAlsoByAReplay) {
+  if (!has_motion_view()) GTEST_SKIP() << "three.js is not installed: all pictures are drawn";
+  const fs::path folder = test::fresh_folder();
+  const Scene scene = test::four_kinds_scene(folder, {"output.snapshots.every=0.1"});
+  const Json main = must_run(scene, folder / "main");
+  ASSERT_TRUE(replay_recording(Exec(2), folder / "main/recording.h5", {"output.pictures=all"},
+                               {.out = folder / "all"}));
+  const Json all = Json::parse(test::bytes_of(folder / "all/report.json"));
+  const char* main_name = "cut-before-after.png";
+  EXPECT_EQ(test::bytes_of(folder / "main" / main_name), test::bytes_of(folder / "all" / main_name));
+  for (const char* name :
+       {"skin-before-after.png", "cut-colored.png", "cut-across.png", "cut-sections-after.png"}) {
+    EXPECT_FALSE(fs::exists(folder / "main" / name)) << name;
+    EXPECT_TRUE(fs::exists(folder / "all" / name)) << name;
+  }
+  const std::string how = main.at("more_pictures").get<std::string>();
+  EXPECT_EQ(how, "turgor run --replay recording.h5 --set output.pictures=all");
+  EXPECT_NE(test::bytes_of(folder / "main/report.html").find(how), std::string::npos);
+  EXPECT_EQ(all.at("more_pictures"), "");
 }
 
 TEST(RunScene, AVideoRunsAtThePaceOfTheRunAlsoInAReplay) {

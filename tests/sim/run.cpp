@@ -20,7 +20,7 @@ TEST(Simulate, CallsOnceAFrameAndOnceASnapshot) {
     return Done{};
   };
   events.picture = [&](const ShownWorld& shown) -> Status { return pictures.push_back(shown.frame), Done{}; };
-  events.picture_every = 4;
+  events.wants_picture = [](const World& w) { return w.frame % 4 == 0; };
   const Result<Simulated> done = simulate(exec, scene, world, events);
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_EQ(frames.size(), 15u);
@@ -76,7 +76,9 @@ Ended run_looked_at(const std::filesystem::path& folder, const std::string& ever
   World world = test::block_world(exec, scene);
   RunEvents events;
   events.picture = [](const ShownWorld&) -> Status { return Done{}; };
-  events.picture_every = picture_every;
+  events.wants_picture = [picture_every](const World& w) {
+    return picture_every > 0 && w.frame % picture_every == 0;
+  };
   const Result<Simulated> done = simulate(exec, scene, world, events);
   EXPECT_TRUE(done);
   Ended ended{state_hash(world), world.rhombus_bodies[0].pressed_volume, 0, {}};

@@ -7,6 +7,7 @@
 #include "turgor/models/lattice/resample.hpp"
 #include "turgor/pictures/deformed_volume.hpp"
 #include "turgor/pictures/outputs.hpp"
+#include "turgor/view/sample.hpp"
 
 namespace turgor {
 
@@ -52,24 +53,41 @@ Grid slice_of(Grid grid, Plane plane) {
   return grid;
 }
 
+/// The CT at the points of a grid; air beyond it.
+CtVolume sampled(const CtVolume& ct, const Grid& grid) {
+  CtVolume result;
+  result.grid = grid;
+  result.samples.reserve(sample_count(grid));
+  for (int k = 0; k < grid.size.z; k++)
+    for (int j = 0; j < grid.size.y; j++)
+      for (int i = 0; i < grid.size.x; i++) {
+        const Vec3d index = index_at(ct.grid, point_at(grid, {double(i), double(j), double(k)}));
+        result.samples.push_back(inside_samples(ct.grid, index)
+                                     ? std::int16_t(std::lround(sample_clamped(ct, Vec3(index))))
+                                     : kAirHu);
+      }
+  return result;
+}
+
 /// Before and after, across the cut, from near.
-Status add_close_sections(const LatticeBody& body, const lattice::State& rest, const Cut& cut, Window window,
-                          Outputs& outputs) {
+Status add_close_sections(const LatticeBody& body, const Cut& cut, Window window, Outputs& outputs) {
   const CutPlace place = place_of(body.model.grid, *cut.path);
   const Plane plane = plane_across(place.line);
   const double side = std::max(0.06, 6 * place.depth);
   const Vec3d middle = place.middle + place.into * (0.25 * side);
   constexpr int kSamples = 240, kHeight = 480;
   const Grid grid = slice_of(close_up_grid(middle, side, kSamples), plane);
-  const auto section = [&](const lattice::State& state) {
+  const Vec3d at = point_at(grid, Vec3d(grid.size - Int3{1, 1, 1}) * 0.5);
+  std::vector<Image> images;
+  {
     const AddTime time(outputs.facts.drawing_seconds);
-    const lattice::ResampledCt now = lattice::resample_ct(*outputs.exec, body.model, state, body.ct, grid);
-    return draw_section(now.ct, plane, point_at(grid, Vec3d(grid.size - Int3{1, 1, 1}) * 0.5), window,
-                        kHeight);
-  };
+    images.push_back(draw_section(sampled(body.ct, grid), plane, at, window, kHeight));
+    const CtVolume now = lattice::resample_ct(*outputs.exec, body.model, body.state, body.ct, grid).ct;
+    images.push_back(draw_section(now, plane, at, window, kHeight));
+  }
   const std::string name = cut.blade.name;
   return add_picture(outputs, name + "-across.png", "section across " + name + ", before and after",
-                     side_by_side({section(rest), section(body.state)}, {"before", "after"}), true);
+                     side_by_side(images, {"before", "after"}), true);
 }
 
 Status add_sections(const LatticeBody& body, const CtVolume& now, const Cut& cut, Window window,
@@ -152,34 +170,40 @@ bool is_cut(const World& world, std::size_t body) {
                      [body](const Cut& cut) { return std::size_t(cut.body) == body && cut.path; });
 }
 
-Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
+/// The whole of it, as it would be scanned now.
+Result<CtVolume> deformed_ct(const LatticeBody& body, const Grid& grid, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
-  const LatticeBody& body = world.lattice_bodies[index];
-  const bool sections = output.sections && is_cut(world, index);
-  const bool wanted = !output.deformed_ct.empty() || sections || !output.volume_rendering.empty();
-  const Grid grid =
-      output.deformed_size ? lattice::resized(body.ct.grid, *output.deformed_size) : body.ct.grid;
-  if (const Status status = write_fields(body, grid, outputs); !status || !wanted) return status;
-
-  const lattice::ResampledCt now =
+  lattice::ResampledCt now =
       body.state.resample(*outputs.exec, body.model, body.ct, grid, {.conserve_mass = output.conserve_mass});
   const std::string file = output.deformed_ct.empty() ? "" : file_of(outputs, body, output.deformed_ct);
   outputs.facts.deformed.push_back(
       {body.name, file, grid.size, now.report.seconds, now.report.mass_error, now.report.folds});
   outputs.facts.drawing_seconds += now.report.seconds;
   if (!file.empty())
-    if (const Status status = write_deformed(body, now.ct, file, outputs); !status) return status;
+    if (const Status status = write_deformed(body, now.ct, file, outputs); !status) return status.error();
+  return std::move(now.ct);
+}
+
+Status finish_body(const World& world, std::size_t index, Outputs& outputs) {
+  const OutputScene& output = outputs.scene->output;
+  const LatticeBody& body = world.lattice_bodies[index];
+  const Grid grid =
+      output.deformed_size ? lattice::resized(body.ct.grid, *output.deformed_size) : body.ct.grid;
+  if (const Status status = write_fields(body, grid, outputs); !status) return status;
   if (!output.volume_rendering.empty())
     if (const Status status = add_volume_rendering(body, outputs.at_rest[index], outputs); !status)
       return status;
+  const bool sections = output.sections && is_cut(world, index);
+  if (output.deformed_ct.empty() && !(sections && output.all_pictures)) return Done{};
+  const Result<CtVolume> now = deformed_ct(body, grid, outputs);
+  if (!now) return now.error();
   if (!sections) return Done{};
   const Result<Window> window = window_preset(output.window);
   if (!window) return window.error();
   for (const Cut& cut : world.cuts) {
     if (std::size_t(cut.body) != index || !cut.path) continue;
-    if (const Status s = add_close_sections(body, outputs.at_rest[index], cut, *window, outputs); !s)
-      return s;
-    if (const Status s = add_sections(body, now.ct, cut, *window, outputs); !s) return s;
+    if (const Status s = add_close_sections(body, cut, *window, outputs); !s) return s;
+    if (const Status s = add_sections(body, *now, cut, *window, outputs); !s) return s;
   }
   return Done{};
 }

@@ -57,8 +57,10 @@ void add_moment(const ShownWorld& shown, Motion& motion, const MotionLimits& lim
 /// those are too large, or when nothing was added. Blocks of numbers are compressed: see motion.cpp.
 std::string motion_json(const Motion& motion, std::size_t bytes);
 
+/// Is three.js installed (Debian: libjs-three)?
+bool has_motion_view();
 /// The part of a page that shows it: a canvas with its bar, the libraries and the numbers. Empty where
-/// three.js is not installed (Debian: libjs-three) or `json` is empty.
+/// three.js is not installed or `json` is empty.
 std::string motion_html(const std::string& json);
 
 }  // namespace turgor

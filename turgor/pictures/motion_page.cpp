@@ -1,5 +1,7 @@
 // The 3D view of the report's page: three.js as it is installed, and a script of our own that unpacks the
 // numbers of motion.cpp and shows them.
+#include <filesystem>
+
 #include <fmt/format.h>
 
 #include "turgor/io/file.hpp"
@@ -186,6 +188,8 @@ constexpr const char* kScript = R"js(
 )js";
 
 }  // namespace
+
+bool has_motion_view() { return std::filesystem::exists(kThree) && std::filesystem::exists(kControls); }
 
 std::string motion_html(const std::string& json) {
   if (json.empty()) return {};

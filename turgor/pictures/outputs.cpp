@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kVideoFolder = ".video";
-constexpr double kVideoRate = 20, kMotionRate = 10;  // moments a second, of simulated and of shown time
+constexpr double kVideoRate = 20, kMotionRate = 10, kCutRate = 3;  // moments a second of simulated time
 
 /// Nothing and a warning, once, when OpenGL is missing.
 std::optional<Image> draw_world(const ShownWorld& shown, Outputs& outputs, const Camera& camera, bool colored,
@@ -28,9 +28,11 @@ std::optional<Image> draw_world(const ShownWorld& shown, Outputs& outputs, const
   return draw_parts(parts, camera, outputs, care);
 }
 
-/// A cut from near once more, in colours.
+/// A cut from near once more, in colours, where the page does not show them in three dimensions.
 Status add_colored_view(const ShownWorld& shown, Outputs& outputs, const SurfaceView& view) {
-  if (view.colored || outputs.scene->output.color == SkinColor::kNone) return Done{};
+  const SkinColor color = outputs.scene->output.color;
+  if (view.colored || color == SkinColor::kNone) return Done{};
+  if (color == SkinColor::kDisplacement && !draws_all(outputs)) return Done{};
   const std::optional<Image> image = draw_world(shown, outputs, beside_legend(view.camera, outputs), true);
   if (!image) return Done{};
   return add_picture(outputs, view.name + "-colored.png", view.caption + ", in colours", *image, false);
@@ -84,6 +86,12 @@ Status finish_films(Outputs& outputs) {
   return Done{};
 }
 
+/// How to get the pictures that are not drawn.
+std::string more_pictures(const OutputScene& output) {
+  return output.recording ? "turgor run --replay recording.h5 --set output.pictures=all"
+                          : "the same run with --set output.pictures=all";
+}
+
 }  // namespace
 
 bool shows_skin(const ShownWorld& shown) {
@@ -111,12 +119,17 @@ Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& 
   const std::size_t automatic = outputs.views.size() - scene.cameras.size();
   for (std::size_t v = 0; v < automatic && shows_touch_alone(world); v++)
     outputs.views[v].before_after = false;
+  const bool seen_from_near = !world.cuts.empty() || !world.tools.empty();
+  if (seen_from_near && !draws_all(outputs)) outputs.views[0].before_after = false;
   for (SurfaceView& view : outputs.views)
     if (view.colored && scene.output.color != SkinColor::kNone)
       view.camera = beside_legend(view.camera, outputs);
   outputs.films = make_films(outputs, world.cuts.size());
+  if (!draws_all(outputs)) outputs.facts.more_pictures = more_pictures(scene.output);
   return outputs;
 }
+
+bool draws_all(const Outputs& outputs) { return outputs.scene->output.all_pictures || !has_motion_view(); }
 
 Camera beside_legend(const Camera& camera, const Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
@@ -187,6 +200,7 @@ void add_to_motion(const ShownWorld& shown, Outputs& outputs) {
 }  // namespace
 
 std::string motion_of_page(Outputs& outputs) {
+  const AddTime time(outputs.facts.drawing_seconds);
   constexpr std::uintmax_t kPage = 8'000'000, kRest = 1'500'000;  // [bytes]; three.js, the video and the text
   std::uintmax_t pictures = 0;
   for (const ReportPicture& picture : outputs.facts.pictures) {
@@ -206,9 +220,12 @@ Status add_snapshot(const ShownWorld& shown, Outputs& outputs) {
   return write_meshes(shown, outputs);
 }
 
-int moment_interval(const Outputs& outputs) {
-  const double rate = outputs.scene->output.video ? kVideoRate : kMotionRate;
-  return std::max(1, int(std::lround(outputs.scene->frame_rate / rate)));
+bool wants_moment(const World& world, const Outputs& outputs) {
+  // Behind a moving blade the surface is another one at every moment, and dear to make.
+  const bool cuts = std::any_of(world.cuts.begin(), world.cuts.end(),
+                                [](const Cut& cut) { return cut.path && cut.done < 1; });
+  const double rate = outputs.scene->output.video ? kVideoRate : cuts ? kCutRate : kMotionRate;
+  return world.frame % std::max(1, int(std::lround(outputs.scene->frame_rate / rate))) == 0;
 }
 
 Status take_moment(const ShownWorld& shown, Outputs& outputs) {

@@ -78,8 +78,8 @@ Camera camera_of_both(const Outputs& outputs, const ShownWorld& first, const Sho
 bool shows_skin(const ShownWorld& shown);
 /// Pictures and meshes of the world now.
 Status add_snapshot(const ShownWorld& shown, Outputs& outputs);
-/// Every how many frames there is a moment for the 3D view of the page, and for the video if there is one.
-int moment_interval(const Outputs& outputs);
+/// Is now a moment for the 3D view of the page, and for the video if there is one?
+bool wants_moment(const World& world, const Outputs& outputs);
 Status take_moment(const ShownWorld& shown, Outputs& outputs);
 /// Before and after, bodies under the largest forces, sections, volume rendering, deformed CT, OBJ, video.
 Status finish_outputs(const World& world, const ShownWorld& shown, const std::vector<Pressed>& pressed,
@@ -87,6 +87,10 @@ Status finish_outputs(const World& world, const ShownWorld& shown, const std::ve
 
 /// What the page shows in three dimensions, so that it stays below 8 MB with its pictures.
 std::string motion_of_page(Outputs& outputs);
+
+/// Also bodies as a whole and in colours: where the scene asks for them, or the page shows nothing in three
+/// dimensions.
+bool draws_all(const Outputs& outputs);
 
 /// Draws what was put together; nothing and a warning, once, when OpenGL is missing.
 std::optional<Image> draw_parts(const PictureParts& parts, const Camera& camera, Outputs& outputs,

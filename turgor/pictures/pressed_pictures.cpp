@@ -135,12 +135,12 @@ Status add_pictures(const Pressed& pressed, Outputs& outputs) {
                near = camera_at_tool(tool, aside, 0.8 * tool.size, aspect),
                above = camera_at_tool(tool, on_top, 0.7 * tool.size, aspect);
   Status status = add_pair(pressed, body, "near", "from near", near, 0.5 * tool.size, outputs);
-  if (status)
+  if (status && draws_all(outputs))
     status = add_pair(pressed, body, "whole", "as a whole", whole,
                       kArrowPart * norm(body.box.high - body.box.low), outputs);
-  if (status)
+  if (status && draws_all(outputs))
     status = add_colored(body, SkinColor::kDisplacement, "displacement", "displacement", above, outputs);
-  if (status)
+  if (status && (draws_all(outputs) || outputs.scene->output.color == SkinColor::kPressure))
     status = add_colored(body, SkinColor::kPressure, "pressure", "contact pressure", above, outputs);
   return status;
 }

@@ -49,10 +49,10 @@ Status check_inputs(const Scene& scene, const OutputFolder& folder) {
 /// Report and page are written last, and with them the folder gets its name.
 Status complete(const Timer& total, Json& report, Outputs& outputs, OutputFolder& folder,
                 const RunCallbacks& callbacks) {
+  const std::string motion = motion_of_page(outputs);
   outputs.facts.total_seconds = total.seconds();
   add_outputs(report, outputs.facts);
-  Status status =
-      write_file(folder.path() / "report.html", report_html(report, folder.path(), motion_of_page(outputs)));
+  Status status = write_file(folder.path() / "report.html", report_html(report, folder.path(), motion));
   if (status) status = write_file(folder.path() / kReportFile, json_text(report) + "\n");
   if (status) status = folder.commit();
   if (status) tell(callbacks, kept_note(folder));
@@ -77,9 +77,10 @@ struct FolderRun {
 Status take_snapshot(FolderRun& run, const World& world, const ShownWorld& shown) {
   note_stretch(shown, run.stretch);
   Status status = Done{};
-  if (run.live)
+  if (run.live) {
     run.later.push_back(shown);
-  else
+    for (ShownBody& body : run.later.back().bodies) body.kept.reset();
+  } else
     status = add_snapshot(shown, run.outputs);
   if (status && run.recording) {
     const AddTime time(run.outputs.facts.file_seconds);
@@ -121,7 +122,7 @@ Result<Simulated> simulate_into(FolderRun& run) {
     note_stretch(shown, run.stretch);
     return take_moment(shown, run.outputs);
   };
-  events.picture_every = run.live ? 0 : moment_interval(run.outputs);
+  if (!run.live) events.wants_picture = [&run](const World& w) { return wants_moment(w, run.outputs); };
   const Timer timer;
   Result<Simulated> done = simulate(run.exec, run.scene, run.world, events);
   if (run.live) run.live->touch->stop();

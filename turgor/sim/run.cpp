@@ -31,8 +31,7 @@ Status take_snapshot(Running& run) {
 }
 
 Status take_picture(Running& run) {
-  if (!run.events.picture || run.events.picture_every <= 0) return Done{};
-  if (run.world.frame % run.events.picture_every != 0) return Done{};
+  if (!run.events.picture || !run.events.wants_picture || !run.events.wants_picture(run.world)) return Done{};
   show_now(run);
   return run.events.picture(run.result.shown);
 }

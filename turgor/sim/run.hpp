@@ -21,8 +21,8 @@ struct RunEvents {
   Progress progress;
   std::function<bool(const World&)> frame;                          // after every frame; false ends the run
   std::function<Status(const World&, const ShownWorld&)> snapshot;  // first, last, and as the scene says
-  std::function<Status(const ShownWorld&)> picture;                 // every so many frames:
-  int picture_every = 0;
+  std::function<Status(const ShownWorld&)> picture;                 // after frames of which this is true:
+  std::function<bool(const World&)> wants_picture;
 };
 
 /// What a run leaves behind besides the world.

@@ -36,10 +36,32 @@ struct HeldPart {
   bool use_map = false, through = false, closed = false;
 };
 
-HeldPart hold_part(GlObjects& objects, const MeshPart& part) {
+// Of a large mesh, what a camera may see and a margin around it, from which shadows fall into the picture.
+std::vector<Int3> triangles_around(const TriMesh& mesh, const Mat4& to_clip) {
+  constexpr std::size_t kLarge = 20'000;
+  constexpr float kMargin = 1.3f;  // of the picture's half sides
+  if (mesh.triangles.size() < kLarge) return mesh.triangles;
+  std::vector<std::uint8_t> beyond;  // bit n: outside the n-th side
+  beyond.reserve(mesh.vertices.size());
+  for (const Vec3 p : mesh.vertices) {
+    const auto row = [&](std::size_t r) {
+      return to_clip[r] * p.x + to_clip[4 + r] * p.y + to_clip[8 + r] * p.z + to_clip[12 + r];
+    };
+    const float x = row(0), y = row(1), side = kMargin * row(3);
+    beyond.push_back(std::uint8_t((x > side) | (x < -side) << 1 | (y > side) << 2 | (y < -side) << 3));
+  }
+  std::vector<Int3> around;
+  for (const Int3 t : mesh.triangles)
+    if (!(beyond[std::size_t(t.x)] & beyond[std::size_t(t.y)] & beyond[std::size_t(t.z)]))
+      around.push_back(t);
+  return around;
+}
+
+HeldPart hold_part(GlObjects& objects, const MeshPart& part, const Mat4& to_clip) {
   const TriMesh& mesh = *part.mesh;
+  const std::vector<Int3> triangles = triangles_around(mesh, to_clip);
   HeldPart held{.array = objects.new_array(),
-                .indices = GLsizei(3 * mesh.triangles.size()),
+                .indices = GLsizei(3 * triangles.size()),
                 .color = Vec3{float(part.color.r), float(part.color.g), float(part.color.b)} / 255,
                 .use_map = part.scale != nullptr,
                 .through = part.through,
@@ -55,8 +77,8 @@ HeldPart hold_part(GlObjects& objects, const MeshPart& part) {
     upload(objects, 3, 1, GL_FLOAT, fractions);
   }
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, objects.new_buffer());
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(mesh.triangles.size() * sizeof(Int3)),
-               mesh.triangles.data(), GL_STREAM_DRAW);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(triangles.size() * sizeof(Int3)), triangles.data(),
+               GL_STREAM_DRAW);
   return held;
 }
 
@@ -244,20 +266,23 @@ void draw_picture(GlObjects& objects, GLuint program, const MeshTargets& targets
   draw_screen(objects);
 }
 
-// What a picture shows, as OpenGL holds it.
+// What a picture shows, as OpenGL holds it, and from where.
 struct HeldScene {
   std::vector<Box> boxes;
+  View view;
   std::vector<HeldPart> parts;
 };
 
-HeldScene hold_scene(GlObjects& objects, const std::vector<MeshPart>& parts) {
+HeldScene hold_scene(GlObjects& objects, const std::vector<MeshPart>& parts, const Camera& camera,
+                     double aspect) {
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  HeldScene scene;
-  for (const MeshPart& part : parts) {
-    if (part.mesh->triangles.empty()) continue;
-    scene.boxes.push_back(bounding_box(*part.mesh));
-    scene.parts.push_back(hold_part(objects, part));
-  }
+  std::vector<Box> boxes;
+  for (const MeshPart& part : parts)
+    if (!part.mesh->triangles.empty()) boxes.push_back(bounding_box(*part.mesh));
+  HeldScene scene{boxes, make_view(boxes, camera, aspect), {}};
+  for (const MeshPart& part : parts)
+    if (!part.mesh->triangles.empty())
+      scene.parts.push_back(hold_part(objects, part, camera_matrix(scene.view)));
   return scene;
 }
 
@@ -274,8 +299,8 @@ Status keep_targets(std::unique_ptr<GlObjects>& objects, std::optional<Targets>&
   return Done{};
 }
 
-Result<GLuint> draw_fully(GlObjects& objects, MeshDrawing& drawing, const HeldScene& scene, const View& view,
-                          MeshStyle style) {
+Result<GLuint> draw_fully(GlObjects& objects, MeshDrawing& drawing, const HeldScene& scene, MeshStyle style) {
+  const View& view = scene.view;
   MeshTargets& targets = *drawing.targets;
   const MeshPrograms& programs = drawing.programs;
   const std::vector<HeldPart> through =
@@ -298,8 +323,8 @@ Result<GLuint> draw_fully(GlObjects& objects, MeshDrawing& drawing, const HeldSc
   return targets.picture;
 }
 
-GLuint draw_quickly(GlObjects& objects, const MeshDrawing& drawing, const HeldScene& scene, const View& view,
-                    MeshStyle style) {
+GLuint draw_quickly(GlObjects& objects, const MeshDrawing& drawing, const HeldScene& scene, MeshStyle style) {
+  const View& view = scene.view;
   const QuickTargets& targets = *drawing.quick;
   const int width = targets.width, height = targets.height;
   glBindFramebuffer(GL_READ_FRAMEBUFFER, targets.backdrop);
@@ -359,10 +384,9 @@ Result<GLuint> draw_into_texture(MeshDrawing& drawing, const std::vector<MeshPar
            : keep_targets(drawing.quick_objects, drawing.quick, width, height, make_quick_targets);
   if (!made) return made.error();
   GlObjects objects;
-  const HeldScene scene = hold_scene(objects, parts);
-  const View view = make_view(scene.boxes, camera, double(width) / height);
-  const Result<GLuint> picture = full ? draw_fully(objects, drawing, scene, view, style)
-                                      : Result<GLuint>(draw_quickly(objects, drawing, scene, view, style));
+  const HeldScene scene = hold_scene(objects, parts, camera, double(width) / height);
+  const Result<GLuint> picture = full ? draw_fully(objects, drawing, scene, style)
+                                      : Result<GLuint>(draw_quickly(objects, drawing, scene, style));
   if (!picture) return picture.error();
   if (const GLenum error = glGetError(); error != GL_NO_ERROR)
     return Error{fmt::format("cannot draw: OpenGL failed with error {:#x} ({})", error,

@@ -45,15 +45,15 @@ TEST(SceneOverrides, WrongOverridesAreRefusedByName) {
   EXPECT_EQ(error("world..duration=3"),
             "--set world..duration: expected a key of names with dots between them");
   EXPECT_EQ(error("world.duratoin=3"),
-            "--set world.duratoin: world.duratoin is not a key of a scene; did you mean duration?");
+            "--set world.duratoin is not a key of a scene; did you mean duration?");
   EXPECT_EQ(error("body.torsso.block=3"),
             "--set body.torsso.block: the scene has no body torsso; did you mean torso?");
   EXPECT_EQ(error("body.torso.ct.seed=3"),
             "--set body.torso.ct.seed: body.torso.ct is \"ct/patient.nii.gz\" in the scene, not a table");
   EXPECT_EQ(error("world.duration=long"),
-            "--set world.duration: world.duration: expected a number between 0 and 3600 [s], found \"long\"");
+            "--set world.duration: expected a number between 0 and 3600 [s], found \"long\"");
   EXPECT_EQ(error("world.duration=3\nworld.x=4"),
-            "--set world.duration: world.duration: expected a number between 0 and 3600 [s], found "
+            "--set world.duration: expected a number between 0 and 3600 [s], found "
             "\"3 world.x=4\"");
 }
 

@@ -13,6 +13,7 @@ namespace {
 
 using detail::kFirstCap;
 using detail::KnownPoints;
+using detail::KnownSlabs;
 using detail::kSkin;
 using detail::kWall;
 using detail::Points;
@@ -244,29 +245,48 @@ void look_at_slab(Builder& builder, int slab) {
       for (int i = 0; i + 1 < size.x; i++) look_at_cell(builder, {i, j, k});
 }
 
-/// The same numbers in the same order for any number of threads.
-Points look_at_all(const Exec& exec, const Builder& nothing) {
-  const int layers = nothing.model.lattice.size.z - 1;
-  std::vector<KnownPoints> slabs(std::size_t((layers + kSlab - 1) / kSlab));
-  parallel_for(exec, slabs.size(), [&](std::size_t s) {
+/// Is nothing cut or removed in a slab?
+std::vector<std::uint8_t> whole_slabs(const Builder& builder, std::size_t count) {
+  const Lattice& l = builder.model.lattice;
+  std::vector<std::uint8_t> whole(count, 1);
+  for (const CutCell& cell : builder.pieces.cells) whole[std::size_t(slot_node(l, cell.slot).z / kSlab)] = 0;
+  for (std::size_t s = 0; s < count; s++) {
+    const int top = std::min(int(s + 1) * kSlab, l.size.z - 1);  // the last layer of its nodes
+    const auto removed = builder.state.removed.begin();
+    const auto begin = removed + node_slot(l, 0, 0, int(s) * kSlab),
+               end = removed + node_slot(l, 0, 0, top + 1);
+    if (std::any_of(begin, end, [](auto is) { return is != 0; })) whole[s] = 0;
+  }
+  return whole;
+}
+
+/// The same numbers in the same order for any number of threads, and with whatever is known.
+Points look_at_all(const Exec& exec, const Builder& nothing, KnownSlabs& known) {
+  const auto count = std::size_t((nothing.model.lattice.size.z - 1 + kSlab - 1) / kSlab);
+  known.slabs.resize(count), known.is_whole.resize(count);
+  const std::vector<std::uint8_t> is_whole = whole_slabs(nothing, count);
+  parallel_for(exec, count, [&](std::size_t s) {
+    if (is_whole[s] && known.is_whole[s]) return;
     Builder builder = nothing;
     look_at_slab(builder, int(s));
-    slabs[s] = std::move(builder.known);
+    known.slabs[s] = std::move(builder.known);
   });
-  return detail::joined(slabs);
+  known.is_whole = is_whole;
+  return detail::joined(known.slabs);
 }
 
 }  // namespace
 
 BodySurface build_surface(const Model& model, const State& state, const CtVolume* ct, Extent extent,
-                          const Exec& exec) {
+                          const Exec& exec, KnownSlabs* known) {
   BodySurface surface;
   surface.pieces = make_pieces(model, state);
   const SkinLevel level(model, state, surface.pieces.fine, ct);
   Builder builder{
       .model = model, .state = state, .level = level, .pieces = surface.pieces, .known = {}, .in_hand = {}};
   if (extent == Extent::kAll) {
-    builder.known.points = look_at_all(exec, builder);
+    KnownSlabs nothing;
+    builder.known.points = look_at_all(exec, builder, known ? *known : nothing);
   } else {
     for (const CutCell& cell : surface.pieces.cells)
       look_at_cell(builder, slot_node(model.lattice, cell.slot));

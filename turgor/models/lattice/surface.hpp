@@ -38,10 +38,18 @@ enum class Shown : std::uint8_t { kNothing, kDisplacement, kStretch };
 /// All of it, or only what is near cuts.
 enum class Extent : std::uint8_t { kAll, kCuts };
 
+/// surface_parts.hpp: what was found in the slabs of a body's cells.
+namespace detail {
+struct KnownSlabs;
+}
+
 /// The surface of the body in the CT, with the state's cuts and removed nodes; to be made again when those
-/// change. `ct`: what the body was built from; without it, the surface is that of the nodes' values.
+/// change. `ct`: what the body was built from; without it, the surface is that of the nodes' values. `known`:
+/// from the last time with the same model and CT, for a surface that is made again and again of all of it;
+/// the surface is the same without.
 BodySurface build_surface(const Model& model, const State& state, const CtVolume* ct = nullptr,
-                          Extent extent = Extent::kAll, const Exec& exec = Exec(1));
+                          Extent extent = Extent::kAll, const Exec& exec = Exec(1),
+                          detail::KnownSlabs* known = nullptr);
 /// The surface where the body is now, in the patient frame [m], with smooth normals (walls, caps and skin
 /// apart) and a scalar a vertex: displacement [m], or the skin's area ratio A / A_CT − 1.
 TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown);

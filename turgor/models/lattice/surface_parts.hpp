@@ -31,6 +31,12 @@ struct KnownPoints {
   std::vector<std::uint64_t> keys;  // of the points
   Points points;
 };
+/// Of slabs of cells, one after the other. A whole slab, in which nothing is cut or removed, always has the
+/// same points.
+struct KnownSlabs {
+  std::vector<KnownPoints> slabs;
+  std::vector<std::uint8_t> is_whole;  // was it when it was looked at?
+};
 /// Of slabs of cells that lie on each other, as if they had been looked at one after the other: a point that
 /// a slab shares with the one below it is the one found there.
 Points joined(const std::vector<KnownPoints>& slabs);

@@ -15,17 +15,17 @@ namespace {
 
 using lattice::Model;
 
-constexpr double kOffSkin = 0.005;  // a blade given so far from the skin is one that somebody misplaced [m]
-constexpr double kCellsBelow = 3;   // that a cut needs below it
+/// A blade given so much farther from the skin than a lattice step is one that somebody misplaced [m].
+constexpr double kOffSkin = 0.005;
+constexpr double kCellsBelow = 3;  // that a cut needs below it
 
 Vec3d in_patient(const Model& model, Vec3d x) { return model.grid.origin + model.grid.axes * x; }
 
-/// How far a point of the scene lies from where the blade was set on the skin, beyond a lattice step.
+/// How far a point of the scene lies from where the blade was set on the skin [m].
 double off_skin(const Model& model, const lattice::BladePath& path, Vec3d point) {
   double nearest = std::numeric_limits<double>::max();
   for (const Vec3d x : path.skin) nearest = std::min(nearest, norm(in_patient(model, x) - point));
-  const Vec3 step = model.lattice.step;
-  return nearest - double(std::max({step.x, step.y, step.z}));
+  return nearest;
 }
 
 /// To a hundredth of a millimetre: what is next to nothing is 0.
@@ -38,13 +38,14 @@ std::string place_on_skin(const Model& model, Vec3d x) {
 
 void warn_of_blade(const Cut& cut, const Model& model, std::vector<std::string>& warnings) {
   const lattice::BladePath& path = *cut.path;
-  for (const auto& [name, point] : {std::pair{"from", cut.blade.from}, {"to", cut.blade.to}})
-    if (const double off = off_skin(model, path, point); off > kOffSkin)
-      warnings.push_back(fmt::format(
-          "incision '{}': `{}`, {}, is {:.0f} mm off the skin: the blade was set on the skin between {} and "
-          "{}",
-          cut.blade.name, name, place_text(point), 1e3 * off, place_on_skin(model, path.skin.front()),
-          place_on_skin(model, path.skin.back())));
+  const double from = off_skin(model, path, cut.blade.from), to = off_skin(model, path, cut.blade.to);
+  const Vec3 step = model.lattice.step;
+  if (std::max(from, to) > kOffSkin + double(std::max({step.x, step.y, step.z})))
+    warnings.push_back(fmt::format(
+        "incision '{}': its ends, {} and {}, are {:.0f} and {:.0f} mm off the skin: the blade was set on the "
+        "skin between {} and {}",
+        cut.blade.name, place_text(cut.blade.from), place_text(cut.blade.to), 1e3 * from, 1e3 * to,
+        place_on_skin(model, path.skin.front()), place_on_skin(model, path.skin.back())));
   double below = kCellsBelow;
   for (std::size_t n = 0; n + 1 < path.skin.size(); n++)
     below = std::min(below, lattice::cells_below(model, path.skin[n] + path.into[n] * path.depth,

@@ -156,6 +156,7 @@ void add_outputs(Json& report, const RunFacts& facts) {
   for (const DeformedCtReport& d : facts.deformed) deformed.push_back(deformed_report(d));
   report["deformed_ct"] = deformed;
   report["pictures"] = pictures;
+  report["more_pictures"] = facts.more_pictures;
   report["files"] = facts.files;
   report["warnings"] = facts.warnings;
   report["timing"].update(values_of(kOutputTiming, facts));

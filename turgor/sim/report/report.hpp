@@ -41,6 +41,7 @@ struct RunFacts {
   double drawing_seconds = 0;  // of the last three: making pictures, and what is resampled for them
   double file_seconds = 0;     // writing files
   std::vector<ReportPicture> pictures;
+  std::string more_pictures;       // how to get those that were not drawn; empty = all were
   std::vector<std::string> files;  // others that were written
   std::vector<DeformedCtReport> deformed;
   std::vector<std::string> warnings;

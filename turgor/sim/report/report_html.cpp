@@ -88,7 +88,13 @@ std::string pictures(const Json& report, const fs::path& folder) {
         "<figure{}><img alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption>{}</figcaption></figure>\n",
         picture.at("large").get<bool>() ? " class=\"large\"" : "", caption, io::base64(*bytes), caption);
   }
-  return html + "</div>\n";
+  html += "</div>\n";
+  const std::string more = report.value("more_pictures", std::string());
+  if (more.empty()) return html;
+  return html + fmt::format(
+                    "<p class=\"soft\">More pictures, of whole bodies, in colours and of the CT: "
+                    "<code>{}</code></p>\n",
+                    xml_text(more));
 }
 
 /// As a link holds it.

@@ -38,8 +38,10 @@ std::string summary_text(const Json& report, const std::filesystem::path& folder
     for (const Json& item : section.items(report)) text += item_text(section, item);
   for (const Json& warning : report.at("warnings"))
     text += fmt::format("warning: {}\n", warning.get<std::string>());
-  return text + fmt::format("pictures and files   {}\nreport               {}\n", folder.string(),
-                            (folder / "report.html").string());
+  text += fmt::format("pictures and files   {}\nreport               {}\n", folder.string(),
+                      (folder / "report.html").string());
+  const std::string more = report.value("more_pictures", std::string());
+  return more.empty() ? text : text + fmt::format("more pictures        {}\n", more);
 }
 
 }  // namespace turgor

@@ -56,7 +56,7 @@ enum class SkinColor : std::uint8_t { kNone, kDisplacement, kStretch, kPressure 
 /// [output]. File names are inside the output folder; empty = not written.
 struct OutputScene {
   double every = 0.5;             // snapshots: meshes, recording, frames [s]
-  int width = 960, height = 720;  // of pictures [pixels]
+  int width = 720, height = 540;  // of pictures [pixels]
   SkinColor color = SkinColor::kDisplacement;
   std::string volume_rendering;  // a tissue preset
   bool sections = true;
@@ -70,7 +70,8 @@ struct OutputScene {
   bool obj = true;
   MeshSpace mesh_space;  // of all three
   bool recording = true;
-  bool frames = false;  // a picture of every view at every snapshot
+  bool all_pictures = false;  // also bodies as a whole and in colours, and sections of the whole CT
+  bool frames = false;        // a picture of every view at every snapshot
   bool video = false;
 };
 

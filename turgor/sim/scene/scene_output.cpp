@@ -110,7 +110,7 @@ void read_output(SceneTable output, Scene& scene) {
   snapshots.read(
       "every", out.every, positive("s"),
       "pictures, meshes and recorded states; the first and the last state always; at most 10 000 of them");
-  snapshots.describe("size", "pixels", "`[960, 720]`", "of pictures; at most as many as 4096 × 4096 has",
+  snapshots.describe("size", "pixels", "`[720, 540]`", "of pictures; at most as many as 4096 × 4096 has",
                      within(64, 8192));
   if (const toml::node* size = snapshots.find("size")) {
     const std::vector<double> pixels = snapshots.numbers("size", *size, within(64, 8192, "pixels"));
@@ -145,7 +145,14 @@ void read_output(SceneTable output, Scene& scene) {
                      {"the CT before and after as a picture of one tissue: `\"skin\"`, `\"soft tissue\"`, "
                       "`\"muscle\"`, `\"bone\"`, `\"lung\"`, or `false`",
                       "false"});
-  output.read("sections", out.sections, "sections of the CT through every cut, before and after");
+  output.read_choice<bool>(
+      "pictures", out.all_pictures, {{"main", false}, {"all", true}},
+      "`\"main\"`: wounds and pressed places from near, before and after; `\"all\"`: also bodies as a whole, "
+      "which the page shows in three dimensions, in colours, and sections of the CT. A replay draws them "
+      "later, too (`--set output.pictures=all`)");
+  output.read("sections", out.sections,
+              "sections of the CT through every cut, before and after, where `deformed_ct` or `pictures = "
+              "\"all\"` asks for it");
   output.read_choice(
       "window", out.window, known_windows(),
       "grey values of sections: `\"abdomen\"`, `\"bone\"`, `\"lung\"`, `\"brain\"`, `\"air\"`");

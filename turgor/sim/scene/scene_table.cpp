@@ -66,7 +66,8 @@ std::string SceneProblems::place_of(const std::string& path, const toml::node& n
 void SceneProblems::add(const std::string& path, const toml::node& node, const std::string& what) {
   const std::string place = place_of(path, node);
   const bool in_file = place.starts_with(file);
-  const std::string shown = path.empty() ? what : fmt::format("{}: {}", path, what);
+  const bool says_all = path.empty() || place == "--set " + path;
+  const std::string shown = says_all ? what : fmt::format("{}: {}", path, what);
   problems.insert({in_file ? node.source().begin.line : 0, on_one_line(fmt::format("{}: {}", place, shown))});
 }
 
@@ -281,9 +282,11 @@ void SceneTable::finish() {
         problems_.override_of(path_of(name)).empty() && key.source().begin.line
             ? fmt::format("{}:{}:{}", problems_.file, key.source().begin.line, key.source().begin.column)
             : problems_.place_of(path_of(name), node);
+    const std::string subject =
+        place == "--set " + path_of(name) ? place : fmt::format("{}: {}", place, path_of(name));
     problems_.problems.insert(
-        {key.source().begin.line, on_one_line(fmt::format("{}: {} is not a key of a scene{}", place,
-                                                          path_of(name), suggestion(name, known_)))});
+        {key.source().begin.line,
+         on_one_line(fmt::format("{} is not a key of a scene{}", subject, suggestion(name, known_)))});
     unknown = true;
   }
   // A misspelt key explains a missing one.

@@ -1,4 +1,5 @@
 // What is seen of a lattice: its skin and the walls of its wounds.
+#include "turgor/models/lattice/surface_parts.hpp"
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 
 namespace turgor {
@@ -9,6 +10,7 @@ namespace {
 struct KeptSkin {
   lattice::BodySurface surface;
   std::vector<Vec3d> rest;  // patient frame [m]
+  lattice::detail::KnownSlabs slabs;
   const lattice::Model* model = nullptr;
   std::size_t cuts = 0;  // cut_version when it was made
 };
@@ -25,7 +27,9 @@ Skin skin_of(const Exec& exec, const LatticeBody& body, std::any& kept) {
   if (!std::any_cast<KeptSkin>(&kept)) kept = KeptSkin();
   KeptSkin& skin = *std::any_cast<KeptSkin>(&kept);
   if (skin.model != &body.model || skin.cuts != cuts) {
-    skin.surface = lattice::build_surface(body.model, body.state, &body.ct, lattice::Extent::kAll, exec);
+    if (skin.model != &body.model) skin.slabs = {};
+    skin.surface =
+        lattice::build_surface(body.model, body.state, &body.ct, lattice::Extent::kAll, exec, &skin.slabs);
     skin.rest = lattice::rest_points(body.model, skin.surface);
     skin.model = &body.model, skin.cuts = cuts;
   }

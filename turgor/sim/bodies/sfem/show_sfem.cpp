@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 
+#include "turgor/geometry/rounded.hpp"
 #include "turgor/models/sfem/green.hpp"
 #include "turgor/sim/bodies/sfem/load_sfem.hpp"
 
@@ -180,14 +181,20 @@ void show_patch(const SfemBody& body, TriMesh& patch) {
   for (const Vec3d x : body.now.x) patch.vertices.emplace_back(x);
 }
 
-/// Where they lie now. What is deeper than Green's functions are kept does not move.
+/// Where they lie now. What is deeper than Green's functions are kept does not move. A part of few elements
+/// is shown round.
 void show_inside(const SfemBody& body, const std::vector<Vec3d>& coarse, TriMesh& inside) {
+  constexpr std::size_t kFew = 200;  // triangles
   inside.vertices.clear(), inside.triangles.clear();
   for (const InnerPart& part : body.inside) {
-    const int first = int(inside.vertices.size());
+    TriMesh now;
+    now.triangles = part.triangles;
     for (const int v : part.vertices)
-      inside.vertices.emplace_back(body.model.body.mesh.vertices[std::size_t(v)] + coarse[std::size_t(v)]);
-    for (const Int3 t : part.triangles) inside.triangles.push_back({t.x + first, t.y + first, t.z + first});
+      now.vertices.emplace_back(body.model.body.mesh.vertices[std::size_t(v)] + coarse[std::size_t(v)]);
+    if (now.triangles.size() <= kFew) now = rounded(now);
+    const int first = int(inside.vertices.size());
+    inside.vertices.insert(inside.vertices.end(), now.vertices.begin(), now.vertices.end());
+    for (const Int3 t : now.triangles) inside.triangles.push_back({t.x + first, t.y + first, t.z + first});
   }
   inside.normals = vertex_normals(inside);
 }

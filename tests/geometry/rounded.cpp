@@ -1,0 +1,75 @@
+#include "turgor/geometry/rounded.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace turgor {
+namespace {
+
+/// A ball's octahedron, with a point on every face: a star of eight points.
+TriMesh star(double point) {
+  const TriMesh ball{.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+                     .triangles = {},
+                     .normals = {},
+                     .scalars = {}};
+  TriMesh mesh = ball;
+  for (int n = 0; n < 8; n++) {
+    const Int3 signs{n & 1 ? -1 : 1, n & 2 ? -1 : 1, n & 4 ? -1 : 1};
+    Int3 face{signs.x > 0 ? 0 : 1, signs.y > 0 ? 2 : 3, signs.z > 0 ? 4 : 5};
+    if (signs.x * signs.y * signs.z < 0) std::swap(face.y, face.z);
+    const int tip = int(mesh.vertices.size());
+    mesh.vertices.push_back(Vec3(signs) * float(point));
+    for (int side = 0; side < 3; side++) mesh.triangles.push_back({face[side], face[(side + 1) % 3], tip});
+  }
+  return mesh;
+}
+
+double volume(const TriMesh& mesh) {
+  double sum = 0;
+  for (const Int3 t : mesh.triangles)
+    sum += dot(Vec3d(mesh.vertices[std::size_t(t.x)]),
+               cross(Vec3d(mesh.vertices[std::size_t(t.y)]), Vec3d(mesh.vertices[std::size_t(t.z)]))) /
+           6;
+  return sum;
+}
+
+/// The largest distance from a place over the smallest.
+double unevenness(const TriMesh& mesh, Vec3d middle) {
+  double low = 1e30, high = 0;
+  for (const Vec3 x : mesh.vertices)
+    low = std::min(low, norm(Vec3d(x) - middle)), high = std::max(high, norm(Vec3d(x) - middle));
+  return high / low;
+}
+
+TEST(Rounded, a_star_becomes_a_ball_of_its_volume_about_its_centre) {
+  TriMesh mesh = star(1.2);
+  EXPECT_GT(unevenness(mesh, {}), 2);
+  const TriMesh round = rounded(mesh);
+  EXPECT_NEAR(volume(round) / volume(mesh), 1, 0.03) << "its triangles lie within the ball";
+  EXPECT_LT(unevenness(round, {}), 1.001);
+
+  const Vec3 away{0.3f, -0.1f, 0.25f};
+  for (Vec3& x : mesh.vertices) x = x * 0.01f + away;
+  EXPECT_LT(unevenness(rounded(mesh), Vec3d(away)), 1.001) << "wherever it lies and however small it is";
+}
+
+TEST(Rounded, a_long_part_stays_as_long_however_it_is_turned) {
+  TriMesh mesh = star(0.9);
+  const Vec3 way = normalized(Vec3{1, 2, -1});
+  for (Vec3& x : mesh.vertices) x = x + way * (2 * dot(x, way));  // three times as long
+  const TriMesh round = rounded(mesh);
+  EXPECT_NEAR(volume(round) / volume(mesh), 1, 0.03);
+  double most = 0, wide = 0;
+  for (const Vec3 x : round.vertices) {
+    most = std::max(most, std::abs(double(dot(x, way))));
+    wide = std::max(wide, double(norm(x - way * dot(x, way))));
+  }
+  EXPECT_NEAR(most / wide, 3, 0.05);
+}
+
+TEST(Rounded, nothing_stays_nothing) { EXPECT_TRUE(rounded({}).vertices.empty()); }
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,92 @@
+#include "turgor/geometry/rounded.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+namespace turgor {
+
+namespace {
+
+using Eigen::Matrix3d, Eigen::Vector3d;
+
+/// Every triangle in four, at the middles of its sides, all on the unit ball.
+TriMesh halved(const TriMesh& mesh) {
+  TriMesh fine;
+  fine.vertices = mesh.vertices;
+  std::map<std::pair<int, int>, int> middles;
+  const auto middle = [&](int a, int b) {
+    const auto [at, is_new] = middles.try_emplace(std::minmax(a, b), int(fine.vertices.size()));
+    if (is_new)
+      fine.vertices.push_back(normalized(mesh.vertices[std::size_t(a)] + mesh.vertices[std::size_t(b)]));
+    return at->second;
+  };
+  for (const auto [a, b, c] : mesh.triangles) {
+    const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    for (const Int3 t : {Int3{a, ab, ca}, Int3{ab, b, bc}, Int3{ca, bc, c}, Int3{ab, bc, ca}})
+      fine.triangles.push_back(t);
+  }
+  return fine;
+}
+
+TriMesh make_unit_ball() {
+  TriMesh ball{
+      .vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+      .triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}},
+      .normals = {},
+      .scalars = {}};
+  for (int n = 0; n < 3; n++) ball = halved(ball);
+  return ball;
+}
+
+/// What a closed surface encloses.
+struct Solid {
+  double volume = 0;
+  Vector3d centre = Vector3d::Zero();
+  Matrix3d spread = Matrix3d::Zero();  // mean of (x − centre)(x − centre)ᵀ
+};
+Solid solid_of(const TriMesh& mesh) {
+  Solid solid;
+  if (mesh.vertices.empty()) return solid;
+  const Vec3d from(mesh.vertices[0]);  // near, so that little cancels
+  const auto corner = [&](int v) {
+    const Vec3d x = Vec3d(mesh.vertices[std::size_t(v)]) - from;
+    return Vector3d(x.x, x.y, x.z);
+  };
+  for (const auto [i, j, k] : mesh.triangles) {  // tetrahedra with `from`
+    const Vector3d a = corner(i), b = corner(j), c = corner(k), sum = a + b + c;
+    const double one = a.dot(b.cross(c)) / 6;
+    solid.volume += one, solid.centre += sum * (one / 4);
+    solid.spread +=
+        (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose()) * (one / 20);
+  }
+  if (!(solid.volume > 0)) return solid;
+  solid.centre /= solid.volume;
+  solid.spread = solid.spread / solid.volume - solid.centre * solid.centre.transpose();
+  solid.centre += Vector3d(from.x, from.y, from.z);
+  return solid;
+}
+
+}  // namespace
+
+TriMesh rounded(const TriMesh& coarse) {
+  static const TriMesh kBall = make_unit_ball();
+  const Solid solid = solid_of(coarse);
+  if (!(solid.volume > 0)) return coarse;
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(solid.spread);
+  if (!(axes.eigenvalues().minCoeff() > 0)) return coarse;
+  const Vector3d half = axes.eigenvalues().cwiseSqrt();
+  const double scale = std::cbrt(solid.volume / (4.0 / 3 * std::numbers::pi * half.prod()));
+  const Matrix3d to_ellipsoid =
+      axes.eigenvectors() * (half * scale).asDiagonal() * axes.eigenvectors().transpose();
+  TriMesh round{.vertices = {}, .triangles = kBall.triangles, .normals = {}, .scalars = {}};
+  for (const Vec3 p : kBall.vertices) {
+    const Vector3d x = solid.centre + to_ellipsoid * Vector3d(double(p.x), double(p.y), double(p.z));
+    round.vertices.push_back(Vec3(Vec3d{x.x(), x.y(), x.z()}));
+  }
+  return round;
+}
+
+}  // namespace turgor
