@@ -129,7 +129,7 @@ double skin_tension(double along, double across, bool along_x) {
 /// 1939; Sih, Paris, Irwin 1965].
 double gape(const Exec& exec, double step, double half_length) {
   constexpr double kTension = 6, kStiffness = 300, kShear = 100;
-  const int n = 10 * int(std::lround(half_length / step)) + 1;
+  const int n = 20 * int(std::lround(half_length / step)) + 1;  // held ten times as far away
   Block block{.size = {n, n, 1}, .step = step, .young = 0.5};
   block.is_fixed = [n](Int3 p) { return p.x == 0 || p.y == 0 || p.x == n - 1 || p.y == n - 1; };
   Params params;
@@ -147,7 +147,8 @@ double gape(const Exec& exec, double step, double half_length) {
                 {.from = {middle - half_length, y, 0}, .to = {middle + half_length, y, 0}, .depth = 2 * step})
           .value();
   cut_edges(model, state, path, 0, 1, 0);
-  for (int i = 0; i < 30; i++) lattice::step(exec, model, state, {}, 0.1);
+  const int frames = n * n / 120;  // what sweeps leave of a smooth motion takes so long to go
+  for (int i = 0; i < frames; i++) lattice::step(exec, model, state, {}, 0.1);
   const double expected =
       4 * kTension * half_length / kStiffness * std::sqrt((1 + kStiffness / (2 * kShear)) / 2);
   return measure_wound(model, state, path, 0).gape_max / expected;
@@ -175,11 +176,10 @@ std::vector<Figure> validate_lattice(const Exec& exec, bool quick) {
                                         std::to_string(int(across)) + " N/m: tension across a section " +
                                         (x ? "along" : "across") + " the lines",
                                     "what was asked for", skin_tension(along, across, x), 1, 0.005));
-  for (const double step :
-       quick ? std::vector<double>{0.002, 0.001} : std::vector<double>{0.002, 0.001, 0.0005})
+  for (const double step : {0.002, 0.001})
     figures.push_back(
         near_figure("a slit of 12 mm gapes, step " + std::to_string(1e3 * step).substr(0, 3) + " mm",
-                    "a crack in an elastic plane", gape(exec, step, 0.006), 1, 0.12));
+                    "a crack in an elastic plane", gape(exec, step, 0.006), 1, 0.04));
   add_layers(exec, quick, figures);
   add_wounds(exec, quick, figures);
   return figures;
