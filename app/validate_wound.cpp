@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -45,23 +46,9 @@ struct Wounded {
   State state;
   lattice::BladePath path;
 
-  Wounded(TissueLaw law, double step, const lattice::SolverParams& solver, const Place& place = {}) {
-    const int n = int(std::lround(place.size * kSide / step)) + 1,
-              layers = int(std::lround(place.size * kHeight / step)) + 1;
-    Block block{.size = {n, n, layers}, .step = step, .young = kYoung};
-    block.is_fixed = [n](Int3 p) { return p.x == 0 || p.y == 0 || p.z == 0 || p.x == n - 1 || p.y == n - 1; };
-    const double angle = place.degrees * std::numbers::pi / 180;
-    const Vec3d line{std::cos(angle), std::sin(angle), 0};
-    Params params;
-    params.tissue.law = law;
-    params.skin.direction = line;
-    params.solver = solver;
-    model = lattice::block_model(block, params);
-    state = lattice::make_state(model);
-    const Vec3d middle{(n / 2 + place.along) * step, (n / 2 + place.across) * step, place.size * kHeight};
-    const Vec3d half = line * (0.5 * place.size * kLength);
-    const double depth = place.size * kDepth;
-    path = lay_blade(model, state, {.from = middle - half, .to = middle + half, .depth = depth}).value();
+  /// With a straight cut.
+  Wounded(Model body, const lattice::Incision& blade) : model(std::move(body)), state(make_state(model)) {
+    path = lay_blade(model, state, blade).value();
     cut_edges(model, state, path, 0, 1, 0);
   }
 
@@ -71,28 +58,44 @@ struct Wounded {
   }
 };
 
-double settled_gape(const Exec& exec, TissueLaw law, double step, double rate, int sweeps,
-                    const Place& place = {}) {
-  Wounded wounded(law, step, {.sweeps = sweeps, .damping = 4}, place);
+/// Langer's lines along the cut.
+Params params_of(TissueLaw law, Vec3d line, const lattice::SolverParams& solver) {
+  Params params;
+  params.tissue.law = law;
+  params.skin.direction = line;
+  params.solver = solver;
+  return params;
+}
+
+Wounded wounded_block(TissueLaw law, double step, const lattice::SolverParams& solver,
+                      const Place& place = {}) {
+  const int n = int(std::lround(place.size * kSide / step)) + 1,
+            layers = int(std::lround(place.size * kHeight / step)) + 1;
+  Block block{.size = {n, n, layers}, .step = step, .young = kYoung};
+  block.is_fixed = [n](Int3 p) { return p.x == 0 || p.y == 0 || p.z == 0 || p.x == n - 1 || p.y == n - 1; };
+  const double angle = place.degrees * std::numbers::pi / 180;
+  const Vec3d line{std::cos(angle), std::sin(angle), 0};
+  const Vec3d middle{(n / 2 + place.along) * step, (n / 2 + place.across) * step, place.size * kHeight};
+  const Vec3d half = line * (0.5 * place.size * kLength);
+  return {lattice::block_model(block, params_of(law, line, solver)),
+          {.from = middle - half, .to = middle + half, .depth = place.size * kDepth}};
+}
+
+/// The same in a block that lies across the lattice.
+Wounded turned_block(double step, const lattice::SolverParams& solver, const Mat3d& turn) {
+  const Vec3d half = turn.column[0] * (0.5 * kLength), aside = turn.column[1] * (0.37 * step);
+  return {turned_model({.side = kSide, .height = kHeight, .step = step, .young = kYoung, .turn = turn},
+                       params_of(TissueLaw::kSolid, turn.column[0], solver)),
+          {.from = aside - half, .to = aside + half, .depth = kDepth}};
+}
+
+double settled_gape(const Exec& exec, Wounded wounded, double rate) {
   wounded.run(exec, 4, 1 / rate);
   return wounded.gape();
 }
-
-/// The same wound in a block that lies across the lattice.
-double turned_gape(const Exec& exec, double step, const Mat3d& turn) {
-  Params params;
-  params.tissue.law = TissueLaw::kSolid;
-  params.skin.direction = turn.column[0];
-  params.solver = {.sweeps = 20, .damping = 4};
-  const Model model =
-      turned_model({.side = kSide, .height = kHeight, .step = step, .young = kYoung, .turn = turn}, params);
-  State state = lattice::make_state(model);
-  const Vec3d half = turn.column[0] * (0.5 * kLength), aside = turn.column[1] * (0.37 * step);
-  const lattice::BladePath path =
-      lay_blade(model, state, {.from = aside - half, .to = aside + half, .depth = kDepth}).value();
-  cut_edges(model, state, path, 0, 1, 0);
-  for (int n = 0; n < 120; n++) lattice::step(exec, model, state, {}, 1.0 / 30);
-  return measure_wound(model, state, path, 0).gape_max;
+double settled_gape(const Exec& exec, TissueLaw law, double step, double rate, int sweeps,
+                    const Place& place = {}) {
+  return settled_gape(exec, wounded_block(law, step, {.sweeps = sweeps, .damping = 4}, place), rate);
 }
 
 /// What elements that fit the blade say, on a line through two meshes to a mesh of no size.
@@ -145,13 +148,14 @@ void add_steps(const Exec& exec, bool quick, std::vector<Figure>& figures) {
   for (const double step : steps)
     for (const auto& [axis, degrees] :
          {Turn{{1, 0, 0}, 5}, {{1, 0, 0}, 15}, {{0, 1, 0}, 20}, {{1, 0.8, 0.1}, 33}, {{0.1, 1, 0.6}, 40}})
-      figures.push_back(
-          near_figure(fmt::format("a wound in solid, step {:.1f} mm, the body turned by {} degrees about "
-                                  "({}, {}, {})",
-                                  1e3 * step, degrees, axis.x, axis.y, axis.z),
-                      fmt::format("finite elements, {:.2f} mm", 1e3 * limit),
-                      turned_gape(exec, step, lattice::turn_about(axis, degrees)), limit,
-                      0.15 * (step / 0.004) * (step / 0.004)));
+      figures.push_back(near_figure(
+          fmt::format("a wound in solid, step {:.1f} mm, the body turned by {} degrees about "
+                      "({}, {}, {})",
+                      1e3 * step, degrees, axis.x, axis.y, axis.z),
+          fmt::format("finite elements, {:.2f} mm", 1e3 * limit),
+          settled_gape(
+              exec, turned_block(step, {.sweeps = 20, .damping = 4}, lattice::turn_about(axis, degrees)), 30),
+          limit, 0.15 * (step / 0.004) * (step / 0.004)));
 }
 
 void add_rates(const Exec& exec, TissueLaw law, bool quick, std::vector<Figure>& figures) {
@@ -169,8 +173,9 @@ void add_rates(const Exec& exec, TissueLaw law, bool quick, std::vector<Figure>&
 Figure motion(const Exec& exec, TissueLaw law, double step, int sweeps, const Place& place) {
   constexpr double kFrame = 1.0 / 60, kDamping = 1.2;
   constexpr int kConverged = 200, kFrames = 40;
-  Wounded few(law, step, {.sweeps = sweeps, .damping = kDamping}, place),
-      many(law, step, {.sweeps = kConverged, .damping = kDamping, .coarse = false}, place);
+  Wounded few = wounded_block(law, step, {.sweeps = sweeps, .damping = kDamping}, place),
+          many =
+              wounded_block(law, step, {.sweeps = kConverged, .damping = kDamping, .coarse = false}, place);
   double farthest = 0;
   for (int n = 0; n < kFrames; n++) {
     few.run(exec, kFrame, kFrame), many.run(exec, kFrame, kFrame);

@@ -2,13 +2,13 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <map>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "allocations.hpp"
 #include "contact/touched_half_space.hpp"
+#include "turgor/geometry/ball_mesh.hpp"
 
 using turgor::test::allocations;
 
@@ -43,30 +43,6 @@ TEST(Touch, a_flat_capsule_bears_twice_as_much_under_twice_the_length) {
   }
   EXPECT_GT(force[1] / force[0], 1.4);
   EXPECT_LT(force[1] / force[0], 2.0);
-}
-
-/// Triangles of a ball, by halving those of an octahedron.
-TriMesh ball_mesh(double radius, int halvings) {
-  TriMesh ball;
-  ball.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  ball.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-  std::map<std::pair<int, int>, int> middles;
-  const auto middle = [&](int a, int b) {
-    const auto [at, is_new] = middles.try_emplace(std::minmax(a, b), int(ball.vertices.size()));
-    if (is_new)
-      ball.vertices.push_back(normalized(ball.vertices[std::size_t(a)] + ball.vertices[std::size_t(b)]));
-    return at->second;
-  };
-  for (int i = 0; i < halvings; i++) {
-    std::vector<Int3> finer;
-    for (const auto [a, b, c] : ball.triangles) {
-      const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      for (const Int3 t : {Int3{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}}) finer.push_back(t);
-    }
-    ball.triangles = finer;
-  }
-  for (Vec3& x : ball.vertices) x *= Real(radius);
-  return ball;
 }
 
 TEST(Touch, a_ball_made_of_triangles_presses_as_a_sphere) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shapes.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 
 namespace turgor {
@@ -18,30 +19,21 @@ int closed_edges(const TriMesh& mesh) {
   return closed ? count : -1;
 }
 
-double enclosed_volume(const TriMesh& mesh) {
-  double sum = 0;
-  for (const Int3 t : mesh.triangles) {
-    const auto x = [&](int v) { return Vec3d(mesh.vertices[std::size_t(v)]); };
-    sum += dot(x(t.x), cross(x(t.y), x(t.z))) / 6;
-  }
-  return sum;
-}
-
 TEST(PhantomLiver, it_has_the_paper_s_numbers_and_the_volume_of_a_liver) {
   const TriMesh liver = phantom_liver();
   EXPECT_EQ(liver.vertices.size(), 3116u);
   EXPECT_EQ(liver.triangles.size(), 6228u);
   const int edges = closed_edges(liver);
   EXPECT_EQ(3116 - edges + 6228, 2) << "closed, without handles";
-  EXPECT_GT(enclosed_volume(liver), 0.9e-3);  // 0.9 to 1.9 litres
-  EXPECT_LT(enclosed_volume(liver), 1.9e-3);
+  EXPECT_GT(test::enclosed_volume(liver), 0.9e-3);  // 0.9 to 1.9 litres
+  EXPECT_LT(test::enclosed_volume(liver), 1.9e-3);
 }
 
 TEST(PhantomLiver, detail_makes_it_finer_and_keeps_its_shape) {
   const TriMesh coarse = phantom_liver(), fine = phantom_liver(5.67);
   EXPECT_NEAR(double(fine.vertices.size()), 100000, 2000);
   EXPECT_GE(closed_edges(fine), 0);
-  EXPECT_NEAR(enclosed_volume(fine) / enclosed_volume(coarse), 1, 0.02);
+  EXPECT_NEAR(test::enclosed_volume(fine) / test::enclosed_volume(coarse), 1, 0.02);
 }
 
 TEST(PhantomForceps, two_halves_with_the_paper_s_numbers_that_meet_between_the_jaws) {
@@ -50,12 +42,12 @@ TEST(PhantomForceps, two_halves_with_the_paper_s_numbers_that_meet_between_the_j
   EXPECT_EQ(both.triangles.size(), 348u);
   EXPECT_EQ(int(half.vertices.size()) - closed_edges(half) + int(half.triangles.size()), 0)
       << "one ring each";
-  EXPECT_GT(enclosed_volume(half), 0);
+  EXPECT_GT(test::enclosed_volume(half), 0);
   float inner = 1, tip = 1;
   for (const Vec3 x : half.vertices) inner = std::min(inner, x.x), tip = std::min(tip, x.z);
   EXPECT_NEAR(inner, 5e-5, 1e-7) << "the jaw's inner side is next to the plane between the halves";
   EXPECT_NEAR(tip, 0, 1e-7);
-  EXPECT_NEAR(enclosed_volume(both), 2 * enclosed_volume(half), 1e-9);
+  EXPECT_NEAR(test::enclosed_volume(both), 2 * test::enclosed_volume(half), 1e-9);
 }
 
 }  // namespace

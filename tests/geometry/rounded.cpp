@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "shapes.hpp"
+
 namespace turgor {
 namespace {
 
@@ -26,15 +28,6 @@ TriMesh star(double point) {
   return mesh;
 }
 
-double volume(const TriMesh& mesh) {
-  double sum = 0;
-  for (const Int3 t : mesh.triangles)
-    sum += dot(Vec3d(mesh.vertices[std::size_t(t.x)]),
-               cross(Vec3d(mesh.vertices[std::size_t(t.y)]), Vec3d(mesh.vertices[std::size_t(t.z)]))) /
-           6;
-  return sum;
-}
-
 /// The largest distance from a place over the smallest.
 double unevenness(const TriMesh& mesh, Vec3d middle) {
   double low = 1e30, high = 0;
@@ -47,7 +40,8 @@ TEST(Rounded, a_star_becomes_a_ball_of_its_volume_about_its_centre) {
   TriMesh mesh = star(1.2);
   EXPECT_GT(unevenness(mesh, {}), 2);
   const TriMesh round = rounded(mesh);
-  EXPECT_NEAR(volume(round) / volume(mesh), 1, 0.03) << "its triangles lie within the ball";
+  EXPECT_NEAR(test::enclosed_volume(round) / test::enclosed_volume(mesh), 1, 0.03)
+      << "its triangles lie within the ball";
   EXPECT_LT(unevenness(round, {}), 1.001);
 
   const Vec3 away{0.3f, -0.1f, 0.25f};
@@ -60,7 +54,7 @@ TEST(Rounded, a_long_part_stays_as_long_however_it_is_turned) {
   const Vec3 way = normalized(Vec3{1, 2, -1});
   for (Vec3& x : mesh.vertices) x = x + way * (2 * dot(x, way));  // three times as long
   const TriMesh round = rounded(mesh);
-  EXPECT_NEAR(volume(round) / volume(mesh), 1, 0.03);
+  EXPECT_NEAR(test::enclosed_volume(round) / test::enclosed_volume(mesh), 1, 0.03);
   double most = 0, wide = 0;
   for (const Vec3 x : round.vertices) {
     most = std::max(most, std::abs(double(dot(x, way))));

@@ -19,6 +19,16 @@ inline TriMesh surface_of(const SolidMesh& mesh) {
   return result;
 }
 
+/// Of a closed surface [m³].
+inline double enclosed_volume(const TriMesh& mesh) {
+  double sum = 0;
+  for (const Int3 t : mesh.triangles) {
+    const auto x = [&](int v) { return Vec3d(mesh.vertices[std::size_t(v)]); };
+    sum += dot(x(t.x), cross(x(t.y), x(t.z))) / 6;
+  }
+  return sum;
+}
+
 /// From the origin to `size`, two triangles a side.
 inline TriMesh box_surface(Vec3d size) { return surface_of(hex_block(size, {1, 1, 1})); }
 

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <optional>
 
+#include <fmt/format.h>
 #include <gdcmImageChangeTransferSyntax.h>
 #include <gdcmImageReader.h>
 #include <gdcmImageWriter.h>

@@ -2,44 +2,15 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <utility>
+
+#include "turgor/geometry/ball_mesh.hpp"
 
 namespace turgor {
 
 namespace {
 
 using Eigen::Matrix3d, Eigen::Vector3d;
-
-/// Every triangle in four, at the middles of its sides, all on the unit ball.
-TriMesh halved(const TriMesh& mesh) {
-  TriMesh fine;
-  fine.vertices = mesh.vertices;
-  std::map<std::pair<int, int>, int> middles;
-  const auto middle = [&](int a, int b) {
-    const auto [at, is_new] = middles.try_emplace(std::minmax(a, b), int(fine.vertices.size()));
-    if (is_new)
-      fine.vertices.push_back(normalized(mesh.vertices[std::size_t(a)] + mesh.vertices[std::size_t(b)]));
-    return at->second;
-  };
-  for (const auto [a, b, c] : mesh.triangles) {
-    const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    for (const Int3 t : {Int3{a, ab, ca}, Int3{ab, b, bc}, Int3{ca, bc, c}, Int3{ab, bc, ca}})
-      fine.triangles.push_back(t);
-  }
-  return fine;
-}
-
-TriMesh make_unit_ball() {
-  TriMesh ball{
-      .vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
-      .triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}},
-      .normals = {},
-      .scalars = {}};
-  for (int n = 0; n < 3; n++) ball = halved(ball);
-  return ball;
-}
 
 /// What a closed surface encloses.
 struct Solid {
@@ -72,7 +43,7 @@ Solid solid_of(const TriMesh& mesh) {
 }  // namespace
 
 TriMesh rounded(const TriMesh& coarse) {
-  static const TriMesh kBall = make_unit_ball();
+  static const TriMesh kBall = ball_mesh(1, 3);
   const Solid solid = solid_of(coarse);
   if (!(solid.volume > 0)) return coarse;
   const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(solid.spread);

@@ -2,6 +2,7 @@
 // in the picture are Seen: x from -1 (left) to 1 (right), y from -1 (below) to 1 (above).
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "turgor/view/camera.hpp"

@@ -11,6 +11,8 @@ namespace turgor::lattice {
 
 /// A triangle of skin by its nodes' numbers in the body (number_in_body).
 using SkinNodes = std::array<std::int64_t, 3>;
+/// Triangles of a part's own layers become those of the whole body, in the order of layers.
+using JoinSkin = std::function<void(std::vector<SkinNodes>&)>;
 
 /// One value a node, i fastest.
 struct BodyNodes {
@@ -24,8 +26,7 @@ struct BodyNodes {
   // `grid` has the part's size and the whole's origin.
   int first = 0;
   Layers own;
-  /// Triangles of own layers become those of the whole body, in the order of layers.
-  std::function<void(std::vector<SkinNodes>&)> join_skin;
+  JoinSkin join_skin;
 };
 
 // The steps of classify, for those who have only a part of a CT:

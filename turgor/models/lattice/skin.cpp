@@ -267,8 +267,7 @@ std::vector<Corner> collect_corners(const Lattice& lattice, Skin& skin) {
 }
 
 /// Where skin lies, made of the triangles of own cells, which are in the order of their layers.
-SkinPlaces find_places(const Exec& exec, const Model& model,
-                       const std::function<void(std::vector<SkinNodes>&)>& join_skin) {
+SkinPlaces find_places(const Exec& exec, const Model& model, const JoinSkin& join_skin) {
   const Lattice& l = model.lattice;
   std::vector<SkinNodes> all;
   for (const SkinTriangle& t : model.skin.triangles) {
@@ -289,8 +288,7 @@ Int3 cell_of(const Lattice& l, Int3 triangle) {
   return low;
 }
 
-void detect_skin(const Exec& exec, const VectorVolume* lines,
-                 const std::function<void(std::vector<SkinNodes>&)>& join_skin, Model& model) {
+void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& join_skin, Model& model) {
   Skin& skin = model.skin;
   std::vector<std::vector<Int3>> layers(std::size_t(model.lattice.size.z - 1));
   parallel_for(exec, layers.size(), [&](std::size_t k) { detect_layer(model, int(k), layers[k]); });

@@ -7,8 +7,7 @@ namespace turgor::lattice {
 
 /// Fills model.skin from model.lattice, tissue and hu. `lines` = Langer's lines in the patient frame, or null
 /// for model.params.skin.direction; `join_skin`: of a part of a body (BodyNodes).
-void detect_skin(const Exec& exec, const VectorVolume* lines,
-                 const std::function<void(std::vector<SkinNodes>&)>& join_skin, Model& model);
+void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& join_skin, Model& model);
 
 /// Descent: fills `skin.pull` for the tension that the model's parameters ask for, so that the body lies in
 /// the CT as before.
