@@ -1,6 +1,8 @@
 // Rows that stand still are not swept, and nothing that is measured tells.
+#include <algorithm>
 #include <cmath>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -67,6 +69,48 @@ TEST(lattice_sleep, the_settled_wound_is_that_of_a_body_that_never_sleeps) {
   }
 }
 
+/// Gapes by frame of a cut aslant to the lattice, and the rows that are awake at last.
+struct Way {
+  std::vector<double> gape;
+  int awake = 0;
+};
+Way way_of_a_slanted_cut(double step, double sleep) {
+  const int n = int(std::lround(0.096 / step)) + 1, layers = int(std::lround(0.024 / step)) + 1;
+  Block block{.size = {n, n, layers}, .step = step};
+  block.is_fixed = [size = block.size](Int3 p) { return is_side(p, size); };
+  Params params;
+  params.tissue.law = TissueLaw::kSolid;
+  params.solver = {.sweeps = 5, .damping = 1.2, .sleep = sleep};
+  const Model model = block_model(block, params);
+  State state = make_state(model);
+  const Vec3d middle{(n / 2 + 0.3) * step, (n / 2 - 0.2) * step, 0.024},
+      half = Vec3d{std::cos(0.5), std::sin(0.5), 0} * 0.018;
+  const BladePath path =
+      lay_blade(model, state, {.from = middle - half, .to = middle + half, .depth = 0.012}).value();
+  cut_edges(model, state, path, 0, 1, 0);
+  Way way;
+  for (int frame = 0; frame < 160; frame++) {
+    const StepReport report = lattice::step(Exec(2), model, state, {}, kDt);
+    way.awake = report.rows - report.rows_asleep;
+    way.gape.push_back(measure_wound(model, state, path, 0).gape_max);
+  }
+  return way;
+}
+
+TEST(lattice_sleep, with_a_coarse_space_sleepers_follow_and_a_wound_opens_as_in_a_body_that_never_sleeps) {
+  for (const auto& [step, sleep] : {std::pair{0.004, 3e-4}, {0.003, 1e-3}}) {
+    const Way wakeful = way_of_a_slanted_cut(step, 0), way = way_of_a_slanted_cut(step, sleep);
+    EXPECT_EQ(way.awake, 0) << "step " << step;
+    const double gape = wakeful.gape.back();
+    EXPECT_GT(gape, 3e-3);
+    EXPECT_NEAR(way.gape.back(), gape, 1e-3 * gape) << "step " << step;
+    double farthest = 0;
+    for (std::size_t n = 0; n < way.gape.size(); n++)
+      farthest = std::max(farthest, std::abs(way.gape[n] - wakeful.gape[n]) / gape);
+    EXPECT_LT(farthest, 0.01) << "on its way, step " << step;
+  }
+}
+
 TEST(lattice_sleep, a_cut_in_a_body_of_twice_the_nodes_wakes_as_many_rows) {
   int awake[2];
   for (const int times : {1, 2}) {
@@ -85,10 +129,13 @@ TEST(lattice_sleep, a_cut_in_a_body_of_twice_the_nodes_wakes_as_many_rows) {
 }
 
 TEST(lattice_sleep, a_load_or_a_contact_on_a_sleeping_body_moves_it_as_one_that_is_awake) {
-  for (const bool pressed : {false, true}) {
+  for (const auto& [law, pressed] : {std::pair{TissueLaw::kSprings, false},
+                                     {TissueLaw::kSprings, true},
+                                     {TissueLaw::kSolid, false},
+                                     {TissueLaw::kSolid, true}}) {
     Vec3 moved[2];
     for (const bool sleeps : {false, true}) {
-      const Model model = tense_block({13, 13, 9}, sleeps ? kSleep : 0);
+      const Model model = tense_block({13, 13, 9}, sleeps ? kSleep : 0, law);
       State state = make_state(model);
       awake_after(model, state, 1);
       const int slot = node_slot(model.lattice, 6, 6, 8);
@@ -103,7 +150,8 @@ TEST(lattice_sleep, a_load_or_a_contact_on_a_sleeping_body_moves_it_as_one_that_
       moved[sleeps] = state.u[std::size_t(slot)];
     }
     EXPECT_GT(norm(moved[0]), 0.2e-3);
-    EXPECT_LT(norm(moved[1] - moved[0]), 1e-3 * norm(moved[0])) << "pressed " << pressed;
+    EXPECT_LT(norm(moved[1] - moved[0]), 1e-3 * norm(moved[0]))
+        << "pressed " << pressed << ", law " << int(law);
   }
 }
 
@@ -147,16 +195,18 @@ TEST(lattice_sleep, what_swings_does_not_fall_asleep_where_it_turns) {
 }
 
 TEST(lattice_sleep, equal_bits_on_1_2_and_8_threads_and_again) {
-  std::set<std::uint64_t> hashes;
-  int asleep = 0;
-  for (const int threads : {1, 2, 8, 8}) {
-    const Model model = tense_block({25, 33, 13}, 1e-3);
-    auto [state, path] = cut_block(model, 9);
-    for (int n = 0; n < 40; n++) asleep = step(Exec(threads), model, state, {}, kDt).rows_asleep;
-    EXPECT_GT(asleep, 0);
-    hashes.insert(state_hash(model, state));
+  for (const TissueLaw law : {TissueLaw::kSprings, TissueLaw::kSolid}) {
+    std::set<std::uint64_t> hashes;
+    int asleep = 0;
+    for (const int threads : {1, 2, 8, 8}) {
+      const Model model = tense_block({25, 33, 13}, 1e-3, law);
+      auto [state, path] = cut_block(model, 9);
+      for (int n = 0; n < 40; n++) asleep = step(Exec(threads), model, state, {}, kDt).rows_asleep;
+      EXPECT_GT(asleep, 0);
+      hashes.insert(state_hash(model, state));
+    }
+    EXPECT_EQ(hashes.size(), 1u) << "law " << int(law);
   }
-  EXPECT_EQ(hashes.size(), 1u);
 }
 
 TEST(lattice_sleep, who_sleeps_is_part_of_the_state) {
@@ -167,6 +217,21 @@ TEST(lattice_sleep, who_sleeps_is_part_of_the_state) {
   EXPECT_EQ(state_hash(model, a), state_hash(model, b));
   b.sleep.still[b.sleep.still.size() / 2]++;
   EXPECT_NE(state_hash(model, a), state_hash(model, b));
+}
+
+TEST(lattice_sleep, new_gravity_moves_a_body_whose_coarse_space_sleeps_as_one_that_is_awake) {
+  double sag[2];
+  for (const bool sleeps : {false, true}) {
+    const Model model = tense_block({13, 25, 13}, sleeps ? 1e-4 : 0, TissueLaw::kSolid);
+    State state = make_state(model);
+    const Vec3d weak{0, 0, -1}, strong{0.5, 0, -9.81};
+    EXPECT_EQ(awake_after(model, state, 6, {.gravity = weak}), 0);
+    EXPECT_EQ(state.sleep.coarse_still >= kStillSteps, sleeps);
+    awake_after(model, state, 4, {.gravity = strong});
+    sag[sleeps] = double(state.u[std::size_t(node_slot(model.lattice, 6, 12, 12))].z);
+  }
+  EXPECT_LT(sag[0], -0.1e-3);
+  EXPECT_NEAR(sag[1], sag[0], 2e-3 * std::abs(sag[0]));
 }
 
 }  // namespace

@@ -323,7 +323,7 @@ void find_left_over(const Exec& exec, const Model& model, State& state, const Co
 bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt) {
   const Params& params = model.params;
   if (!params.solver.coarse || params.solver.method != Method::kDescent) return false;
-  if (params.tissue.law != TissueLaw::kSolid || can_sleep(model) || !inputs.contacts.empty()) return false;
+  if (params.tissue.law != TissueLaw::kSolid || !inputs.contacts.empty()) return false;
   const std::size_t cuts = cut_version(state);
   const bool goes_on = blade_goes_on(state, cuts);
   if (is_at_rest(model, state, inputs, dt)) return false;

@@ -90,8 +90,8 @@ void find_left_over(const Exec& exec, const Model& model, State& state, const Co
                     const std::function<void(int, int, LayerForces)>& see);
 
 /// Makes the space anew when cuts or longer steps ask for it; while a blade is on its way, or nothing moves,
-/// there is none. Is there one that this step can use? Not where contacts press, rows sleep, tissue is
-/// springs, or the step is a part of one that the space was made for.
+/// there is none. Is there one that this step can use? Not where contacts press, tissue is springs,
+/// or the step is a part of one that the space was made for.
 bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt);
 /// One step in the coarse space, between sweeps: towards the minimum of what is quadratic there, as far along
 /// that way as the forces at its end say.

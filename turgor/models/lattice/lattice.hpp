@@ -67,7 +67,7 @@ struct SolverParams {
   double pbd_stiffness = 1;  // pbd only: scales the density-based stiffness in [0, 1] [1]
   bool pbd_volume = false;   // pbd only: project the tetrahedra's volumes too
   bool coarse = true;  // solid descent only: the smooth part of what sweeps leave is solved for (coarse.hpp)
-  double sleep = 0;    // descent only: rows near which nothing is faster stand still; 0: none does [m/s]
+  double sleep = 0;    // descent only: rows near which nothing is faster sleep; 0: none does [m/s]
 };
 
 struct Params {
@@ -218,14 +218,16 @@ struct PartsOfCells {
   std::vector<std::pair<int, std::uint64_t>> places;  // of all copies: by what the next cut knows them again
 };
 
-/// Which rows stand still (sleep.hpp). By row of the storage; empty until the first step of a body that can
+/// Which rows sleep (sleep.hpp). By row of the storage; empty until the first step of a body that can
 /// sleep.
 struct Sleep {
-  std::vector<std::uint8_t> still;  // steps in which nothing near it moved, up to kStillSteps: then it sleeps
+  std::vector<std::uint8_t> still;  // steps in which nothing near it moved; from kStillSteps on it sleeps
   std::vector<std::uint8_t> awake;  // 1 = is swept in this step
   std::vector<std::uint8_t> moved;  // 1 = a node of it has moved in this step
   std::size_t cuts = 0;             // edges that were cut when it was looked at
   Vec3d gravity;                    // that it has come to rest under [m/s²]
+  bool carried = false;             // the coarse space moves all rows in this step
+  std::uint8_t coarse_still = 0;    // steps in which all rows slept, as `still`: then the coarse space sleeps
 };
 
 /// What solves for the smooth part of a step's motion (coarse.hpp).

@@ -1,7 +1,5 @@
 #include "turgor/models/lattice/sleep.hpp"
 
-#include <algorithm>
-
 namespace turgor::lattice {
 
 namespace {
@@ -41,18 +39,44 @@ void stop_row(const Model& model, State& state, int row) {
       }
 }
 
+/// Has the smooth part of the motion taken it further than a sleeper goes?
+bool is_carried_further(const Model& model, const State& state, int row, double dt) {
+  const Real way = Real(model.params.solver.sleep * dt);
+  bool any = false;
+  for (int half_row = 2 * row; half_row < 2 * row + 2; half_row++)
+    for (const Run run : model.moving.of_half_row(half_row))
+      for (auto s = std::size_t(run.begin); s < std::size_t(run.begin + run.count); s++) {
+        const Vec3 d = state.u[s] - state.u_before[s];
+        any |= !(dot(d, d) <= way * way);
+      }
+  return any;
+}
+
+/// One step more of sleep.
+void grow_old(std::uint8_t& still) {
+  constexpr std::uint8_t kOldest = 255, kLastLook = 128;
+  still = still == kOldest ? kLastLook : std::uint8_t(still + 1);
+}
+
+/// Those that fall asleep in one step are not looked at in one step.
+std::uint8_t first_of_sleep(int row) { return std::uint8_t(kStillSteps + row % kStillSteps); }
+
 }  // namespace
 
-void wake_rows(const Model& model, State& state, const Inputs& inputs) {
+void wake_rows(const Model& model, State& state, const Inputs& inputs, bool coarse) {
   Sleep& sleep = state.sleep;
   const std::size_t rows = state.row_cut.size();
-  if (sleep.still.size() != rows || !(sleep.gravity == inputs.gravity)) sleep.still.assign(rows, 0);
+  if (sleep.still.size() != rows || !(sleep.gravity == inputs.gravity))
+    sleep.still.assign(rows, 0), sleep.coarse_still = 0;
   sleep.gravity = inputs.gravity;
+  if (!coarse || sleep.cuts != state.cut_edges.size() || !inputs.loads.empty()) sleep.coarse_still = 0;
   wake_cuts(model, state);
   for (const NodeLoad& load : inputs.loads) wake_around(model, state, load.slot, 1);
   for (const NodeContact& contact : inputs.contacts) wake_around(model, state, contact.slot, 1);
   sleep.awake.resize(rows), sleep.moved.assign(rows, 0);
-  for (std::size_t row = 0; row < rows; row++) sleep.awake[row] = sleep.still[row] < kStillSteps;
+  for (std::size_t row = 0; row < rows; row++)
+    sleep.awake[row] = !sleeps(sleep.still[row]) || (coarse && is_looked_at(sleep.still[row]));
+  sleep.carried = coarse && (!sleeps(sleep.coarse_still) || is_looked_at(sleep.coarse_still));
 }
 
 void spread_motion(const Model& model, State& state) {
@@ -62,24 +86,41 @@ void spread_motion(const Model& model, State& state) {
       for_each_row_beside(model.lattice, row, 1, [&](int beside) { sleep.awake[std::size_t(beside)] = 1; });
 }
 
-void lay_down_rows(const Exec& exec, const Model& model, State& state) {
-  const int rows_of_layer = model.lattice.size.y + 2;
-  parallel_for(exec, std::size_t(model.lattice.size.z), [&](std::size_t k) {
-    for (int row = int(k + 1) * rows_of_layer; row < int(k + 2) * rows_of_layer; row++) {
-      if (!state.sleep.awake[std::size_t(row)]) continue;
-      std::uint8_t& still = state.sleep.still[std::size_t(row)];
-      still = has_moved_near(model, state, row) ? 0 : std::uint8_t(std::min(still + 1, kStillSteps));
-      if (still == kStillSteps) stop_row(model, state, row);
-    }
+void lay_down_rows(const Exec& exec, const Model& model, State& state, double dt, bool coarse) {
+  Sleep& sleep = state.sleep;
+  const auto for_each_row = [&](const auto& visit) {
+    const int rows = model.lattice.size.y + 2;
+    parallel_for(exec, std::size_t(model.lattice.size.z), [&](std::size_t k) {
+      for (int row = int(k + 1) * rows; row < int(k + 2) * rows; row++)
+        visit(row, sleep.awake[std::size_t(row)] != 0);
+    });
+  };
+  if (sleep.carried)
+    for_each_row([&](int row, bool awake) {
+      if (!awake && is_carried_further(model, state, row, dt)) sleep.moved[std::size_t(row)] = 1;
+    });
+  for_each_row([&](int row, bool awake) {
+    std::uint8_t& still = sleep.still[std::size_t(row)];
+    const bool slept = sleeps(still), may_move = awake || sleep.carried;
+    if (may_move && has_moved_near(model, state, row))
+      still = 0;
+    else if (!slept || coarse)
+      grow_old(still);
+    if (!slept && sleeps(still)) still = first_of_sleep(row);
+    if (may_move && sleeps(still)) stop_row(model, state, row);
   });
 }
 
-void count_sleepers(const Model& model, const State& state, StepReport& report) {
-  for (std::size_t row = 0; row < state.sleep.awake.size(); row++) {
+void count_sleepers(const Model& model, State& state, StepReport& report) {
+  for (std::size_t row = 0; row < state.sleep.still.size(); row++) {
     if (model.moving.row_begin[2 * row] == model.moving.row_begin[2 * row + 2]) continue;
     report.rows++;
-    report.rows_asleep += !state.sleep.awake[row];
+    report.rows_asleep += sleeps(state.sleep.still[row]);
   }
+  if (report.rows_asleep == report.rows)
+    grow_old(state.sleep.coarse_still);
+  else
+    state.sleep.coarse_still = 0;
 }
 
 }  // namespace turgor::lattice

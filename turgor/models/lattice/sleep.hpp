@@ -1,7 +1,13 @@
-// Rows that stand still: a row near which nothing has gone faster than Params::solver.sleep for a few steps
-// is not swept until something near it moves, is cut, touched or loaded, or gravity changes. What a row does
-// depends on what rows did in sweeps before, never on when a thread came to them. Descent only.
+// Rows that sleep: a row near which nothing has gone faster than Params::solver.sleep for a few steps is not
+// swept until something near it moves, is cut, touched or loaded, or gravity changes. What a row does depends
+// on what rows did in sweeps before, never on when a thread came to them. Descent only.
+// Without a coarse space sleepers stand still. With one they follow the smooth part of the motion, without
+// inertia, and wake when it takes them further. What is smooth leaves something undone in every row, so they
+// are looked at, that is swept for a step, ever more rarely; and a coarse space is solved as rarely when all
+// rows sleep.
 #pragma once
+
+#include <bit>
 
 #include "turgor/models/lattice/rows.hpp"
 
@@ -10,6 +16,9 @@ namespace turgor::lattice {
 /// So many steps in a row of nothing near that moves, and a row sleeps: at the turning point of a swing all
 /// stands still, but not for long.
 constexpr int kStillSteps = 8;
+inline bool sleeps(std::uint8_t still) { return still >= kStillSteps; }
+/// One that is carried is looked at after 16, 32, 64 and 128 steps, and after every 128 from then on.
+inline bool is_looked_at(std::uint8_t still) { return still > kStillSteps && std::has_single_bit(still); }
 
 inline bool can_sleep(const Model& model) {
   return model.params.solver.sleep > 0 && model.params.solver.method == Method::kDescent;
@@ -24,13 +33,15 @@ void for_each_row_beside(const Lattice& l, int row, int reach, const Visit& visi
     for (int j = -reach; j <= reach; j++) visit(row + k * (l.size.y + 2) + j);
 }
 
-/// Who is awake when a step begins: all but the sleepers, and those near cuts, loads and contacts.
-void wake_rows(const Model& model, State& state, const Inputs& inputs);
+/// Who is awake when a step begins: all but the sleepers, and those near cuts, loads and contacts. `coarse`:
+/// there is a coarse space that the step can use.
+void wake_rows(const Model& model, State& state, const Inputs& inputs, bool coarse);
 /// After a sweep: wakes those beside what has moved in it, for the next.
 void spread_motion(const Model& model, State& state);
-/// At the end of a step: lays down rows near which nothing has moved for long enough.
-void lay_down_rows(const Exec& exec, const Model& model, State& state);
-/// Notes in the report how many rows can move, and how many of these were not swept at the step's end.
-void count_sleepers(const Model& model, const State& state, StepReport& report);
+/// At the end of a step: lays down rows near which nothing has moved for long enough, at rest where they are.
+void lay_down_rows(const Exec& exec, const Model& model, State& state, double dt, bool coarse);
+/// Notes in the report how many rows can move, and how many of these sleep after the step. When all do, so
+/// will the coarse space.
+void count_sleepers(const Model& model, State& state, StepReport& report);
 
 }  // namespace turgor::lattice

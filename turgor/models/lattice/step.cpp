@@ -15,13 +15,13 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Calls body(run) on the slots of a layer that can move and are awake.
+/// Calls body(run) on the slots of a layer that can move and do not stand still.
 template <class Body>
 void for_each_run(const Model& model, const State& state, int k, const Body& body) {
-  const bool sleeps = can_sleep(model) && !state.sleep.awake.empty();
+  const bool all = !can_sleep(model) || state.sleep.carried || state.sleep.awake.empty();
   for (int j = 0; j < model.lattice.size.y; j++) {
     const int row = row_of(model, row_slot(model.lattice, j, k));
-    if (sleeps && !state.sleep.awake[std::size_t(row)]) continue;
+    if (!all && !state.sleep.awake[std::size_t(row)]) continue;
     for (const int half_row : {2 * row, 2 * row + 1})
       for (const Run run : model.moving.of_half_row(half_row)) body(run);
   }
@@ -174,14 +174,15 @@ StepReport finish(const Exec& exec, const Model& model, State& state, double dt,
 
 StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   check_contacts(model, inputs.contacts);
-  if (can_sleep(model)) wake_rows(model, state, inputs);
+  const bool coarse = prepare_coarse_space(model, state, inputs, dt), may_sleep = can_sleep(model);
+  if (may_sleep) wake_rows(model, state, inputs, coarse);
+  const bool solves = coarse && (!may_sleep || state.sleep.carried);
   predict(exec, model, state, inputs, dt);
   const bool measures = inputs.measure_residual && model.params.solver.method == Method::kDescent;
   Residual residual;
   const double before = measures ? measure_residual(exec, model, state, inputs, dt).rms : 0;
   const int sweeps = model.params.solver.sweeps;
   const bool solid = model.params.tissue.law == TissueLaw::kSolid;
-  const bool coarse = prepare_coarse_space(model, state, inputs, dt);
   for (int sweep = 0; sweep < sweeps; sweep++) {
     if (model.params.solver.method == Method::kPbd) {
       sweep_pbd(exec, model, state, inputs.others);
@@ -189,17 +190,17 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
     }
     const Order order = sweep_order(solid, sweep, sweeps);
     const bool turns = order == Order::kBackward && 2 * (sweep - 1) < sweeps;
-    if (coarse && turns) correct_smooth_part(exec, model, state, inputs, dt);
+    if (solves && turns) correct_smooth_part(exec, model, state, inputs, dt);
     sweep_descent(exec, model, state, inputs, dt, order);
   }
-  if (coarse) correct_smooth_part(exec, model, state, inputs, dt);
+  if (solves) correct_smooth_part(exec, model, state, inputs, dt);
   if (measures) residual = measure_residual(exec, model, state, inputs, dt);
   residual.before = before;
   StepReport report = finish(exec, model, state, dt, inputs.others);
   report.residual = residual;
-  if (can_sleep(model) && report.finite) {
+  if (may_sleep && report.finite) {
+    lay_down_rows(exec, model, state, dt, coarse);
     count_sleepers(model, state, report);
-    lay_down_rows(exec, model, state);
   }
   return report;
 }
@@ -221,7 +222,10 @@ std::uint64_t hash_of_layers(const Model& model, const State& state, std::uint64
 std::uint64_t state_hash(const Model& model, const State& state) {
   std::uint64_t hash = hash_of_layers(model, state, kHashSeed);
   if (!state.copies.empty()) hash = hash_values(std::span<const CopyShift>(state.copies), hash);
-  if (can_sleep(model)) hash = hash_values(std::span<const std::uint8_t>(state.sleep.still), hash);
+  if (can_sleep(model)) {
+    hash = hash_values(std::span<const std::uint8_t>(state.sleep.still), hash);
+    hash = hash_values(std::span<const std::uint8_t>(&state.sleep.coarse_still, 1), hash);
+  }
   return hash;
 }
 

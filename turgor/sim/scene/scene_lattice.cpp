@@ -201,8 +201,8 @@ void read_solver(SceneTable& body, lattice::SolverParams& solver) {
   table.read("damping", solver.damping, not_negative("1/s"), "velocities lose exp(−damping · t)");
   table.read(
       "sleep", solver.sleep, not_negative("m/s"),
-      "descent only: rows of the lattice near which nothing is faster for eight frames stand still until "
-      "something near them moves, is cut, touched or loaded; 0: none does");
+      "descent only: rows of the lattice near which nothing is faster for eight frames are not swept until "
+      "something near them moves, is cut, touched or loaded; 0: all are");
   table.read("pbd_stiffness", solver.pbd_stiffness, within(0, 1),
              "pbd only: scales the density-based stiffness");
   table.read("pbd_volume", solver.pbd_volume, "pbd only: keep the volumes of tetrahedra");
