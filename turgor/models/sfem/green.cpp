@@ -8,6 +8,8 @@
 #include <mutex>
 
 #include "turgor/models/sfem/dissection.hpp"
+#include "turgor/models/sfem/gpu_green.hpp"
+#include "turgor/models/sfem/kept_places.hpp"
 
 namespace turgor::sfem {
 
@@ -17,25 +19,6 @@ constexpr std::size_t kUnits = 32;  // nodes whose columns are solved together
 
 Elimination make_plan(const Model& model) {
   return plan_elimination(model.stiffness, nested_dissection(model.stiffness));
-}
-
-/// Slots of the kept nodes by place of elimination.
-struct KeptPlaces {
-  std::vector<int> by_place;  // slots, ascending places
-  std::vector<int> place;     // of each slot
-  std::vector<int> rows;      // of K, of each slot
-};
-
-KeptPlaces kept_places(const Model& model, const Elimination& plan) {
-  KeptPlaces kept;
-  for (const int v : model.green.nodes) {
-    kept.rows.push_back(model.free_node[std::size_t(v)]);
-    kept.place.push_back(plan.place[std::size_t(kept.rows.back())]);
-    kept.by_place.push_back(int(kept.by_place.size()));
-  }
-  std::sort(kept.by_place.begin(), kept.by_place.end(),
-            [&](int a, int b) { return kept.place[std::size_t(a)] < kept.place[std::size_t(b)]; });
-  return kept;
 }
 
 /// Operations of all columns, each solved down to its own place.
@@ -195,7 +178,8 @@ Status factorize(const Exec& exec, Model& model, const Progress& progress) {
   return model.factor ? Status(Done{}) : factorize_as(exec, model, make_plan(model), progress);
 }
 
-Status compute_green(const Exec& exec, Model& model, std::size_t memory_limit, const Progress& progress) {
+Status compute_green(const Exec& exec, Model& model, std::size_t memory_limit, const Progress& progress,
+                     const Gpu* gpu) {
   Elimination plan = model.factor ? Elimination{} : make_plan(model);
   const GreenCost cost = cost_of(model, model.factor ? model.factor->plan : plan);
   if (const Status fits = check_memory(model, cost, exec.threads(), memory_limit); !fits) return fits;
@@ -212,12 +196,16 @@ Status compute_green(const Exec& exec, Model& model, std::size_t memory_limit, c
   Green& green = model.green;
   clear_store(green);
   const std::size_t side = 3 * green.nodes.size();
-  if (model.params.precision == Precision::kSingle) {
-    green.single_values.resize(side * side);
-    fill_store(exec, model, green.single_values, scaled(factor_share, 1));
+  const bool single = model.params.precision == Precision::kSingle;
+  green.single_values.resize(single ? side * side : 0);
+  green.double_values.resize(single ? 0 : side * side);
+  const Progress filled = scaled(factor_share, 1);
+  if (gpu != nullptr) {
+    if (const Status there = fill_green_on(*gpu, model, filled); !there) return there;
+  } else if (single) {
+    fill_store(exec, model, green.single_values, filled);
   } else {
-    green.double_values.resize(side * side);
-    fill_store(exec, model, green.double_values, scaled(factor_share, 1));
+    fill_store(exec, model, green.double_values, filled);
   }
   green.check = full_columns(model, check_vertices(green));
   green.checksum = checksum(green);

@@ -24,6 +24,10 @@
 #include "turgor/geometry/solid_mesh.hpp"
 #include "turgor/models/sfem/cholesky.hpp"
 
+namespace turgor {
+struct Gpu;
+}
+
 namespace turgor::sfem {
 
 /// Isotropic linear elasticity.
@@ -121,8 +125,10 @@ GreenCost green_cost(const Model& model);
 
 /// Makes Model::factor unless it is there.
 Status factorize(const Exec& exec, Model& model, const Progress& progress = {});
-/// Makes the dense store. Error: it would take more than `memory_limit` bytes, with advice.
-Status compute_green(const Exec& exec, Model& model, std::size_t memory_limit, const Progress& progress = {});
+/// Makes the dense store; with a GPU the factor is made here and the columns there. Error: it would take more
+/// than `memory_limit` bytes, with advice, or more than the GPU has.
+Status compute_green(const Exec& exec, Model& model, std::size_t memory_limit, const Progress& progress = {},
+                     const Gpu* gpu = nullptr);
 /// Prepares a store without columns, filled by fetch_columns.
 Status prepare_columns(const Exec& exec, Model& model, const Progress& progress = {});
 /// Columns of these kept vertices, for a store on demand; does nothing for those that are there or fixed. Not

@@ -1,0 +1,29 @@
+#include "turgor/core/gpu_run.cuh"
+#include "turgor/models/sfem/gpu_green.hpp"
+#include "turgor/models/sfem/green_on.hpp"
+
+namespace turgor::sfem {
+
+namespace {
+
+template <class T>
+Status fill(const Gpu& gpu, const Model& model, std::vector<T>& values, const Progress& progress) {
+  Rooms<GpuSide> rooms;
+  GreenOn<GpuSide, T> there(model, rooms);
+  const auto megabytes = [](std::size_t bytes) { return std::to_string(bytes / 1000000) + " MB"; };
+  if (!rooms.all_there)
+    return Error{"Green's functions need " + megabytes(rooms.bytes) + " of a GPU's memory; " + gpu.name +
+                 " has " + megabytes(gpu.free_bytes) + " free"};
+  there.fill(values, progress);
+  return Done{};
+}
+
+}  // namespace
+
+Status fill_green_on(const Gpu& gpu, Model& model, const Progress& progress) {
+  Green& green = model.green;
+  return model.params.precision == Precision::kSingle ? fill(gpu, model, green.single_values, progress)
+                                                      : fill(gpu, model, green.double_values, progress);
+}
+
+}  // namespace turgor::sfem
