@@ -11,13 +11,13 @@ const Exec kOne(1);
 constexpr double kDt = 1.0 / 60;
 
 /// Three steps, with a blade after the first one.
-State end_of(const Gpu* gpu, Method method, TissueLaw law) {
+State end_of(const Gpu* gpu, Method method, TissueLaw law, bool coarse = false) {
   CutBlock block = cut_block(method, {13, 11, 9}, law == TissueLaw::kSprings, law);
-  block.model.params.solver.coarse = false;
+  block.model.params.solver.coarse = coarse;
   KeptState state = std::move(block.state);
   if (gpu != nullptr) state.step_on(put(*gpu, block.model).value());
   std::vector<NodeContact> contacts;
-  if (method == Method::kDescent) contacts = finger(block.model);
+  if (method == Method::kDescent && !coarse) contacts = finger(block.model);
   const NodeLoad load{.slot = node_slot(block.model.lattice, 9, 6, 8), .force = {1e-3f, 0, 5e-3f}};
   const Inputs inputs{
       .gravity = {1, 0, -9.81}, .measure_residual = true, .loads = {&load, 1}, .contacts = contacts};
@@ -45,6 +45,18 @@ TEST(gpu_lattice, bodies_step_there_as_they_do_here) {
   }
 }
 
+TEST(gpu_lattice, the_smooth_part_is_solved_for_there_as_it_is_here) {
+  const Result<Gpu> gpu = open_gpu();
+  if (!gpu) GTEST_SKIP() << gpu.error().message;
+  const State here = end_of(nullptr, Method::kDescent, TissueLaw::kSolid, true),
+              there = end_of(&*gpu, Method::kDescent, TissueLaw::kSolid, true),
+              alone = end_of(nullptr, Method::kDescent, TissueLaw::kSolid);
+  const Model model = cut_block(Method::kDescent, {13, 11, 9}, false, TissueLaw::kSolid).model;
+  const Apart found = apart(model, there, here);
+  EXPECT_LT(found.most, 1e-4 * found.largest) << "m";
+  EXPECT_GT(apart(model, here, alone).most, 0.01 * found.largest) << "m, by sweeps alone";
+}
+
 /// Of the same body, by both: how many voxels have other values.
 long other_voxels(const Gpu& gpu, const Model& model, const State& state, const CtVolume& ct) {
   const std::shared_ptr<BodyThere> body = put(gpu, model).value();
@@ -63,7 +75,7 @@ TEST(gpu_lattice, the_deformed_ct_made_there_is_the_one_made_here) {
   if (!gpu) GTEST_SKIP() << gpu.error().message;
   const CtVolume ct = ball_ct(33, 12.3);
   Model model = body_of(ct, {3, 5, 2});
-  model.params.solver.schedule = Schedule::kColours, model.params.solver.coarse = false;
+  model.params.solver.schedule = Schedule::kColours;
   State state = make_state(model);
   move(model, state, [](Vec3d x) {
     return Vec3d{0.003 * std::sin(300 * x.y), 0.004 * std::sin(400 * x.x), 0};
@@ -87,9 +99,7 @@ TEST(gpu_lattice, what_runs_there_is_known_before) {
   params.solver.schedule = Schedule::kColours;
   EXPECT_TRUE(runs_on_gpu(params));
   params.tissue.law = TissueLaw::kSolid;
-  EXPECT_FALSE(runs_on_gpu(params)) << "its coarse space does not";
-  params.solver.coarse = false;
-  EXPECT_TRUE(runs_on_gpu(params));
+  EXPECT_TRUE(runs_on_gpu(params)) << "its coarse space does too";
   params.solver.sleep = 1e-3;
   EXPECT_FALSE(runs_on_gpu(params)) << "rows do not sleep there";
   params.solver.method = Method::kPbd;

@@ -5,25 +5,17 @@
 
 #include <gtest/gtest.h>
 
-#include "turgor/models/lattice/block_body.hpp"
 #include "turgor/models/lattice/coarse.hpp"
 #include "turgor/models/lattice/colours.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/parts.hpp"
 #include "turgor/models/lattice/sweeps.hpp"
+#include "wounded_block.hpp"
 
 namespace turgor::lattice {
 namespace {
 
 const Exec kOne(1);
-
-Params solid_params(int sweeps, double damping, double tension) {
-  Params params;
-  params.tissue = {.law = TissueLaw::kSolid, .poisson = 0.3};
-  params.skin.tension_along = params.skin.tension_across = tension;
-  params.solver = {.sweeps = sweeps, .damping = damping};
-  return params;
-}
 
 /// What a bar of 13 × 5 × 5 nodes stores, of ½ E A δ²/L, when its ends are held δ apart: cut through from end
 /// to end by an upright blade `aside` steps from its side, at an angle to it; 0 = not at all.
@@ -67,30 +59,6 @@ TEST(lattice_parts, a_bar_that_is_split_along_its_length_is_as_stiff_as_both_its
   EXPECT_NEAR(stored(0.6, 10), of_tapered_bars(0.6, end), 0.05) << "cut aslant";
 }
 
-/// A block of tense skin on tissue with a cut in its middle.
-struct Wounded {
-  static constexpr double kStep = 0.004;
-  static constexpr int kN = 25;
-  Model model;
-  State state;
-  BladePath path;
-
-  Wounded(double aside, double along, double degrees, Params params) {
-    Block block{.size = {kN, kN, 7}, .step = kStep, .young = 5e3};
-    block.is_fixed = [](Int3 p) {
-      return p.x == 0 || p.y == 0 || p.z == 0 || p.x == kN - 1 || p.y == kN - 1;
-    };
-    const double angle = degrees * std::numbers::pi / 180;
-    const Vec3d line{std::cos(angle), std::sin(angle), 0};
-    params.skin.direction = line;
-    model = block_model(block, params);
-    state = make_state(model);
-    const Vec3d middle{(12 + along) * kStep, (12 + aside) * kStep, 6 * kStep};
-    path = lay_blade(model, state, {.from = middle - line * 0.018, .to = middle + line * 0.018}).value();
-    cut_edges(model, state, path, 0, 1, 0);
-  }
-};
-
 TEST(lattice_parts, a_wound_gapes_alike_wherever_its_blade_lies_in_the_cells_and_whichever_way) {
   Params params = solid_params(10, 4, 45);
   params.tissue.poisson = 0.45;
@@ -104,16 +72,6 @@ TEST(lattice_parts, a_wound_gapes_alike_wherever_its_blade_lies_in_the_cells_and
     least = std::min(least, gape), most = std::max(most, gape);
   }
   EXPECT_LT(most - least, 0.06 * most) << "m";
-}
-
-/// Throws nodes and copies about.
-void scatter(const Model& model, State& state, double way) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<float> any(-float(way), float(way));
-  for (std::size_t s = 0; s < model.inverse_mass.size(); s++)
-    if (model.inverse_mass[s] > 0) state.u.set(s, {any(random), any(random), any(random)});
-  for (CopyShift& c : state.copies) c = {any(random), any(random), any(random)};
-  state.u_before = state.u;
 }
 
 TEST(lattice_parts, forces_on_copies_are_the_gradient_of_the_energy) {

@@ -8,6 +8,7 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/arrays_on.hpp"
+#include "turgor/models/lattice/coarse_on.hpp"
 #include "turgor/models/lattice/descent_loops.hpp"
 #include "turgor/models/lattice/kept_state.hpp"
 #include "turgor/models/lattice/pbd_loops.hpp"
@@ -190,6 +191,7 @@ class BodyOn final : public BodyThere {
       pbd_.emplace(rooms, pbd_schedule(model));
     else
       descent_.emplace(rooms, model);
+    if (may_have_coarse_space(model)) coarse_.emplace(rooms, model);
   }
 
   void put_state(const Model& model, const State& state) override {
@@ -209,11 +211,13 @@ class BodyOn final : public BodyThere {
     descent_->shifts_before.room.download(state.copies_before);
   }
 
-  StepReport step(const Model& model, const Inputs& inputs, double dt, Real fastest) override {
+  StepReport step(const Model& model, const State& known, bool smooth, const Inputs& inputs,
+                  double dt) override {
     put_loads(inputs.loads);
     StepMarks marks;
     nodes_.marks.upload({&marks, 1});
-    StepReport report = descent_ ? step_descent(model, inputs, dt, fastest) : step_pbd(model, inputs, dt);
+    StepReport report =
+        descent_ ? step_descent(model, known, smooth, inputs, dt) : step_pbd(model, inputs, dt);
     nodes_.marks.download({&marks, 1});
     const Real speed2 = std::bit_cast<Real>(marks.largest);
     if (std::isfinite(speed2)) {
@@ -254,8 +258,10 @@ class BodyOn final : public BodyThere {
     return {};
   }
 
-  StepReport step_descent(const Model& model, const Inputs& inputs, double dt, Real fastest) {
+  StepReport step_descent(const Model& model, const State& known, bool smooth, const Inputs& inputs,
+                          double dt) {
     descent_->keep_pull(model);
+    if (smooth) coarse_->put(model, known);
     descent_->contacts.put(inputs.contacts);
     DescentView view = descent_->view(model, nodes_, inputs, dt);
     if (inputs.measure_residual) {
@@ -264,13 +270,16 @@ class BodyOn final : public BodyThere {
     }
     const Real wild = wild_from(model, Real(dt));
     const bool held = model.free_nodes < model.body_nodes;
-    predict_descent_with(run_, view, loads_.values(), {held, held && 2 * fastest > wild ? wild : 0});
+    predict_descent_with(run_, view, loads_.values(), {held, held && 2 * known.fastest > wild ? wild : 0});
     StepReport report;
     if (view.residual != nullptr) {
       measure_residual_with(run_, view);
       report.residual.before = residual(model).rms;
     }
-    sweep_and_finish_descent_with(run_, view, model.params.solver, dt);
+    const auto correct = [&] {
+      if (smooth) correct_smooth_part_with(run_, view, coarse_->view(model));
+    };
+    sweep_and_finish_descent_with(run_, view, model.params.solver, dt, correct);
     if (view.residual != nullptr) {
       const double before = report.residual.before;
       report.residual = residual(model);
@@ -293,6 +302,7 @@ class BodyOn final : public BodyThere {
   NodesOn<Side> nodes_;
   std::optional<PbdOn<Side>> pbd_;
   std::optional<DescentOn<Side>> descent_;
+  std::optional<CoarseOn<Side>> coarse_;
   ListOn<Side, NodeLoad> loads_;
   ResampledOn<Side> resampled_;
 };

@@ -2,7 +2,6 @@
 #include "turgor/models/lattice/coarse.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "turgor/models/lattice/cells.hpp"
@@ -320,10 +319,14 @@ void find_left_over(const Exec& exec, const Model& model, State& state, const Co
   });
 }
 
-bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt) {
+bool may_have_coarse_space(const Model& model) {
   const Params& params = model.params;
-  if (!params.solver.coarse || params.solver.method != Method::kDescent) return false;
-  if (params.tissue.law != TissueLaw::kSolid || !inputs.contacts.empty()) return false;
+  return params.solver.coarse && params.solver.method == Method::kDescent &&
+         params.tissue.law == TissueLaw::kSolid;
+}
+
+bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt) {
+  if (!may_have_coarse_space(model) || !inputs.contacts.empty()) return false;
   const std::size_t cuts = cut_version(state);
   const bool goes_on = blade_goes_on(state, cuts);
   if (is_at_rest(model, state, inputs, dt)) return false;
@@ -339,16 +342,14 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
 
 void correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                          double dt) {
-  constexpr double kFarthest = 1.5;  // of what the space says
   const CoarseSpace& space = *state.coarse;
   const auto forces = [&] { return gather_unknowns(exec, model, state, inputs, dt); };
   const std::vector<double> before = forces(), way = space.stiffness.solve(before);
   const double slope = work(before, way);
   if (!(slope > 0)) return;
   move_nodes(exec, model, state, space, way, 1);
-  const double after = work(forces(), way);
-  const double part = slope > after ? std::min(kFarthest, slope / (slope - after)) : kFarthest;
-  move_nodes(exec, model, state, space, way, (std::isfinite(after) ? part : 0) - 1);
+  const double part = part_of_way(slope, work(forces(), way));
+  move_nodes(exec, model, state, space, way, part - 1);
 }
 
 std::size_t memory_bytes(const CoarseSpace& space) {

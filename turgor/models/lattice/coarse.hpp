@@ -6,6 +6,8 @@
 // energy by more than what is not linear in it. [Galerkin; Dick, Georgii and Westermann 2011 for cuts]
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <memory>
 #include <span>
@@ -30,6 +32,25 @@ struct CoarseBlock {
   Leaf leaf;
   std::array<int, 8> corner{};  // rows of CoarseSpace::row_begin
 };
+
+/// Where a node is between the corners of a block, in [0, 1]; outside of it, where the block is nearest.
+TURGOR_HD inline Vec3 place_in_block(const CoarseBlock& block, Int3 node) {
+  const Vec3 t = Vec3(node - block.low) * (1 / float(block.size));
+  const auto between = [](float a) { return std::min(1.0f, std::max(0.0f, a)); };
+  return {between(t.x), between(t.y), between(t.z)};
+}
+/// How much of a corner's motion there is at a place.
+TURGOR_HD inline float corner_weight(Vec3 place, int corner) {
+  const float x = corner & 1 ? place.x : 1 - place.x, y = corner & 2 ? place.y : 1 - place.y,
+              z = corner & 4 ? place.z : 1 - place.z;
+  return x * (y * z);
+}
+inline std::array<float, 8> corner_weights(const CoarseBlock& block, Int3 node) {
+  const Vec3 place = place_in_block(block, node);
+  std::array<float, 8> weights;
+  for (int c = 0; c < 8; c++) weights[std::size_t(c)] = corner_weight(place, c);
+  return weights;
+}
 
 /// What a corner, or a node beside a blade's end, is of the unknowns: Σ weight · unknown.
 struct CoarseTerm {
@@ -89,6 +110,8 @@ void find_left_over(const Exec& exec, const Model& model, State& state, const Co
                     const Inputs& inputs, double dt, LeftOver& room,
                     const std::function<void(int, int, LayerForces)>& see);
 
+/// Could there be a space for it, if not in every step?
+bool may_have_coarse_space(const Model& model);
 /// Makes the space anew when cuts or longer steps ask for it; while a blade is on its way, or nothing moves,
 /// there is none. Is there one that this step can use? Not where contacts press, tissue is springs,
 /// or the step is a part of one that the space was made for.
@@ -96,6 +119,14 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
 /// One step in the coarse space, between sweeps: towards the minimum of what is quadratic there, as far along
 /// that way as the forces at its end say.
 void correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+
+/// How much of a way to go whose slope is `before` where it begins, and `after` at its end: to where it would
+/// be nil, but not much farther than the end. The numbers of the end may be none.
+TURGOR_HD inline double part_of_way(double before, double after) {
+  constexpr double kFarthest = 1.5;
+  if (!(after - after == 0)) return 0;
+  return before > after ? std::min(kFarthest, before / (before - after)) : kFarthest;
+}
 
 /// Memory of a space, its factors among it.
 std::size_t memory_bytes(const CoarseSpace& space);

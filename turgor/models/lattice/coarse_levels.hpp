@@ -45,7 +45,4 @@ void factor_coarse_space(const Model& model, const State& state, std::span<const
 /// The other end of an edge.
 int end_of(const Lattice& lattice, const LooseEdge& edge);
 
-/// Where a place lies between the corners of a block: eight weights.
-std::array<float, 8> corner_weights(const CoarseBlock& block, Int3 node);
-
 }  // namespace turgor::lattice

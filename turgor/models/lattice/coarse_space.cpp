@@ -154,14 +154,6 @@ Runs cells_that_move(const Model& model) {
 
 }  // namespace
 
-std::array<float, 8> corner_weights(const CoarseBlock& block, Int3 node) {
-  const Vec3 t = Vec3(node - block.low) * (1 / float(block.size));
-  const auto between = [](float a) { return std::min(1.0f, std::max(0.0f, a)); };
-  const float x = between(t.x), y = between(t.y), z = between(t.z);
-  const float w00 = (1 - y) * (1 - z), w10 = y * (1 - z), w01 = (1 - y) * z, w11 = y * z;
-  return {(1 - x) * w00, x * w00, (1 - x) * w10, x * w10, (1 - x) * w01, x * w01, (1 - x) * w11, x * w11};
-}
-
 int end_of(const Lattice& l, const LooseEdge& edge) {
   return edge.slot + slot_offset(l, kFamilies[std::size_t(edge.family)], slot_node(l, edge.slot).x & 1);
 }

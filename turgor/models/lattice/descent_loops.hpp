@@ -1,7 +1,7 @@
 // A step of vertex block descent by colours, as loops over plain pointers: a thread a node, and a thread a
 // copy beside a blade. Springs and volumes or solid cells, skin, parts, loads, contacts. The same source runs
 // on a CPU (CpuRun, ShuffledRun) and on a GPU; on a CPU step() is faster and means the same. Nobody sleeps
-// here, and there is no coarse space.
+// here. The smooth part of a step is coarse_loops.hpp.
 #pragma once
 
 #include "turgor/models/lattice/colours.hpp"
@@ -275,12 +275,16 @@ void predict_descent_with(const Run& run, const DescentView& v, std::span<const 
   run(v.body.count(), PredictNode{v.body, start.held ? Vec3{} : v.inertia.fall, dt});
   run(loads.size(), AddLoad{v.body, loads.data(), int(loads.size()), dt});
 }
-/// And its sweeps, and what is left behind.
-template <class Run>
+/// And its sweeps, and what is left behind. `correct` is called where the smooth part of a step is solved
+/// for.
+template <class Run, class Correct>
 void sweep_and_finish_descent_with(const Run& run, const DescentView& v, const SolverParams& solver,
-                                   double dt) {
-  for (int sweep = 0; sweep < solver.sweeps; sweep++)
+                                   double dt, const Correct& correct) {
+  for (int sweep = 0; sweep < solver.sweeps; sweep++) {
+    if (is_turn(v.young != nullptr, sweep, solver.sweeps)) correct();
     sweep_descent_with(run, v, sweep_order(v.young != nullptr, sweep, solver.sweeps));
+  }
+  correct();
   if (v.residual != nullptr) measure_residual_with(run, v);
   run(v.body.count(), FinishNode{v.body, speed_scale(solver, dt)});
 }

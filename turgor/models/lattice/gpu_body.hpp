@@ -1,5 +1,5 @@
-// A lattice on a GPU: either solver by colours, with skin, volumes or solid cells, cuts, loads and contacts;
-// without a coarse space, and nobody sleeps.
+// A lattice on a GPU: either solver by colours, with skin, volumes or solid cells, cuts, loads and contacts,
+// and the coarse space; nobody sleeps.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,7 @@ namespace turgor::lattice {
 inline bool runs_on_gpu(const Params& params) {
   const SolverParams& solver = params.solver;
   if (solver.schedule != Schedule::kColours) return false;
-  return solver.method == Method::kPbd ||
-         (solver.sleep == 0 && (params.tissue.law == TissueLaw::kSprings || !solver.coarse));
+  return solver.method == Method::kPbd || solver.sleep == 0;
 }
 /// Copies the model over, for KeptState::step_on. Error: the memory that it needs and that there is.
 Result<std::shared_ptr<BodyThere>> put(const Gpu& gpu, const Model& model);

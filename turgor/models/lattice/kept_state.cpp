@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "turgor/core/timing.hpp"
+#include "turgor/models/lattice/coarse.hpp"
 
 namespace turgor::lattice {
 
@@ -99,7 +100,8 @@ StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& i
   put_over(model, kept_);
   kept_->go();
   State& state = kept_->state;
-  const StepReport report = kept_->there->step(model, inputs, dt, state.fastest);
+  const bool smooth = prepare_coarse_space(model, state, inputs, dt);
+  const StepReport report = kept_->there->step(model, state, smooth, inputs, dt);
   state.fastest = report.largest_speed;
   if (report.finite) state.time += dt;
   if (kept_->watched) kept_->come_back(), kept_->changed = Changed::kAll;

@@ -31,8 +31,10 @@ struct BodyThere {
   /// Places and velocities.
   virtual void get_state(State& state) const = 0;
   /// Of the state that is there; a step whose numbers are not finite is undone. The model is the one that was
-  /// put; its sweeps, damping and skin may be others since. `fastest`: State::fastest.
-  virtual StepReport step(const Model& model, const Inputs& inputs, double dt, Real fastest) = 0;
+  /// put; its sweeps, damping and skin may be others since. `known`: the state that is there, without places
+  /// and velocities. `smooth`: is its coarse space to be used (prepare_coarse_space)?
+  virtual StepReport step(const Model& model, const State& known, bool smooth, const Inputs& inputs,
+                          double dt) = 0;
   /// What resample_ct makes, left there until the next; nothing where there is no room for it. `cuts`: the
   /// state that is there, of which only what blades did to it is looked at. `ct` is the one that the body was
   /// built from.

@@ -188,10 +188,8 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
       sweep_pbd(exec, model, state, inputs.others);
       continue;
     }
-    const Order order = sweep_order(solid, sweep, sweeps);
-    const bool turns = order == Order::kBackward && 2 * (sweep - 1) < sweeps;
-    if (solves && turns) correct_smooth_part(exec, model, state, inputs, dt);
-    sweep_descent(exec, model, state, inputs, dt, order);
+    if (solves && is_turn(solid, sweep, sweeps)) correct_smooth_part(exec, model, state, inputs, dt);
+    sweep_descent(exec, model, state, inputs, dt, sweep_order(solid, sweep, sweeps));
   }
   if (solves) correct_smooth_part(exec, model, state, inputs, dt);
   if (measures) residual = measure_residual(exec, model, state, inputs, dt);

@@ -21,6 +21,10 @@ void sweep_descent(const Exec& exec, const Model& model, State& state, const Inp
 inline Order sweep_order(bool solid, int sweep, int sweeps) {
   return solid && 2 * sweep >= sweeps ? Order::kBackward : Order::kForward;
 }
+/// Is it the first that goes backward?
+inline bool is_turn(bool solid, int sweep, int sweeps) {
+  return sweep > 0 && sweep_order(solid, sweep, sweeps) != sweep_order(solid, sweep - 1, sweeps);
+}
 /// Velocities from the way gone, damped; or everything back if a number is not finite.
 StepReport finish(const Exec& exec, const Model& model, State& state, double dt,
                   const Others* others = nullptr);

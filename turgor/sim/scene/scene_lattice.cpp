@@ -222,9 +222,8 @@ void check_solid(SceneTable& body, const lattice::Params& params) {
               "solid tissue takes half of its sweeps forward and half backward: expected at least 2 sweeps");
 }
 
-/// What a GPU does not do is refused, but for the coarse space, without which it steps.
-void check_gpu(SceneTable& body, lattice::SolverParams& solver) {
-  solver.coarse = false;
+/// What a GPU does not do is refused.
+void check_gpu(SceneTable& body, const lattice::SolverParams& solver) {
   if (solver.schedule != Schedule::kColours)
     body.fail("solver",
               "world.device = \"gpu\" sweeps by solver.schedule = \"colours\" alone; set it, or "

@@ -116,10 +116,7 @@ Status put_on_gpu(LatticeBody& body) {
   Result<std::shared_ptr<lattice::BodyThere>> there = put(*gpu, body.model);
   if (!there) return Error{"world.device = \"gpu\": " + there.error().message};
   body.state.step_on(std::move(*there));
-  const bool solid = body.model.params.tissue.law == lattice::TissueLaw::kSolid;
-  body.notes.push_back(
-      "steps on " + gpu->name +
-      (solid ? ", without a coarse space: what is smooth of a motion takes more frames" : ""));
+  body.notes.push_back("steps on " + gpu->name);
   return Done{};
 }
 
