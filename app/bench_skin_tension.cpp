@@ -69,8 +69,8 @@ void frames_by_turns(const Exec& exec, const Model& a, const Model& b, double& m
   ms_a = median(times_a), ms_b = median(times_b);
 }
 
-double gpu_frame_ms(const Gpu& gpu, const Model& model) {
-  const auto body = lattice::put(gpu, model);
+double gpu_frame_ms(const Gpu& gpu, const Model& model, lattice::Frames frames) {
+  const auto body = lattice::put(gpu, model, frames);
   if (!body) return 0;
   lattice::KeptState state = make_state(model);
   state.step_on(*body);
@@ -85,7 +85,10 @@ ScheduleTimes measure_schedules(const Exec& exec, const BodyNodes& nodes, Params
   params.solver.schedule = lattice::Schedule::kColours;
   const Model colours = lattice::assemble(exec, nodes, nullptr, params).value();
   frames_by_turns(exec, slabs, colours, times.slabs, times.colours);
-  if (const Result<Gpu> gpu = open_gpu()) times.gpu = gpu_frame_ms(*gpu, colours);
+  if (const Result<Gpu> gpu = open_gpu()) {
+    times.gpu = gpu_frame_ms(*gpu, colours, lattice::Frames::kAsGraphs);
+    times.gpu_one_by_one = gpu_frame_ms(*gpu, colours, lattice::Frames::kOneByOne);
+  }
   return times;
 }
 

@@ -18,10 +18,10 @@ struct SkinTensionTimes {
   double frame_without = 0, frame_with = 0;
 };
 
-/// Frames of one body by both orders of a sweep, in turns, and on a GPU, where the state stays; 0: there is
-/// none [ms].
+/// Frames of one body by both orders of a sweep, in turns, and on a GPU, where the state stays, as a graph
+/// and kernel by kernel; 0: there is none [ms].
 struct ScheduleTimes {
-  double slabs = 0, colours = 0, gpu = 0;
+  double slabs = 0, colours = 0, gpu = 0, gpu_one_by_one = 0;
 };
 
 struct SkinTensionRow {

@@ -57,6 +57,31 @@ TEST(gpu_lattice, the_smooth_part_is_solved_for_there_as_it_is_here) {
   EXPECT_GT(apart(model, here, alone).most, 0.01 * found.largest) << "m, by sweeps alone";
 }
 
+TEST(gpu_lattice, frames_as_graphs_have_the_bits_of_kernels_one_by_one) {
+  const Result<Gpu> gpu = open_gpu();
+  if (!gpu) GTEST_SKIP() << gpu.error().message;
+  const auto end = [&](Frames frames, TissueLaw law) {
+    CutBlock block = cut_block(Method::kDescent, {13, 11, 9}, false, law);
+    KeptState state = std::move(block.state);
+    state.step_on(put(*gpu, block.model, frames).value());
+    for (int n = 0; n < 8; n++) {
+      const NodeLoad load{.slot = node_slot(block.model.lattice, 9, 6, 8), .force = {1e-3f, 0, 5e-3f}};
+      const Inputs inputs{
+          .gravity = {n < 2 ? 0.0 : 1.0, 0, -9.81},  // and a load less, shorter steps, a blade
+          .measure_residual = n > 6,
+          .loads = {&load, std::size_t(n < 4)}};
+      EXPECT_TRUE(state.step(kOne, block.model, inputs, n < 5 ? kDt : kDt / 2).finite);
+      if (n != 3) continue;
+      const BladePath path =
+          lay_blade(block.model, state, {.from = {0.012, 0.016, 0.032}, .to = {0.03, 0.016, 0.032}}).value();
+      EXPECT_GT(state.cut_edges(block.model, path, 0, 1, 1), 10);
+    }
+    return state_hash(block.model, state);
+  };
+  for (const TissueLaw law : {TissueLaw::kSprings, TissueLaw::kSolid})
+    EXPECT_EQ(end(Frames::kAsGraphs, law), end(Frames::kOneByOne, law));
+}
+
 /// Of the same body, by both: how many voxels have other values.
 long other_voxels(const Gpu& gpu, const Model& model, const State& state, const CtVolume& ct) {
   const std::shared_ptr<BodyThere> body = put(gpu, model).value();

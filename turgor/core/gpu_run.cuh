@@ -1,6 +1,11 @@
 // Loops on a GPU: the third kind of run (run.hpp), for .cu files alone.
 #pragma once
 
+#include <cstring>
+#include <memory>
+#include <type_traits>
+#include <vector>
+
 #include <cuda_runtime.h>
 
 #include "turgor/core/gpu.hpp"
@@ -14,18 +19,107 @@ __global__ void call_kernel(std::size_t count, const Kernel kernel) {
   if (n < count) kernel(n);
 }
 
-/// A thread an index. What is run next on the same stream begins when this is done.
+/// Loops that were written down to go over together, one after the other: a graph, which a GPU replays without
+/// being told of each anew. It is renewed when a loop, how far it goes or a number in it is another than the
+/// last time, as after a cut; bits between numbers may ask for one renewal too many.
+class LoopGraph {
+ public:
+  LoopGraph() = default;
+  LoopGraph(const LoopGraph&) = delete;
+  LoopGraph& operator=(const LoopGraph&) = delete;
+  ~LoopGraph() {
+    if (graph_) cudaGraphExecDestroy(graph_);
+  }
+
+  void begin() { is_open = true, next_ = 0; }
+  void add(const void* function, dim3 blocks, dim3 threads, std::size_t count, const void* kernel,
+           std::size_t bytes) {
+    if (next_ == loops_.size()) loops_.emplace_back();
+    Loop& loop = loops_[next_++];
+    const bool is_same = loop.function == function && loop.count == count && loop.kernel.size() == bytes &&
+                         std::memcmp(loop.kernel.data(), kernel, bytes) == 0;
+    if (is_same) return;
+    const auto* first = static_cast<const std::byte*>(kernel);
+    loop = {function, blocks, threads, count, {first, first + bytes}};
+    has_changed_ = true;
+  }
+  void end_and_launch() {
+    is_open = false;
+    if (next_ != loops_.size()) loops_.resize(next_), has_changed_ = true;
+    if (loops_.empty()) return;
+    if (has_changed_) renew();
+    has_changed_ = false;
+    check(cudaGraphLaunch(graph_, nullptr));
+  }
+
+  bool is_open = false;
+
+ private:
+  struct Loop {
+    const void* function = nullptr;
+    dim3 blocks, threads;
+    std::size_t count = 0;
+    std::vector<std::byte> kernel;
+  };
+
+  static void check(cudaError_t error) { TURGOR_ASSERT(error == cudaSuccess, cudaGetErrorString(error)); }
+
+  /// A graph of as many kernels takes their new arguments; else it is made anew.
+  void renew() {
+    cudaGraph_t chain = nullptr;
+    check(cudaGraphCreate(&chain, 0));
+    cudaGraphNode_t last = nullptr;
+    for (Loop& loop : loops_) {
+      void* arguments[] = {&loop.count, loop.kernel.data()};
+      cudaKernelNodeParams node{};
+      node.func = const_cast<void*>(loop.function);
+      node.gridDim = loop.blocks, node.blockDim = loop.threads;
+      node.kernelParams = arguments;
+      const cudaGraphNode_t before = last;
+      check(cudaGraphAddKernelNode(&last, chain, before ? &before : nullptr, before ? 1 : 0, &node));
+    }
+    cudaGraphExecUpdateResultInfo updated{};
+    if (!graph_ || cudaGraphExecUpdate(graph_, chain, &updated) != cudaSuccess) {
+      cudaGetLastError();  // that it is another graph is no error
+      if (graph_) cudaGraphExecDestroy(graph_);
+      check(cudaGraphInstantiate(&graph_, chain, 0));
+    }
+    check(cudaGraphDestroy(chain));
+  }
+
+  std::vector<Loop> loops_;
+  std::size_t next_ = 0;
+  bool has_changed_ = false;
+  cudaGraphExec_t graph_ = nullptr;
+};
+
+/// A thread an index. What is run next begins when this is done.
 struct GpuRun {
-  cudaStream_t stream = nullptr;
+  bool one_by_one = false;  // no graphs
+  std::unique_ptr<LoopGraph> together = std::make_unique<LoopGraph>();
 
   template <class Kernel>
   void operator()(std::size_t count, const Kernel& kernel, std::size_t = 1) const {
     static_assert(sizeof(Kernel) <= 4000, "kernels go over as arguments, of which there may be 4096 bytes");
+    static_assert(std::is_trivially_copyable_v<Kernel>, "kernels go over as they are in memory");
     constexpr unsigned kThreads = 128;
-    if (count > 0)
-      call_kernel<<<unsigned((count + kThreads - 1) / kThreads), kThreads, 0, stream>>>(count, kernel);
+    const auto blocks = unsigned((count + kThreads - 1) / kThreads);
+    if (count == 0) return;
+    if (together->is_open)
+      together->add(reinterpret_cast<const void*>(&call_kernel<Kernel>), blocks, kThreads, count, &kernel,
+                    sizeof(Kernel));
+    else
+      call_kernel<<<blocks, kThreads>>>(count, kernel);
   }
 };
+/// run_together (run.hpp), as a graph.
+template <class Loops>
+void run_together(const GpuRun& run, const Loops& loops) {
+  if (run.one_by_one) return loops();
+  run.together->begin();
+  loops();
+  run.together->end_and_launch();
+}
 
 /// A GPU as the side that arrays and loops are on.
 struct GpuSide {

@@ -38,4 +38,11 @@ struct ShuffledRun {
   }
 };
 
+/// Calls loops(), which runs loops of `run` and touches nothing that they do: all of what they are for may be
+/// told to a GPU at once.
+template <class Run, class Loops>
+void run_together(const Run&, const Loops& loops) {
+  loops();
+}
+
 }  // namespace turgor

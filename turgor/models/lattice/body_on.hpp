@@ -186,7 +186,8 @@ struct DescentOn {
 template <class Side>
 class BodyOn final : public BodyThere {
  public:
-  BodyOn(const Model& model, Rooms<Side>& rooms) : nodes_(rooms, model) {
+  BodyOn(const Model& model, Rooms<Side>& rooms, typename Side::Run run = {})
+      : run_(std::move(run)), nodes_(rooms, model) {
     if (model.params.solver.method == Method::kPbd)
       pbd_.emplace(rooms, pbd_schedule(model));
     else
@@ -253,8 +254,10 @@ class BodyOn final : public BodyThere {
 
   StepReport step_pbd(const Model& model, const Inputs& inputs, double dt) {
     TURGOR_ASSERT(inputs.contacts.empty(), "contacts press with newtons, which projections do not know");
-    step_pbd_with(run_, pbd_->view(model, nodes_), loads_.values(), lattice_gravity(model, inputs),
-                  model.params.solver, dt);
+    run_together(run_, [&] {
+      step_pbd_with(run_, pbd_->view(model, nodes_), loads_.values(), lattice_gravity(model, inputs),
+                    model.params.solver, dt);
+    });
     return {};
   }
 
@@ -263,42 +266,41 @@ class BodyOn final : public BodyThere {
     descent_->keep_pull(model);
     if (smooth) coarse_->put(model, known);
     descent_->contacts.put(inputs.contacts);
-    DescentView view = descent_->view(model, nodes_, inputs, dt);
+    DescentView view = descent_->view(model, nodes_, inputs, dt), ahead = view;
+    const auto parts = std::size_t(ResidualOfGroups::count(view) + view.copies_of.begin[kColourCount]);
     if (inputs.measure_residual) {
-      descent_->residual.fit(std::size_t(ResidualOfGroups::count(view) + view.copies_of.begin[kColourCount]));
-      view.residual = descent_->residual.data();
+      descent_->residual.fit(2 * parts);
+      ahead.residual = descent_->residual.data(), view.residual = ahead.residual + parts;
     }
     const Real wild = wild_from(model, Real(dt));
     const bool held = model.free_nodes < model.body_nodes;
-    predict_descent_with(run_, view, loads_.values(), {held, held && 2 * known.fastest > wild ? wild : 0});
+    run_together(run_, [&] {
+      predict_descent_with(run_, view, loads_.values(), {held, held && 2 * known.fastest > wild ? wild : 0});
+      if (inputs.measure_residual) measure_residual_with(run_, ahead);
+      sweep_and_finish_descent_with(run_, view, model.params.solver, dt, [&] {
+        if (smooth) correct_smooth_part_with(run_, view, coarse_->view(model));
+      });
+    });
     StepReport report;
-    if (view.residual != nullptr) {
-      measure_residual_with(run_, view);
-      report.residual.before = residual(model).rms;
-    }
-    const auto correct = [&] {
-      if (smooth) correct_smooth_part_with(run_, view, coarse_->view(model));
-    };
-    sweep_and_finish_descent_with(run_, view, model.params.solver, dt, correct);
-    if (view.residual != nullptr) {
-      const double before = report.residual.before;
-      report.residual = residual(model);
-      report.residual.before = before;
-    }
+    if (inputs.measure_residual) report.residual = residual(model, parts);
     descent_->contacts.room.download(inputs.contacts);
     return report;
   }
 
-  Residual residual(const Model& model) const {
-    std::vector<PartOfResidual> parts(descent_->residual.count);
+  /// Before the sweeps and after them, of so many parts each.
+  Residual residual(const Model& model, std::size_t count) const {
+    std::vector<PartOfResidual> parts(2 * count);
     descent_->residual.room.download(parts);
-    PartOfResidual all;
-    for (const PartOfResidual& part : parts)
-      all.largest2 = std::max(all.largest2, part.largest2), all.sum2 += part.sum2;
-    return {.largest = std::sqrt(all.largest2), .rms = std::sqrt(all.sum2 / std::max(1, model.free_nodes))};
+    PartOfResidual all[2];
+    for (std::size_t n = 0; n < parts.size(); n++) {
+      PartOfResidual& sum = all[n / count];
+      sum.largest2 = std::max(sum.largest2, parts[n].largest2), sum.sum2 += parts[n].sum2;
+    }
+    const auto rms = [&](double sum2) { return std::sqrt(sum2 / std::max(1, model.free_nodes)); };
+    return {.largest = std::sqrt(all[1].largest2), .rms = rms(all[1].sum2), .before = rms(all[0].sum2)};
   }
 
-  typename Side::Run run_{};
+  typename Side::Run run_;
   NodesOn<Side> nodes_;
   std::optional<PbdOn<Side>> pbd_;
   std::optional<DescentOn<Side>> descent_;

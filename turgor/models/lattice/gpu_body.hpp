@@ -15,7 +15,9 @@ inline bool runs_on_gpu(const Params& params) {
   if (solver.schedule != Schedule::kColours) return false;
   return solver.method == Method::kPbd || solver.sleep == 0;
 }
+/// Are the kernels of a frame told to the GPU as one graph, or one by one? The latter is for comparison.
+enum class Frames { kAsGraphs, kOneByOne };
 /// Copies the model over, for KeptState::step_on. Error: the memory that it needs and that there is.
-Result<std::shared_ptr<BodyThere>> put(const Gpu& gpu, const Model& model);
+Result<std::shared_ptr<BodyThere>> put(const Gpu& gpu, const Model& model, Frames frames = Frames::kAsGraphs);
 
 }  // namespace turgor::lattice

@@ -3,6 +3,6 @@
 
 namespace turgor::lattice {
 
-Result<std::shared_ptr<BodyThere>> put(const Gpu&, const Model&) { return open_gpu().error(); }
+Result<std::shared_ptr<BodyThere>> put(const Gpu&, const Model&, Frames) { return open_gpu().error(); }
 
 }  // namespace turgor::lattice
