@@ -6,6 +6,7 @@
 
 #include "turgor/models/cloth/membrane.hpp"
 #include "turgor/models/cloth/sheet_view.hpp"
+#include "turgor/models/cloth/wind_loops.hpp"
 
 namespace turgor::cloth::tension {
 
@@ -115,5 +116,30 @@ inline MembraneView view(const Membrane& m, const std::vector<Int3>& triangles) 
           m.slot.data(),
           m.wide_slot.empty() ? nullptr : m.wide_slot.data()};
 }
+
+/// The tensions around a vertex, by all of its triangles: what find_tensions makes, for a thread a vertex.
+struct TensionsAround {
+  SheetView sheet;
+  MembraneView membrane;
+  TrianglesAround around;
+
+  TURGOR_HD void operator()(std::size_t v) const {
+    for (int slot = sheet.rows.begin(v); slot < sheet.rows.end(v); slot++)
+      sheet.across[entry_of<Real>(slot, v)] = 0;
+    for (int n = around.begin[v]; n < around.begin[v + 1]; n++) {
+      const int t = around.item[n];
+      const Int3 corner = membrane.triangles[t];
+      const Vec3 a = sheet.x[std::size_t(corner.x)];
+      const tension::Slopes<Real> g{{membrane.second[0][t], membrane.second[1][t]},
+                                    {membrane.third[0][t], membrane.third[1][t]}};
+      const tension::Sides<Real> found =
+          tensions(membrane.law, g, sheet.x[std::size_t(corner.y)] - a, sheet.x[std::size_t(corner.z)] - a);
+      for (int side = 0; side < 3; side++)
+        for (int end = 0; end < 2; end++)
+          if (std::size_t(corner[(side + end) % 3]) == v)
+            sheet.across[membrane.entry(sheet, v, t, 2 * side + end)] += found.side[side];
+    }
+  }
+};
 
 }  // namespace turgor::cloth

@@ -1,7 +1,6 @@
 // Velocities and places in a step: what is done to every vertex, in any order.
 #pragma once
 
-#include "turgor/core/atomic_max.hpp"
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/sheet_view.hpp"
 

@@ -45,6 +45,17 @@ struct AirAt {
 struct TriangleLoad {
   Vec3 impulse, normal;
   Real across = 0, along = 0;  // minus its derivatives by velocity: normal and tangential
+
+  /// Of minus the derivative's matrix.
+  TURGOR_HD Vec3 diagonal() const {
+    const Real d = across - along;
+    return {along + d * normal.x * normal.x, along + d * normal.y * normal.y,
+            along + d * normal.z * normal.z};
+  }
+  TURGOR_HD Vec3 off_diagonal() const {
+    const Real d = across - along;
+    return {d * normal.x * normal.y, d * normal.x * normal.z, d * normal.y * normal.z};
+  }
 };
 
 /// Triangles in the wind.
@@ -70,11 +81,28 @@ struct Sails {
     impulse.set(vertex, {}), diagonal.set(vertex, {}), off_diagonal.set(vertex, {});
   }
   TURGOR_HD void add(std::size_t vertex, const TriangleLoad& load) const {
-    const auto [nx, ny, nz] = load.normal;
-    const Real d = load.across - load.along;
     impulse.add(vertex, load.impulse);
-    diagonal.add(vertex, {load.along + d * nx * nx, load.along + d * ny * ny, load.along + d * nz * nz});
-    off_diagonal.add(vertex, {d * nx * ny, d * nx * nz, d * ny * nz});
+    diagonal.add(vertex, load.diagonal()), off_diagonal.add(vertex, load.off_diagonal());
+  }
+};
+
+/// Lists of the triangles around each vertex, ascending, also for what fills the last batch.
+struct TrianglesAround {
+  const int *begin, *item;
+};
+
+/// A vertex by all of its triangles: what Sails::add sums up, for a thread a vertex.
+struct BlowVertex {
+  Sails sails;
+  TrianglesAround around;
+
+  TURGOR_HD void operator()(std::size_t v) const {
+    Vec3 impulse, diagonal, off;
+    for (int n = around.begin[v]; n < around.begin[v + 1]; n++) {
+      const TriangleLoad load = sails.load_of(sails.triangles[around.item[n]]);
+      impulse += load.impulse, diagonal += load.diagonal(), off += load.off_diagonal();
+    }
+    sails.impulse.set(v, impulse), sails.diagonal.set(v, diagonal), sails.off_diagonal.set(v, off);
   }
 };
 

@@ -129,8 +129,8 @@ void read_world(SceneTable world, Scene& scene) {
              "steps a second; a run has at most a million");
   world.read_choice<Device>(
       "device", scene.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
-      "where lattices step; `\"gpu\"`, of NVIDIA, needs `solver.schedule = \"colours\"` and "
-      "has no coarse space");
+      "where lattices and cloth step; `\"gpu\"`, of NVIDIA: lattices need `solver.schedule = "
+      "\"colours\"` and have no coarse space, cloth is solved by sweeps");
   world.finish();
 }
 
