@@ -71,7 +71,7 @@ ClothFrameRow measure_frames(const Exec& exec, double bandwidth, int side) {
     (self ? row.self_one : row.alone_one) = frame_ms(one, sheet);
     (self ? row.self : row.alone) = frame_ms(exec, sheet);
     const Result<Gpu> gpu = open_gpu();
-    if (gpu && !self) row.gpu_alone = gpu_frame_ms(*gpu, sheet);
+    if (gpu) (self ? row.gpu_self : row.gpu_alone) = gpu_frame_ms(*gpu, sheet);
     if (!self) continue;
     row.contacts_per_vertex = double(sheet.state.contacts.list.size()) / row.vertices;
     row.bytes_per_vertex = double(memory_bytes(sheet.model, sheet.state)) / row.vertices;

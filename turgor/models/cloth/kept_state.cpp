@@ -85,7 +85,7 @@ StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& i
   const std::lock_guard lock(kept_->there->in_use);
   put_over(model, kept_);
   kept_->go();
-  const StepReport report = kept_->there->step(model, kept_->state, inputs, frame);
+  const StepReport report = kept_->there->step(exec, model, kept_->state, inputs, frame);
   if (kept_->watched) kept_->come_back(), kept_->changed = true;
   return report;
 }

@@ -21,7 +21,8 @@ struct SheetThere {
   virtual void get_state(State& state) const = 0;
   /// Of the state that is there, with the holds and times of this one. The model is the one that was put; its
   /// sweeps, damping, friction and strain limit may be others since.
-  virtual StepReport step(const Model& model, State& state, const Inputs& inputs, double frame) = 0;
+  virtual StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                          double frame) = 0;
 
   std::mutex in_use;
   std::weak_ptr<StateAndPlace> whose;  // state it holds

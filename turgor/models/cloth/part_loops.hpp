@@ -99,9 +99,7 @@ struct PlaceHolds {
   SheetView sheet;
   const Hold* holds;
 
-  TURGOR_HD void operator()(std::size_t n) const {
-    sheet.x.set(std::size_t(holds[n].vertex), holds[n].goal);
-  }
+  TURGOR_HD void operator()(std::size_t n) const { sheet.x.set(std::size_t(holds[n].vertex), holds[n].goal); }
 };
 
 struct CopyVectors {
@@ -121,9 +119,7 @@ struct FindLargestSpeed {
   ConstVectorsView v;
   std::uint32_t* largest;
 
-  TURGOR_HD void operator()(std::size_t i) const {
-    atomic_max(*largest, magnitude_bits(dot(v[i], v[i])));
-  }
+  TURGOR_HD void operator()(std::size_t i) const { atomic_max(*largest, magnitude_bits(dot(v[i], v[i]))); }
 };
 
 /// Squares of the force and of what is left of it, over the free vertices [N²·s²].
@@ -142,7 +138,8 @@ struct SumSquares {
     LeftSquares sum;
     for (std::size_t i = begin; i < end; i++) {
       const Vec3 force = sheet.force[i] * is_free<Real>(sheet, i);
-      const Vec3 left = left_over<Real>(sheet, keep, sheet.change, sheet.force[i], i, [](Vec3 a) { return a; });
+      const Vec3 left =
+          left_over<Real>(sheet, keep, sheet.change, sheet.force[i], i, [](Vec3 a) { return a; });
       sum.force += double(dot(force, force)), sum.left += double(dot(left, left));
     }
     sums[p] = sum;

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "turgor/core/arrays_on.hpp"
+#include "turgor/models/cloth/contacts_on.hpp"
 #include "turgor/models/cloth/kept_state.hpp"
 #include "turgor/models/cloth/membrane_tension.hpp"
 #include "turgor/models/cloth/motion_loops.hpp"
@@ -84,8 +85,12 @@ struct TrianglesOn {
   }
   TrianglesAround around() const { return {begin.data(), item.data()}; }
   MembraneView view() const {
-    return {law, corners.data(), {second[0].data(), second[1].data()}, {third[0].data(), third[1].data()},
-            slot.data(), data_or_null(wide_slot)};
+    return {law,
+            corners.data(),
+            {second[0].data(), second[1].data()},
+            {third[0].data(), third[1].data()},
+            slot.data(),
+            data_or_null(wide_slot)};
   }
 };
 
@@ -93,8 +98,7 @@ struct TrianglesOn {
 template <class Side>
 class PartsOn {
  public:
-  PartsOn(Rooms<Side>& rooms, const Model& m)
-      : PartsOn(rooms, m, parts_of(m), pieces_of(m)) {}
+  PartsOn(Rooms<Side>& rooms, const Model& m) : PartsOn(rooms, m, parts_of(m), pieces_of(m)) {}
 
   /// Which of them are held. The force's sums come from what is not.
   void keep(const Model& m, std::span<const Hold> holds) {
@@ -116,8 +120,7 @@ class PartsOn {
   void start(const Run& run, const SheetView& sheet, double keep, bool has_air) {
     if (any_free_) {
       run(pieces_.size(), SumForce{pieces_.data(), sheet.force, sums_.data()});
-      run(parts_.size(),
-          FindPartVelocity{parts_.data(), sums_.data(), keep, has_air, velocity_.data()});
+      run(parts_.size(), FindPartVelocity{parts_.data(), sums_.data(), keep, has_air, velocity_.data()});
     }
     run(sheet.size, StartChange{sheet, part_of_.data(), any_free_ ? velocity_.data() : nullptr});
   }
@@ -189,22 +192,26 @@ class SheetOn final : public SheetThere {
         before_(rooms, m.mass.size()),
         air_{{rooms, m.mass.size()}, {rooms, m.mass.size()}},
         squares_(rooms.template room<LeftSquares>((m.mass.size() + kSquaresAtOnce - 1) / kSquaresAtOnce)),
-        largest_(rooms.template room<std::uint32_t>(1)) {
+        largest_(rooms.template room<std::uint32_t>(1)),
+        contacts_(rooms, m) {
     if (rooms.all_there) x_rest_.upload(m.x_rest), parts_.keep(m, {});
   }
 
   void put_state(const Model&, const State& state) override {
     x_.upload(state.x), v_.upload(state.v);
     if (state.last.dt > 0) last_x_.upload(state.last.x), last_v_.upload(state.last.v);
+    contacts_.put(run_, state.contacts);
   }
   void get_state(State& state) const override {
     x_.download(state.x), v_.download(state.v);
+    contacts_.get(state.contacts);
     if (last_x_.x.size() == 0) return;
     for (Vectors* last : {&state.last.x, &state.last.v}) last->resize(last_x_.x.size());
     last_x_.download(state.last.x), last_v_.download(state.last.v);
   }
 
-  StepReport step(const Model& model, State& state, const Inputs& inputs, double frame) override {
+  StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                  double frame) override {
     const Solver& solver = model.params.solver;
     take_holds(model, state);
     const double dt = state.impulse_time = lead_on(solver, state, frame);
@@ -219,6 +226,13 @@ class SheetOn final : public SheetThere {
         std::swap(v_, before_);
       }
     state.largest_speed = report.largest_speed = largest_speed();
+    const bool keeps_out = model.params.collision.self;
+    if (keeps_out && std::isfinite(state.largest_speed)) {
+      find_contacts(model, state, dt);
+      report.contacts = int(contacts_.count());
+      report.contact_iterations = contacts_.solve_velocities(run_, model, view(), dt);
+      state.largest_speed = report.largest_speed = largest_speed();
+    }
     report.finite = std::isfinite(state.largest_speed);
     if (!report.finite) {
       lay_to_rest(state);
@@ -228,6 +242,10 @@ class SheetOn final : public SheetThere {
     run_(size(), Move<Real>{cloth::view(x_), cloth::view(v_), cloth::view(two_steps ? last_x_ : x_),
                             cloth::view(before_), Real(dt)});
     run_(holds_.count, PlaceHolds{view(), holds_.data()});
+    if (keeps_out) {
+      contacts_.solve_places(run_, model, view(), dt);
+      report.caught = guard(exec, model, state);
+    }
     state.time += frame;
     return report;
   }
@@ -283,11 +301,11 @@ class SheetOn final : public SheetThere {
     has_air_ = air.density > 0;
     keep_ = Real(1 + dt * damping.motion), square_ = Real(dt * dt + dt * damping.stretch);
     if (has_air_) {
-      run_(size(), AirAt<Real>{cloth::view(x_), cloth::view(change_), gusts_at(air, state.time),
-                               is_steady(air)});
-      const Sails all = sails(air, dt, triangles_.corners.data(), cloth::view(x_), cloth::view(v_),
-                              cloth::view(change_), cloth::view(force_), cloth::view(inverse_[0]),
-                              cloth::view(inverse_[1]));
+      run_(size(),
+           AirAt<Real>{cloth::view(x_), cloth::view(change_), gusts_at(air, state.time), is_steady(air)});
+      const Sails all =
+          sails(air, dt, triangles_.corners.data(), cloth::view(x_), cloth::view(v_), cloth::view(change_),
+                cloth::view(force_), cloth::view(inverse_[0]), cloth::view(inverse_[1]));
       run_(size(), BlowVertex{all, triangles_.around()});
       parts_.sum_drag(run_, view());
     }
@@ -295,6 +313,7 @@ class SheetOn final : public SheetThere {
       run_(size(), TensionsAround{view(), triangles_.view(), triangles_.around()});
     run_(size(), AssembleRow<Real>{view(), Vec3(inputs.gravity), Real(dt), Real(dt * damping.motion),
                                    has_air_, inputs.measure_residual});
+    contacts_.add_impulses(run_, view());
     run_(holds_.count, AimHolds{view(), holds_.data(), Real(dt)});
   }
 
@@ -308,7 +327,9 @@ class SheetOn final : public SheetThere {
           run_(size(), SweepRow<Real>{view(), omega});
           std::swap(change_, before_);
         },
-        [&] { run_(size(), CopyVectors{cloth::view(change_), cloth::view(before_)}); });
+        [&] {
+          run_(size(), CopyVectors{cloth::view(change_), cloth::view(before_)});
+        });
   }
 
   double residual() {
@@ -319,6 +340,32 @@ class SheetOn final : public SheetThere {
     for (const LeftSquares& sum : sums) all.force += sum.force, all.left += sum.left;
     return all.force > 0 ? std::sqrt(all.left / all.force) : 0;
   }
+
+  /// What would have met in steps before is looked for on this side of the bus: there is hardly any.
+  void find_contacts(const Model& model, State& state, double dt) {
+    std::vector<Contact> met;
+    if (!state.crossing.met.empty() || !state.crossing.meetings.empty()) {
+      bring(state.x, x_), bring(state.v, v_), bring(state.system.change, change_);
+      contacts_.get(state.contacts);
+      find_met_contacts(model, state, Look::kLeft, dt, met);
+      forget(state);
+    }
+    contacts_.find(run_, model, view(), state.largest_speed, dt, met);
+  }
+
+  /// avoid_crossings, on this side of the bus.
+  int guard(const Exec& exec, const Model& model, State& state) {
+    bring(state.x, x_), bring(state.v, v_), bring(state.system.before, before_);
+    const int caught = avoid_crossings(exec, model, state);
+    if (caught > 0) x_.upload(state.x), v_.upload(state.v);
+    forget(state);
+    return caught;
+  }
+  static void bring(Vectors& here, const VectorsOn<Side>& there) {
+    here.resize(there.x.size());
+    there.download(here);
+  }
+  static void forget(State& state) { state.x.resize(0), state.v.resize(0); }
 
   Real largest_speed() {
     std::uint32_t bits = 0;
@@ -333,6 +380,7 @@ class SheetOn final : public SheetThere {
     if (state.last.dt > 0) run_(size(), CopyVectors{cloth::view(last_x_), cloth::view(x_)});
     state.last.dt = 0;
     state.largest_speed = 0;
+    contacts_.forget();
   }
 
   typename Side::Run run_{};
@@ -346,6 +394,7 @@ class SheetOn final : public SheetThere {
   VectorsOn<Side> force_, inverse_[2], change_, before_, air_[2];
   typename Side::template Array<LeftSquares> squares_;
   typename Side::template Array<std::uint32_t> largest_;
+  ContactsOn<Side> contacts_;
   ListOn<Side, Hold> holds_;
   std::vector<int> held_;  // vertices
   Real square_ = 0, keep_ = 1;

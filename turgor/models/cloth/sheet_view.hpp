@@ -16,21 +16,21 @@ constexpr std::size_t kAtOnce = std::is_same_v<T, Lanes> ? std::size_t(kLanes) :
 
 template <class T>
 TURGOR_HD inline T all_of(Real value) {
-  if constexpr (kAtOnce<T> > 1)
+  if constexpr (kAtOnce < T >> 1)
     return all_lanes(value);
   else
     return value;
 }
 template <class T>
 TURGOR_HD inline T load(const Real* from, std::size_t i) {
-  if constexpr (kAtOnce<T> > 1)
+  if constexpr (kAtOnce < T >> 1)
     return load_lanes(from + i);
   else
     return from[i];
 }
 template <class T>
 TURGOR_HD inline void store(Real* to, std::size_t i, T a) {
-  if constexpr (kAtOnce<T> > 1)
+  if constexpr (kAtOnce < T >> 1)
     store_lanes(to + i, a);
   else
     to[i] = a;
@@ -86,7 +86,7 @@ TURGOR_HD inline std::size_t entry_of(int slot, std::size_t i) {
 template <class T>
 TURGOR_HD inline T neighbours(const RowsView& rows, const Real* a, int slot, std::size_t i) {
   const int first = rows.first[slot];
-  if constexpr (kAtOnce<T> > 1) {
+  if constexpr (kAtOnce < T >> 1) {
     return first >= 0 ? load_lanes(a + first) : gather_lanes(a, rows.gathered - 1 - first);
   } else {
     const int lane = int(i % std::size_t(kLanes));

@@ -154,8 +154,8 @@ const Quantity<P> kCloth[] = {
     {"mean_edge", kMillimetres, "mean edge", [](const P& p) -> Json { return p.body.model.mean_edge; }},
     {"method", kNone, "solver",
      [](const P& p) -> Json { return method_name(p.body.model.params.solver.method); }},
-    {"device", kNone, "",
-     [](const P& p) -> Json { return p.device == Device::kGpu ? "gpu" : "cpu"; }, kInReport},
+    {"device", kNone, "", [](const P& p) -> Json { return p.device == Device::kGpu ? "gpu" : "cpu"; },
+     kInReport},
     {"sweeps", kCount, "sweeps", [](const P& p) -> Json { return p.body.model.params.solver.sweeps; }},
     {"law", kNone, "law",
      [](const P& p) -> Json {

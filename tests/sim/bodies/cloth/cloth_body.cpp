@@ -79,7 +79,7 @@ TEST(ClothScene, what_is_wrong_is_said_with_its_place) {
 }
 
 TEST(ClothScene, what_a_gpu_does_not_do_of_cloth_is_refused_by_its_key) {
-  const std::string gpu = "world.device=gpu", alone = "body.flag.collision.self=false";
+  const std::string gpu = "world.device=gpu";
   const auto expect = [](const std::vector<std::string>& overrides, const std::string& sentence) {
     const std::string error = error_of(overrides);
     EXPECT_NE(error.find(sentence), std::string::npos) << error;
@@ -87,10 +87,10 @@ TEST(ClothScene, what_a_gpu_does_not_do_of_cloth_is_refused_by_its_key) {
   expect({gpu, "body.flag.solver.method=blocks"},
          "body.flag.solver: on device = \"gpu\" sweeps alone solve cloth: set solver.method = \"chebyshev\"");
   expect({gpu},
-         "body.flag.collision: on device = \"gpu\" layers do not stay out of each other: set collision.self = "
-         "false, or device = \"cpu\" of this body");
-  expect({gpu, alone}, "flag.toml:16:1: body.flag.obstacle: on device = \"gpu\" cloth stays out of nothing");
-  expect({"body.flag.device=gpu"}, "body.flag.collision: on device = \"gpu\"");
+         "flag.toml:15:1: body.flag.obstacle: on device = \"gpu\" cloth stays out of itself alone: leave "
+         "obstacle "
+         "away, or device = \"cpu\" of this body");
+  expect({"body.flag.device=gpu"}, "body.flag.obstacle: on device = \"gpu\"");
   EXPECT_EQ(error_of({gpu, "body.flag.device=cpu"}), "no error");
 }
 

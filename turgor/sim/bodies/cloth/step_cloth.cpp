@@ -47,8 +47,7 @@ void follow(ClothBody& body, ClothHold& hold, double end) {
       hold.places.push_back(body.state->x[std::size_t(body.model.place[std::size_t(v)])]);
     }
     if (wanted)
-      (void)body.state.move_hold(body.model, v,
-                             hold.places[n] + Vec3(displacement_at(hold.scene.path, end)));
+      (void)body.state.move_hold(body.model, v, hold.places[n] + Vec3(displacement_at(hold.scene.path, end)));
     if (!wanted && hold.is_held) (void)body.state.release(body.model, v);
   }
   hold.is_held = wanted;
