@@ -9,6 +9,7 @@
 
 #include "turgor/core/arrays_on.hpp"
 #include "turgor/models/cloth/contacts_on.hpp"
+#include "turgor/models/cloth/guard_on.hpp"
 #include "turgor/models/cloth/kept_state.hpp"
 #include "turgor/models/cloth/membrane_tension.hpp"
 #include "turgor/models/cloth/motion_loops.hpp"
@@ -193,7 +194,8 @@ class SheetOn final : public SheetThere {
         air_{{rooms, m.mass.size()}, {rooms, m.mass.size()}},
         squares_(rooms.template room<LeftSquares>((m.mass.size() + kSquaresAtOnce - 1) / kSquaresAtOnce)),
         largest_(rooms.template room<std::uint32_t>(1)),
-        contacts_(rooms, m) {
+        contacts_(rooms, m),
+        guard_(rooms, m) {
     if (rooms.all_there) x_rest_.upload(m.x_rest), parts_.keep(m, {});
   }
 
@@ -353,8 +355,15 @@ class SheetOn final : public SheetThere {
     contacts_.find(run_, model, view(), state.largest_speed, dt, met);
   }
 
-  /// avoid_crossings, on this side of the bus.
+  /// avoid_crossings, on this side of the bus, where anything would meet.
   int guard(const Exec& exec, const Model& model, State& state) {
+    Crossing& crossing = state.crossing;
+    if (crossing.steps_to_look < 0 &&
+        !guard_.would_meet(run_, view(), triangles_.corners.data(), triangles_.around(),
+                           model.params.collision.thickness)) {
+      crossing.meetings.clear(), crossing.caught.clear(), crossing.zone.clear();
+      return 0;
+    }
     bring(state.x, x_), bring(state.v, v_), bring(state.system.before, before_);
     const int caught = avoid_crossings(exec, model, state);
     if (caught > 0) x_.upload(state.x), v_.upload(state.v);
@@ -395,6 +404,7 @@ class SheetOn final : public SheetThere {
   typename Side::template Array<LeftSquares> squares_;
   typename Side::template Array<std::uint32_t> largest_;
   ContactsOn<Side> contacts_;
+  GuardOn<Side> guard_;
   ListOn<Side, Hold> holds_;
   std::vector<int> held_;  // vertices
   Real square_ = 0, keep_ = 1;
