@@ -154,7 +154,7 @@ TEST(cloth_sheet_on, layers_stay_apart_in_any_order_as_on_the_cpu) {
     params.collision.thickness = 0.0096;
     const Model model = must_build(flat_sheet(15), params);
     ASSERT_TRUE(model.coarse.triangles.empty());
-    constexpr int kSteps = 15;
+    constexpr int kSteps = 10;
     const Went here = crumpled(model, kSteps);
     EXPECT_GT(here.report.contacts, 50);
     EXPECT_GT(here.report.caught, 3) << "law " << int(law);
