@@ -3,6 +3,7 @@
 #include "app/machine.hpp"
 #include "turgor/contact/cloth_obstacle.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/models/cloth/gpu_sheet.hpp"
 #include "turgor/models/cloth/measure.hpp"
 #include "turgor/models/cloth/obstacle.hpp"
 #include "turgor/models/cloth/sheet.hpp"
@@ -51,6 +52,16 @@ double frame_ms(const Exec& exec, Piece& sheet) {
   return median_ms(kFrames, [&] { step(exec, sheet.model, sheet.state, sheet.inputs, kDt); });
 }
 
+double gpu_frame_ms(const Gpu& gpu, const Piece& sheet) {
+  const auto there = put(gpu, sheet.model);
+  if (!there) return 0;
+  KeptState state = sheet.state;
+  state.step_on(*there);
+  const auto frame = [&] { state.step(Exec(1), sheet.model, sheet.inputs, kDt); };
+  frame();
+  return median_ms(kFrames, frame);
+}
+
 ClothFrameRow measure_frames(const Exec& exec, double bandwidth, int side) {
   ClothFrameRow row{.vertices = side * side};
   const Exec one(1);
@@ -59,6 +70,8 @@ ClothFrameRow measure_frames(const Exec& exec, double bandwidth, int side) {
     for (int n = 0; n < kWarmFrames; n++) step(exec, sheet.model, sheet.state, sheet.inputs, kDt);
     (self ? row.self_one : row.alone_one) = frame_ms(one, sheet);
     (self ? row.self : row.alone) = frame_ms(exec, sheet);
+    const Result<Gpu> gpu = open_gpu();
+    if (gpu) (self ? row.gpu_self : row.gpu_alone) = gpu_frame_ms(*gpu, sheet);
     if (!self) continue;
     row.contacts_per_vertex = double(sheet.state.contacts.list.size()) / row.vertices;
     row.bytes_per_vertex = double(memory_bytes(sheet.model, sheet.state)) / row.vertices;
@@ -114,6 +127,8 @@ ClothSolverRow measure_solver(const Exec& exec, const Piece& flag, Method method
 
 ClothBench bench_cloth(const Exec& exec, int largest, const Progress& progress) {
   ClothBench bench{.threads = exec.threads(), .copy_bandwidth = copy_bandwidth(exec)};
+  const Result<Gpu> gpu = open_gpu();
+  bench.gpu = gpu ? gpu->name : gpu.error().message;
   const int sides[] = {50, 100, 316, 1000};
   for (const int side : sides)
     if (side * side <= largest) {

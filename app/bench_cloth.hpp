@@ -13,8 +13,9 @@ namespace turgor {
 /// A flag in gusts, 8 sweeps a frame.
 struct ClothFrameRow {
   int vertices = 0;
-  double alone_one = 0, alone = 0;  // without self-collision, on one thread and on all [ms]
-  double self_one = 0, self = 0;    // with it [ms]
+  double alone_one = 0, alone = 0;     // without self-collision, on one thread and on all [ms]
+  double self_one = 0, self = 0;       // with it [ms]
+  double gpu_alone = 0, gpu_self = 0;  // the same on a GPU, where the state stays; 0 = there is none [ms]
   double contacts_per_vertex = 0, bytes_per_vertex = 0;
   double sweep = 0;               // on all threads [ms]
   double bandwidth_fraction = 0;  // of copying, of what a sweep must move at least [1]
@@ -39,6 +40,7 @@ struct ClothSolverRow {
 struct ClothBench {
   int threads = 0;
   double copy_bandwidth = 0;  // all threads [B/s]
+  std::string gpu;            // its name, or why there is none
   std::vector<ClothFrameRow> frames;
   ClothDrapeRow drape;
   std::vector<ClothSolverRow> solvers;

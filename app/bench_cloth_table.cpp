@@ -20,6 +20,9 @@ void print_frames(const ClothBench& bench) {
                fmt::format("{:.2f} / {:.2f}", r.alone_one, r.alone),
                fmt::format("{:.2f} / {:.2f}", r.self_one, r.self), r.self * 1e6 / r.vertices,
                r.contacts_per_vertex, r.bytes_per_vertex, r.sweep, r.bandwidth_fraction);
+  fmt::print("\nGPU: {}\n", bench.gpu);
+  for (const ClothFrameRow& r : bench.frames)
+    if (r.gpu_alone > 0) fmt::print("{:>9} {:>19.3f} {:>22.3f}\n", r.vertices, r.gpu_alone, r.gpu_self);
   fmt::print(
       "\nOther engines on 2 cores of an EPYC (Zen 4), one step with 5 iterations; the work is not the same:\n"
       "  Jolt 5.5, edges + shear, no self-collision      10 000: 1.64 / 1.10    90 000: 15.3 / 10.2\n"
@@ -52,6 +55,8 @@ std::string to_json_text(const ClothBench& bench) {
                       {"alone_ms", r.alone},
                       {"self_collision_one_thread_ms", r.self_one},
                       {"self_collision_ms", r.self},
+                      {"gpu_alone_ms", r.gpu_alone > 0 ? ordered_json(r.gpu_alone) : ordered_json()},
+                      {"gpu_self_collision_ms", r.gpu_self > 0 ? ordered_json(r.gpu_self) : ordered_json()},
                       {"contacts_per_vertex", r.contacts_per_vertex},
                       {"bytes_per_vertex", r.bytes_per_vertex},
                       {"sweep_ms", r.sweep},
@@ -62,6 +67,7 @@ std::string to_json_text(const ClothBench& bench) {
   return ordered_json({{"bench", "cloth"},
                        {"threads", bench.threads},
                        {"copy_bandwidth_gb_per_s", bench.copy_bandwidth * 1e-9},
+                       {"gpu", bench.gpu},
                        {"frames", frames},
                        {"drape",
                         {{"vertices", drape.vertices},

@@ -6,6 +6,7 @@
 #include <benchmark/benchmark.h>
 
 #include "tests/models/sfem_bodies.hpp"
+#include "turgor/core/gpu.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/models/sfem/green.hpp"
 
@@ -16,13 +17,17 @@ enum Kind { kHexahedra, kTetrahedra, kAveragedTetrahedra };
 
 /// A block that stands on its bottom; its free nodes are about the number asked for.
 Model block_of_nodes(const Exec& exec, std::int64_t nodes, std::int64_t kind) {
-  const Int3 cells = nodes == 1000 ? Int3{9, 9, 10} : nodes == 3000 ? Int3{14, 19, 10} : Int3{24, 19, 20};
+  const Int3 cells = nodes == 1000    ? Int3{9, 9, 10}
+                     : nodes == 3000  ? Int3{14, 19, 10}
+                     : nodes == 10000 ? Int3{24, 19, 20}
+                                      : Int3{35, 36, 37};
   SolidMesh mesh = hex_block({0.1, 0.1, 0.1}, cells);
   if (kind != kHexahedra) mesh = tetrahedralize(mesh);
   Body body = block_of(std::move(mesh), {3e3, 0.45}, [](Vec3d x) { return x.z < 1e-9; });
   const Formulation formulation =
       kind == kAveragedTetrahedra ? Formulation::kAveraged : Formulation::kStandard;
-  return build(exec, std::move(body), {.formulation = formulation, .touch_depth = 1}).value();
+  return build(exec, std::move(body), {.formulation = formulation, .touch_depth = nodes > 10000 ? 0.0 : 1.0})
+      .value();
 }
 
 /// Operations a second of a dense product on one core, the best of some [1/s].
@@ -62,6 +67,35 @@ void precompute(benchmark::State& bench) {
 BENCHMARK(precompute)
     ->ArgsProduct({{1000, 3000, 10000}, {kHexahedra, kTetrahedra, kAveragedTetrahedra}, {2}})
     ->ArgNames({"nodes", "kind", "threads"})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+/// All columns on a GPU, from a factor that is there: between all nodes of some thousand, between those of
+/// the surface of more.
+void columns_there(benchmark::State& bench) {
+  const Result<Gpu> gpu = open_gpu();
+  if (!gpu) return bench.SkipWithError(gpu.error().message.c_str());
+  const Exec exec(2);
+  Model model = block_of_nodes(exec, bench.range(0), kHexahedra);
+  if (const Status s = factorize(exec, model); !s) return bench.SkipWithError(s.error().message.c_str());
+  const GreenCost cost = green_cost(model);
+  double seconds = 0;
+  for (auto _ : bench) {
+    const Timer timer;
+    if (const Status s = compute_green(exec, model, std::size_t(64) << 30, {}, &*gpu); !s)
+      return bench.SkipWithError(s.error().message.c_str());
+    seconds += timer.seconds();
+  }
+  bench.counters["kept_nodes"] = double(model.green.nodes.size());
+  bench.counters["store_MB"] = double(cost.store_bytes) * 1e-6;
+  bench.counters["Gflop/s"] = cost.solve_flops * double(bench.iterations()) / seconds * 1e-9;
+}
+BENCHMARK(columns_there)
+    ->Arg(1000)
+    ->Arg(10000)
+    ->Arg(50000)
+    ->ArgName("nodes")
+    ->Iterations(2)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 

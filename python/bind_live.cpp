@@ -107,7 +107,7 @@ void bind_live(nb::module_& module) {
           "x",
           [](const LiveBody& l) {
             ClothBody& body = cloth_of(l, "x");
-            return live_vectors(l.body, body.state.x, 0, {std::size_t(body.model.count)}, {1});
+            return live_vectors(l.body, body.state.watch().x, 0, {std::size_t(body.model.count)}, {1});
           },
           "cloth: places (n,) in the model's numbering [m]")
       .def_prop_ro(

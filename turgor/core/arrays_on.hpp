@@ -7,6 +7,7 @@
 #include <span>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/config.hpp"
 
 namespace turgor {
 
@@ -31,6 +32,25 @@ struct Rooms {
     auto array = room<T>(values.size());
     if (all_there) array.upload(std::span<const T>(values.data(), values.size()));
     return array;
+  }
+};
+
+/// Three numbers each, such as displacements, in an array of their own.
+template <class Side>
+struct VectorsOn {
+  typename Side::template Array<Real> x, y, z;
+
+  VectorsOn(Rooms<Side>& rooms, std::size_t count)
+      : x(rooms.template room<Real>(count)),
+        y(rooms.template room<Real>(count)),
+        z(rooms.template room<Real>(count)) {}
+  template <class Vectors>
+  void upload(const Vectors& from) {
+    x.upload(from.x), y.upload(from.y), z.upload(from.z);
+  }
+  template <class Vectors>
+  void download(Vectors& to) const {
+    x.download(to.x), y.download(to.y), z.download(to.z);
   }
 };
 

@@ -1,4 +1,5 @@
-// The largest, the least and the sum of many numbers that threads find at once, the same whoever comes first.
+// The largest, the least and the sum of many numbers that threads find at once, the same whoever comes first;
+// and how many came before, which is not.
 #pragma once
 
 #include <atomic>
@@ -46,6 +47,15 @@ TURGOR_HD inline void atomic_add(std::uint64_t& sum, std::uint64_t more) {
   atomicAdd(reinterpret_cast<unsigned long long*>(&sum), static_cast<unsigned long long>(more));
 #else
   std::atomic_ref<std::uint64_t>(sum).fetch_add(more, std::memory_order_relaxed);
+#endif
+}
+
+/// n++
+TURGOR_HD inline int atomic_next(int& n) {
+#ifdef __CUDA_ARCH__
+  return atomicAdd(&n, 1);
+#else
+  return std::atomic_ref<int>(n).fetch_add(1, std::memory_order_relaxed);
 #endif
 }
 

@@ -19,6 +19,13 @@ struct Gpu {
 /// Error: what is missing, CUDA, a driver or a device.
 Result<Gpu> open_gpu(int device = 0);
 
+/// What is said where memory that `whose` needs is not there.
+inline Error no_room(const std::string& whose, std::size_t bytes, const Gpu& gpu) {
+  const auto megabytes = [](std::size_t n) { return std::to_string(n / 1000000) + " MB"; };
+  return {whose + " needs " + megabytes(bytes) + " of a GPU's memory; " + gpu.name + " has " +
+          megabytes(gpu.free_bytes) + " free"};
+}
+
 /// Plain memory of the current device; null when there is not so much.
 void* allocate_on_gpu(std::size_t bytes);
 void release_on_gpu(void* memory);

@@ -1,8 +1,10 @@
 // Sixteen numbers that are computed at once, for kernels whose arrays the compiler cannot see through. The
 // operators are the compiler's own (vector extensions of GCC and Clang): on processors with narrower
-// registers it splits them.
+// registers it splits them. Kernels that are templates over Lanes or float have the same names for one
+// number.
 #pragma once
 
+#include <cmath>
 #include <cstring>
 
 #ifdef __AVX512F__
@@ -62,6 +64,10 @@ inline unsigned lanes_below(Lanes a, float b) {
 
 inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
+
+TURGOR_HD inline float square_root(float a) { return std::sqrt(a); }
+TURGOR_HD inline float larger(float a, float b) { return a > b ? a : b; }
+TURGOR_HD inline float smaller(float a, float b) { return a < b ? a : b; }
 
 /// Three numbers each.
 struct Lanes3 {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "turgor/core/exec.hpp"
+#include "turgor/core/flush_denormals.hpp"
 
 namespace turgor {
 
@@ -34,6 +35,7 @@ struct ShuffledRun {
     std::vector<std::size_t> order(count);
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::shuffle(order.begin(), order.end(), std::mt19937(seed));
+    const FlushDenormals flush;  // as threads and GPUs do
     for (const std::size_t n : order) kernel(n);
   }
 };

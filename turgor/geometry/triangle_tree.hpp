@@ -5,20 +5,11 @@
 #include <vector>
 
 #include "turgor/geometry/box_tree.hpp"
+#include "turgor/geometry/triangle_point.hpp"
 
 namespace turgor {
 
 /// A point of a triangle. A weight that is exactly 0 puts it on the opposite edge, two of them on a corner.
-struct TrianglePoint {
-  int triangle = -1;
-  Vec3d weights;        // barycentric
-  Vec3d place;          // [m]
-  double distance = 0;  // from the point that was asked for [m]
-};
-
-/// The nearest point of the triangle abc; also for triangles without area.
-TrianglePoint nearest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c);
-
 struct TriangleTree {
   std::vector<Vec3d> vertices;  // [m]
   std::vector<Int3> triangles;

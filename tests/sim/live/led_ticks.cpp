@@ -112,7 +112,7 @@ double farthest(const World& world) {
   for (std::size_t s = 0; s < block.u.x.size(); s++) farthest = std::max(farthest, norm(Vec3d(block.u[s])));
   const cloth::Model& sheet = world.cloth_bodies[0].model;
   for (std::size_t v = 0; v < sheet.x_rest.size(); v++)
-    farthest = std::max(farthest, norm(Vec3d(world.cloth_bodies[0].state.x[v]) - Vec3d(sheet.x_rest[v])));
+    farthest = std::max(farthest, norm(Vec3d(world.cloth_bodies[0].state->x[v]) - Vec3d(sheet.x_rest[v])));
   return farthest;
 }
 

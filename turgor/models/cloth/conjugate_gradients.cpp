@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/models/cloth/batch_system.hpp"
 #include "turgor/models/cloth/system.hpp"
+#include "turgor/models/cloth/system_loops.hpp"
 
 namespace turgor::cloth {
 
@@ -33,54 +33,36 @@ double sum_batches(const Exec& exec, const Model& model, const Visit& visit) {
   return sum;
 }
 
-/// force − W a, of the vertices from i on; 0 for held ones. Differences of neighbours keep what a stiff
-/// matrix with a light mass on its diagonal would round away.
-Lanes3 left_over(const Model& model, const State& state, const Vectors& a, Lanes3 force, std::size_t i,
+/// force − W a and what bears the sheet, of the vertices from i on; 0 for held ones.
+Lanes3 left_over(const SheetView& sheet, const State& state, const Vectors& a, Lanes3 force, std::size_t i,
                  bool with_loads = true) {
-  const System& system = state.system;
-  const Rows& rows = model.rows;
-  const Lanes3 x = load(state.x, i), mine = load(a, i);
-  const Lanes mass = load_lanes(&state.free_mass[i]);
-  const LanesMatrix air{load(system.air[0], i), load(system.air[1], i)};
-  Lanes3 sum = force - mine * (mass * system.keep) - air * mine;
-  const std::size_t batch = i / std::size_t(kLanes);
-  for (int s = rows.slot_begin[batch]; s < rows.slot_begin[batch + 1]; s++) {
-    const Lanes3 d = load_neighbours(rows, state.x, s) - x, u = load_neighbours(rows, a, s) - mine;
-    const auto entry = std::size_t(s) * std::size_t(kLanes);
-    sum = sum + d * (load_lanes(&system.along[entry]) * dot(d, u)) + u * load_lanes(&system.across[entry]);
-  }
-  const Rows& far = model.far_rows;
-  Lanes3 bend{};
-  if (!far.slot_begin.empty())
-    for (int s = far.slot_begin[batch]; s < far.slot_begin[batch + 1]; s++)
-      bend = bend + (load_neighbours(far, a, s) - mine) *
-                        load_lanes(&far.bend[std::size_t(s) * std::size_t(kLanes)]);
-  if (state.bearing.touches(i)) sum = sum + bearing_of(state, a, with_loads, i);
-  return (sum + bend * all_lanes(system.square)) * (mass > 0 ? all_lanes(1) : all_lanes(0));
+  return left_over<Lanes>(sheet, state.system.keep, view(a), force, i, [&](Lanes3 sum) {
+    return state.bearing.touches(i) ? sum + bearing_of(state, a, with_loads, i) : sum;
+  });
 }
 
 /// The square of a residual at the vertices from i on. Where obstacles bear the sheet it is weighed by what
 /// the diagonal makes of it, so that stiff directions count for as little as they move.
-Lanes square(const State& state, Lanes3 r, std::size_t i) {
-  return dot(r, state.bearing.contacts.list.empty() ? r : inverse_diagonal(state.system, i) * r);
+Lanes square(const SheetView& sheet, const State& state, Lanes3 r, std::size_t i) {
+  return dot(r, state.bearing.contacts.list.empty() ? r : inverse_diagonal<Lanes>(sheet, i) * r);
 }
 
 /// The same of the force on the free vertices.
-double square_of_force(const Exec& exec, const Model& model, const State& state) {
+double square_of_force(const Exec& exec, const Model& model, const SheetView& sheet, const State& state) {
   return sum_batches(exec, model, [&](std::size_t i) {
-    const Lanes is_free = load_lanes(&state.free_mass[i]) > 0 ? all_lanes(1) : all_lanes(0);
-    return square(state, load(state.system.force, i) * is_free, i);
+    return square(sheet, state, load<Lanes>(sheet.force, i) * is_free<Lanes>(sheet, i), i);
   });
 }
 
 }  // namespace
 
-double residual(const Exec& exec, const Model& model, const State& state) {
+double residual(const Exec& exec, const Model& model, State& state) {
   const System& system = state.system;
+  const SheetView sheet = view(model, state);
   TURGOR_ASSERT(system.air[0].size() > 0, "assemble was not told to measure the residual");
-  const double force2 = square_of_force(exec, model, state);
+  const double force2 = square_of_force(exec, model, sheet, state);
   const double left2 = sum_batches(exec, model, [&](std::size_t i) {
-    return square(state, left_over(model, state, system.change, load(system.force, i), i), i);
+    return square(sheet, state, left_over(sheet, state, system.change, load(system.force, i), i), i);
   });
   return force2 > 0 ? std::sqrt(left2 / force2) : 0;
 }
@@ -90,9 +72,10 @@ namespace {
 /// z = what the preconditioner makes of r, in System::before; returns r · z.
 double precondition(const Exec& exec, const Model& model, State& state, bool by_blocks) {
   System& system = state.system;
+  const SheetView sheet = view(model, state);
   Vectors& z = system.before;
   const auto diagonal = [&](std::size_t i) {
-    const Lanes3 r = load(system.left, i), answer = inverse_diagonal(system, i) * r;
+    const Lanes3 r = load(system.left, i), answer = inverse_diagonal<Lanes>(sheet, i) * r;
     store(z, i, answer);
     return dot(r, answer);
   };
@@ -108,12 +91,13 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
   System& system = state.system;
   Vectors &r = system.left, &p = system.search, &q = system.image, &z = system.before;
   for (Vectors* field : {&r, &p, &q}) field->resize(system.change.size());
+  const SheetView sheet = view(model, state);
   double left2 = sum_batches(exec, model, [&](std::size_t i) {
-    const Lanes3 left = left_over(model, state, system.change, load(system.force, i), i);
+    const Lanes3 left = left_over(sheet, state, system.change, load(system.force, i), i);
     store(r, i, left);
-    return square(state, left, i);
+    return square(sheet, state, left, i);
   });
-  const double force2 = square_of_force(exec, model, state);
+  const double force2 = square_of_force(exec, model, sheet, state);
   const double enough = stop.residual * stop.residual * force2;
   const bool by_blocks = stop.blocks && left2 > enough && system.blocks.factor(exec, model, state);
   double rz = precondition(exec, model, state, by_blocks), beta = 0;
@@ -128,7 +112,7 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
         kPiece);
     const double pq = sum_batches(exec, model, [&](std::size_t i) {
       const Lanes3 zero{};
-      const Lanes3 image = zero - left_over(model, state, p, zero, i, false);
+      const Lanes3 image = zero - left_over(sheet, state, p, zero, i, false);
       store(q, i, image);
       return dot(load(p, i), image);
     });
@@ -138,7 +122,7 @@ void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& s
       const Lanes3 left = load(r, i) - load(q, i) * alpha;
       store(system.change, i, load(system.change, i) + load(p, i) * alpha);
       store(r, i, left);
-      return square(state, left, i);
+      return square(sheet, state, left, i);
     });
     if (!(left2 > enough)) continue;
     const double next = precondition(exec, model, state, by_blocks);

@@ -100,20 +100,54 @@ struct Group {
   Vec3 v, change;
   bool touches = false;
 };
-inline Real approach(const Group& a, const Group& b, Vec3 normal, Real dt) {
+TURGOR_HD inline Real approach(const Group& a, const Group& b, Vec3 normal, Real dt) {
   const Real va = -dot(a.v, normal), vb = dot(b.v, normal);
   const Real alone_a = a.touches || b.touches ? va : -dot(a.change, normal);
   const Real alone_b = a.touches || b.touches ? vb : dot(b.change, normal);
   return dt * std::max(va + vb, std::max(alone_a, alone_b));
 }
 
+/// Contacts as plain pointers, here or on a GPU.
+struct ContactsView {
+  const Contact* list;
+  const int *begin, *item;  // begin is null where there are none
+
+  TURGOR_HD bool touches(int vertex) const { return begin != nullptr && begin[vertex] < begin[vertex + 1]; }
+};
+inline ContactsView view(const Contacts& contacts) {
+  return {contacts.list.data(), contacts.begin.empty() ? nullptr : contacts.begin.data(),
+          contacts.item.data()};
+}
+
+constexpr Real kSurprise = Real(0.3);  // of the thickness, by which two places may come nearer unforeseen
+
 /// Whether a contact between two groups at a distance is one of those that are looked for, `old` being the
 /// same one in the step before.
-bool is_wanted(const State& state, const Contact& contact, const Contact* old, Look look, const Group& a,
-               const Group& b, Real distance, Real thickness, Real dt);
+TURGOR_HD inline bool is_wanted(Vec3 normal, const Contact* old, Look look, const Group& a, const Group& b,
+                                Real distance, Real thickness, Real dt) {
+  if (look == Look::kAhead)
+    return distance - dt * norm(a.v - b.v) < (1 + kSurprise) * thickness || (old && old->impulse > 0);
+  return distance - approach(a, b, normal, dt) < thickness || (old && old->impulse > 0);
+}
+
+/// Was it solved with the sheet (bearing.hpp), and is not looked for again?
+bool is_borne_already(const State& state, const Contact& contact, Look look);
 
 /// The contact of the same vertices in the step before; null = there was none.
-const Contact* find_old(const Contacts& contacts, const Contact& wanted);
+TURGOR_HD inline const Contact* find_old(const ContactsView& contacts, const Contact& wanted) {
+  const int v = wanted.vertex[0];
+  if (contacts.begin == nullptr) return nullptr;
+  for (int n = contacts.begin[v]; n < contacts.begin[v + 1]; n++) {
+    const Contact& old = contacts.list[contacts.item[n] / 4];
+    bool same = old.obstacle == wanted.obstacle;
+    for (std::size_t k = 0; k < 4; k++) same = same && old.vertex[k] == wanted.vertex[k];
+    if (same) return &old;
+  }
+  return nullptr;
+}
+inline const Contact* find_old(const Contacts& contacts, const Contact& wanted) {
+  return find_old(view(contacts), wanted);
+}
 
 /// Makes the lists of each vertex, and the masses, of Contacts::list.
 void link_contacts(const Model& model, const State& state, Contacts& contacts);

@@ -79,7 +79,8 @@ struct FindCoarse {
     c.normal = d / distance;
     const Contact* old = find_old(state.contacts, c);
     if (old && dot(old->normal, c.normal) < 0) c.normal = -c.normal, distance = -distance;
-    if (!is_wanted(state, c, old, look, side[0], side[1], distance, least, dt)) return;
+    if (!is_wanted(c.normal, old, look, side[0], side[1], distance, least, dt)) return;
+    if (is_borne_already(state, c, look)) return;
     c.plane = least, c.room = distance - least;
     c.friction = Real(model.params.collision.friction);
     if (old) c.impulse = old->impulse * old->carry, c.rub = old->rub * old->carry;

@@ -1,51 +1,27 @@
 #include <algorithm>
 #include <cmath>
 
-#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/contact_loops.hpp"
 
 namespace turgor::cloth {
 
 namespace {
 
-constexpr std::size_t kGrain = 8;   // chunks of vertices
-constexpr Real kAhead = Real(0.3);  // of the thickness, by which two places may come nearer by surprise
-
-bool is_near_at_rest(const NeighbourLists& near, int a, int b) {
-  const auto from = near.item.begin() + near.begin[std::size_t(a)],
-             to = near.item.begin() + near.begin[std::size_t(a) + 1];
-  return std::find(from, to, b) != to;
-}
+constexpr std::size_t kGrain = 8;  // chunks of vertices
 
 struct FindPairs {
-  const Model& model;
   const State& state;
+  PairsView pairs;
   Look look;
-  Real reach, dt;
-
-  Group group(int i) const {
-    const auto v = std::size_t(i);
-    return {state.v[v], state.system.change[v], state.contacts.touches(i)};
-  }
+  Real reach;
 
   void operator()(int i, std::vector<Contact>& found) const {
-    const Collision& params = model.params.collision;
-    const Real thickness = Real(params.thickness);
-    const Vec3 xi = state.x[std::size_t(i)];
-    const Group mine = group(i);
-    visit_near(state.near_points, xi, reach, [&](int j, Vec3 xj) {
+    const Group mine = pairs.group(i);
+    visit_near(state.near_points, pairs.x[std::size_t(i)], reach, [&](int j, Vec3 xj) {
       if (j <= i) return;
-      const Vec3 d = xi - xj;
-      const Real distance = norm(d);
-      const Vec3 normal = distance > 0 ? d / distance : Vec3{0, 0, 1};
-      Contact contact{.vertex = {i, j, -1, -1}, .weight = {1, -1, 0, 0}};
-      contact.normal = normal;
-      const Contact* old = find_old(state.contacts, contact);
-      if (!is_wanted(state, contact, old, look, mine, group(j), distance, thickness, dt)) return;
-      if (is_near_at_rest(model.near, i, j)) return;
-      contact.plane = thickness, contact.room = distance - thickness;
-      contact.friction = Real(params.friction);
-      if (old) contact.impulse = old->impulse * old->carry, contact.rub = old->rub * old->carry;
-      found.push_back(contact);
+      Contact contact;
+      if (pairs.touch(i, mine, j, xj, look, contact) && !is_borne_already(state, contact, look))
+        found.push_back(contact);
     });
   }
 };
@@ -125,22 +101,8 @@ void add_borne(State& state, Real dt) {
 
 }  // namespace
 
-const Contact* find_old(const Contacts& contacts, const Contact& wanted) {
-  const auto v = std::size_t(wanted.vertex[0]);
-  if (contacts.begin.empty()) return nullptr;
-  for (int n = contacts.begin[v]; n < contacts.begin[v + 1]; n++) {
-    const Contact& old = contacts.list[std::size_t(contacts.item[std::size_t(n)]) / 4];
-    if (old.vertex == wanted.vertex && old.obstacle == wanted.obstacle) return &old;
-  }
-  return nullptr;
-}
-
-bool is_wanted(const State& state, const Contact& contact, const Contact* old, Look look, const Group& a,
-               const Group& b, Real distance, Real thickness, Real dt) {
-  if (look == Look::kAhead)
-    return distance - dt * norm(a.v - b.v) < (1 + kAhead) * thickness || (old && old->impulse > 0);
-  if (distance - approach(a, b, contact.normal, dt) >= thickness && !(old && old->impulse > 0)) return false;
-  return !find_old(state.bearing.contacts, contact);
+bool is_borne_already(const State& state, const Contact& contact, Look look) {
+  return look == Look::kLeft && find_old(state.bearing.contacts, contact);
 }
 
 void find_step_contacts(const Exec& exec, const Model& model, State& state, const Inputs& inputs, Look look,
@@ -149,11 +111,9 @@ void find_step_contacts(const Exec& exec, const Model& model, State& state, cons
   const std::size_t chunks = (std::size_t(model.count) + kChunk - 1) / kChunk;
   const std::size_t pieces = params.self ? coarse_pieces(model) : 0;
   found.resize(chunks + pieces + 1);
-  // Two vertices can come as much nearer in a step as both of them move: as far is looked, within bounds.
-  const Real thickness = Real(params.thickness), least = look == Look::kAhead ? 1 + kAhead : Real(1.1);
-  const Real reach =
-      thickness * std::clamp(1 + 2 * Real(dt) * state.largest_speed / thickness, least, Real(2));
-  const FindPairs pairs{model, state, look, reach, Real(dt)};
+  const Real thickness = Real(params.thickness), least = look == Look::kAhead ? 1 + kSurprise : Real(1.1);
+  const Real reach = reach_in_step(thickness, least, state.largest_speed, Real(dt));
+  const FindPairs pairs{state, pairs_view(model, state, dt), look, reach};
   const FindObstacles obstacles{model, state, inputs.obstacles, Real(dt)};
   const bool is_whole = look == Look::kAhead || !uses_gradients(model.params.solver.method);
   const bool others = is_whole && !inputs.obstacles.empty();

@@ -10,13 +10,12 @@
 
 #include "turgor/core/exec.hpp"
 #include "turgor/core/vec.hpp"
+#include "turgor/models/cloth/crossing_way.hpp"
 
 namespace turgor::cloth {
 
 struct Model;
 struct State;
-
-constexpr double kClosest = 0.02;  // thicknesses that are left between what would meet
 
 /// Places at the begin of a step and displacements in it, of a batch of vertices or of many batches.
 struct MotionBox {
@@ -24,6 +23,26 @@ struct MotionBox {
   Vec3 least, most;  // displacement [m]
   Real reach = 0;    // vertices farther apart cannot have meeting triangles or edges [m]
 };
+
+/// Two edges that cross have ends nearer than √½ of the longer one; a point of a triangle is nearer to a
+/// corner.
+TURGOR_HD inline Real reach_of(Real longest2) { return std::sqrt(Real(0.50001) * longest2); }
+
+TURGOR_HD inline MotionBox around(const MotionBox& a, const MotionBox& b) {
+  return {min(a.low, b.low), max(a.high, b.high), min(a.least, b.least), max(a.most, b.most),
+          larger(a.reach, b.reach)};
+}
+
+/// Whether anything in a and b may come nearer than the reach, seen along each axis.
+TURGOR_HD inline bool may_meet(const MotionBox& a, const MotionBox& b) {
+  const Real reach = larger(a.reach, b.reach);
+  for (int k = 0; k < 3; k++) {
+    const Real low = b.low[k] - a.high[k] - reach + smaller(b.least[k] - a.most[k], 0);
+    const Real high = b.high[k] - a.low[k] + reach + larger(b.most[k] - a.least[k], 0);
+    if (low > 0 || high < 0) return false;
+  }
+  return true;
+}
 
 /// A vertex and a triangle, or two edges (first and second, third and fourth vertex), that would meet.
 struct Meeting {
@@ -55,12 +74,6 @@ void place_boxes(const Exec& exec, const Model& model, State& state);
 /// Adds what would meet to Crossing::meetings; all boxes are looked at when `all`, else those with vertices
 /// that were caught. False: nothing does, but for what moves as one already.
 bool find_meetings(const Exec& exec, const Model& model, State& state, bool all);
-
-/// Of a vertex and a triangle or of two edges [m].
-double gap_between(const std::array<Vec3d, 4>& x, bool are_edges);
-/// Whether these come too near on the straight way from x to x + d [m].
-bool comes_too_near(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& d, bool are_edges,
-                    double thickness);
 
 /// Takes a step from System::before to State::x back where the cloth would pass through itself. Returns how
 /// many vertices were not let go where they wanted. A cloth that crosses itself at the begin is left alone

@@ -19,15 +19,6 @@ constexpr std::size_t kPiece = 4;         // such boxes that are looked at as on
 
 std::size_t leaves_of(const Model& model) { return (std::size_t(model.count) + kLeaf - 1) / kLeaf; }
 
-/// Two edges that cross have ends nearer than √½ of the longer one; a point of a triangle is nearer to a
-/// corner.
-Real reach_of(Real longest2) { return std::sqrt(Real(0.50001) * longest2); }
-
-MotionBox around(const MotionBox& a, const MotionBox& b) {
-  return {min(a.low, b.low), max(a.high, b.high), min(a.least, b.least), max(a.most, b.most),
-          std::max(a.reach, b.reach)};
-}
-
 MotionBox box_of_batch(const Model& model, const System& system, std::size_t begin) {
   const int count = std::min(kLanes, model.count - int(begin));
   float numbers[7][kLanes];
@@ -51,17 +42,6 @@ MotionBox box_of_leaf(const Model& model, const System& system, std::size_t leaf
   const MotionBox box = box_of_batch(model, system, begin);
   if (second >= std::size_t(model.count)) return box;
   return around(box, box_of_batch(model, system, second));
-}
-
-/// Whether anything in a and b may come nearer than the reach, seen along each axis.
-inline bool may_meet(const MotionBox& a, const MotionBox& b) {
-  const Real reach = std::max(a.reach, b.reach);
-  for (int k = 0; k < 3; k++) {
-    const Real low = b.low[k] - a.high[k] - reach + std::min(Real(0), b.least[k] - a.most[k]);
-    const Real high = b.high[k] - a.low[k] + reach + std::max(Real(0), b.most[k] - a.least[k]);
-    if (low > 0 || high < 0) return false;
-  }
-  return true;
 }
 
 /// A vertex with the triangles around it.
@@ -134,10 +114,11 @@ struct FindMeetings {
   bool all;  // pairs of vertices are looked at
   std::vector<Meeting>& found;
   Joined joined{state.crossing};
+  Ways ways{view(system.before), view(system.force), view(model.x_rest), thickness};
   Star mine{}, other{};
 
-  Vec3d place(int v) const { return Vec3d(system.before[std::size_t(v)]); }
-  Vec3d way(int v) const { return Vec3d(system.force[std::size_t(v)]); }
+  Vec3d place(int v) const { return ways.place(v); }
+  Vec3d way(int v) const { return ways.way(v); }
   Real flatness(int v) const { return system.inverse[0].y[std::size_t(v)]; }
 
   /// i < j in one triangle that has no smaller vertex: finds most edges at little cost.
@@ -190,38 +171,11 @@ struct FindMeetings {
     return false;
   }
 
-  /// Whether a plane across one of the axes parts them all the way.
-  static bool are_parted_by_axis(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& d, int first,
-                                 double margin) {
-    for (int k = 0; k < 3; k++) {
-      double low[2]{INFINITY, INFINITY}, high[2]{-INFINITY, -INFINITY};
-      for (int n = 0; n < 4; n++) {
-        const double from = x[std::size_t(n)][k], to = from + d[std::size_t(n)][k];
-        const int side = n < first ? 0 : 1;
-        low[side] = std::min({low[side], from, to}), high[side] = std::max({high[side], from, to});
-      }
-      if (low[0] > high[1] + margin || low[1] > high[0] + margin) return true;
-    }
-    return false;
-  }
-
-  /// Seams that are not closed: nothing keeps them apart.
-  bool touch_at_rest(const std::array<int, 4>& v, bool are_edges) const {
-    std::array<Vec3d, 4> x;
-    for (std::size_t k = 0; k < 4; k++) x[k] = Vec3d(model.x_rest[std::size_t(v[k])]);
-    return gap_between(x, are_edges) < kClosest * thickness / 16;
-  }
-
   void test(const std::array<int, 4>& v, bool are_edges) {
-    std::array<Vec3d, 4> x, d;
-    bool moves_as_one = true;
-    for (std::size_t k = 0; k < 4; k++) {
-      x[k] = place(v[k]), d[k] = way(v[k]) - way(v[0]);
-      moves_as_one = moves_as_one && d[k] == Vec3d{};
-    }
-    if (moves_as_one || are_parted_by_axis(x, d, are_edges ? 2 : 1, kClosest * thickness)) return;
+    const Ways::Four four = ways.four(v, are_edges);
+    if (!ways.may_meet(four)) return;
     if (!found.empty() && joined.are_one(v)) return;
-    if (!comes_too_near(x, d, are_edges, thickness) || touch_at_rest(v, are_edges)) return;
+    if (!ways.meet(four, v)) return;
     found.push_back({v, are_edges});
     joined.join(v);
   }

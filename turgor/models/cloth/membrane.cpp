@@ -6,88 +6,11 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/membrane_tension.hpp"
 
 namespace turgor::cloth {
 
 namespace {
-
-using turgor::larger;
-using turgor::square_root;
-double square_root(double a) { return std::sqrt(a); }
-double larger(double a, double b) { return std::max(a, b); }
-double all_of(double, double value) { return value; }
-Lanes all_of(Lanes, double value) { return all_lanes(float(value)); }
-
-/// A symmetric 2×2 matrix, along warp and weft.
-template <class T>
-struct Plane {
-  T warp, weft, both;
-};
-
-/// The shape functions' gradients in one triangle (or sixteen).
-template <class T>
-struct Slopes {
-  T second[2], third[2];
-};
-
-/// FᵀF of the sides from the first corner to the second and the third.
-template <class T, class V>
-Plane<T> squared_stretch(const Slopes<T>& g, V p, V q) {
-  const T pp = dot(p, p), pq = dot(p, q), qq = dot(q, q);
-  const auto part = [&](int i, int j) {
-    return g.second[i] * g.second[j] * pp + (g.second[i] * g.third[j] + g.third[i] * g.second[j]) * pq +
-           g.third[i] * g.third[j] * qq;
-  };
-  return {part(0, 0), part(1, 1), part(0, 1)};
-}
-
-/// U of U² = C. Flat triangles have the root of nearly nothing instead.
-template <class T>
-Plane<T> stretch(const Plane<T>& c) {
-  const T least = all_of(c.warp, 1e-6);
-  const T root = square_root(larger(c.warp * c.weft - c.both * c.both, least));
-  const T scale = 1 / square_root(c.warp + c.weft + root + root);
-  return {(c.warp + root) * scale, (c.weft + root) * scale, c.both * scale};
-}
-
-template <class T>
-struct Stress {
-  Plane<T> conjugate;  // to FᵀF/2: the symmetric S with (S U + U S)/2 = D (U − 1) [N/m]
-  T energy;            // per area at rest [J/m²]
-};
-
-template <class T>
-Stress<T> stress(const Membrane& m, const Plane<T>& u) {
-  const T one = all_of(u.warp, 1), e1 = u.warp - one, e2 = u.weft - one;
-  const T t1 = e1 * T(all_of(one, m.warp)) + e2 * T(all_of(one, m.both)),
-          t2 = e2 * T(all_of(one, m.weft)) + e1 * T(all_of(one, m.both)),
-          t12 = u.both * T(all_of(one, 2 * double(m.shear)));
-  const T a = 1 / u.warp, c = 1 / u.weft, b = u.both;
-  const T sum = (u.warp + u.weft) * (one - b * b * a * c);
-  const T s12 = (t12 + t12 - b * (t1 * a + t2 * c)) / sum;
-  return {{(t1 - s12 * b) * a, (t2 - s12 * b) * c, s12},
-          (t1 * e1 + t2 * e2 + (t12 + t12) * b) * T(all_of(one, 0.5))};
-}
-
-template <class T>
-struct Sides {
-  T side[3];  // tensions [N/m]
-  T energy;   // [J]
-};
-
-/// Side i j pulls with −A ∇N_iᵀ S ∇N_j times its length.
-template <class T, class V>
-Sides<T> tensions(const Membrane& m, const Slopes<T>& g, V p, V q) {
-  const Stress<T> s = stress(m, stretch(squared_stretch(g, p, q)));
-  const T twice = g.second[0] * g.third[1] - g.second[1] * g.third[0];
-  const T area = T(all_of(twice, 0.5)) / larger(twice, -twice);
-  const T first[2] = {-g.second[0] - g.third[0], -g.second[1] - g.third[1]};
-  const auto between = [&](const T(&a)[2], const T(&b)[2]) {
-    return -area * (a[0] * (s.conjugate.warp * b[0] + s.conjugate.both * b[1]) +
-                    a[1] * (s.conjugate.both * b[0] + s.conjugate.weft * b[1]));
-  };
-  return {{between(first, g.second), between(g.second, g.third), between(g.third, first)}, area * s.energy};
-}
 
 /// [second, third] corners' gradients along warp and weft [1/m].
 std::array<std::array<double, 2>, 2> slopes_at_rest(Vec3d p, Vec3d q, const Weave& weave) {
@@ -107,7 +30,7 @@ Corners corners(const TriMesh& mesh, Int3 t) {
 
 /// Stiffness of springs along a triangle's sides that is nowhere below that of the triangle [N/m]: the energy
 /// is a quadratic form of the three elongations, and a diagonal that outweighs its rows bounds it.
-std::array<double, 3> side_stiffness(const Membrane& m, const Corners& c, const Weave& weave) {
+std::array<double, 3> side_stiffness(const MembraneLaw& m, const Corners& c, const Weave& weave) {
   const Vec3d sides[3] = {c.p, c.q - c.p, -c.q};
   double strain[3][3];  // of an elongation of side s by 1: warp, weft, warp-weft
   double rows[3][3];
@@ -138,9 +61,9 @@ std::array<double, 3> side_stiffness(const Membrane& m, const Corners& c, const 
   return stiffness;
 }
 
-Membrane material(const Fabric& fabric) {
+MembraneLaw material(const Fabric& fabric) {
   const double other = fabric.poisson * fabric.weft / fabric.warp, rest = 1 - fabric.poisson * other;
-  Membrane m;
+  MembraneLaw m;
   m.warp = Real(fabric.warp / rest), m.weft = Real(fabric.weft / rest);
   m.both = Real(fabric.poisson * fabric.weft / rest), m.shear = Real(fabric.shear);
   return m;
@@ -157,28 +80,17 @@ std::uint16_t slot_of(const Rows& rows, int vertex, int other) {
   return 0;
 }
 
-int slot_at(const Membrane& m, int triangle, int n) {
-  const auto t = std::size_t(triangle), k = std::size_t(n);
-  return m.wide_slot.empty() ? int(m.slot[t][k]) : int(m.wide_slot[t][k]);
-}
-
-/// The tensions around one chunk of vertices.
+/// The tensions around one chunk of vertices, each triangle once for all of its corners there.
 struct TensionChunk {
   const Model& model;
-  State& state;
-
-  void add(std::size_t vertex, int slot, Real tension) const {
-    const auto first = std::size_t(model.rows.slot_begin[vertex / std::size_t(kLanes)]);
-    state.system.across[(first + std::size_t(slot)) * std::size_t(kLanes) + vertex % std::size_t(kLanes)] +=
-        tension;
-  }
+  SheetView sheet;
+  MembraneView membrane;
 
   void operator()(std::size_t chunk) const {
-    const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, state.x.size());
+    const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, sheet.size);
     const std::vector<int>& slots = model.rows.slot_begin;
-    const auto from = state.system.across.begin();
-    std::fill(from + slots[begin / std::size_t(kLanes)] * kLanes,
-              from + slots[end / std::size_t(kLanes)] * kLanes, Real(0));
+    std::fill(sheet.across + slots[begin / std::size_t(kLanes)] * kLanes,
+              sheet.across + slots[end / std::size_t(kLanes)] * kLanes, Real(0));
     const ChunkTriangles& chunks = model.chunk_triangles;
     for (int n = chunks.begin[chunk]; n < chunks.begin[chunk + 1]; n += kLanes)
       batch(&chunks.triangle[std::size_t(n)], std::min(kLanes, chunks.begin[chunk + 1] - n), begin, end);
@@ -190,17 +102,22 @@ struct TensionChunk {
     int item[kLanes], corner[3][kLanes];
     for (int l = 0; l < kLanes; l++) {
       item[l] = triangle[std::min(l, count - 1)];
-      for (int k = 0; k < 3; k++) corner[k][l] = model.triangles[std::size_t(item[l])][k];
+      for (int k = 0; k < 3; k++) corner[k][l] = membrane.triangles[item[l]][k];
     }
-    const Lanes3 a = gather(state.x, corner[0]);
-    const Slopes<Lanes> g{{gather_lanes(m.second[0].data(), item), gather_lanes(m.second[1].data(), item)},
-                          {gather_lanes(m.third[0].data(), item), gather_lanes(m.third[1].data(), item)}};
-    const Sides<Lanes> found = tensions(m, g, gather(state.x, corner[1]) - a, gather(state.x, corner[2]) - a);
+    const auto gather = [this](const int* v) {
+      return Lanes3{gather_lanes(sheet.x.x, v), gather_lanes(sheet.x.y, v), gather_lanes(sheet.x.z, v)};
+    };
+    const Lanes3 a = gather(corner[0]);
+    const tension::Slopes<Lanes> g{
+        {gather_lanes(m.second[0].data(), item), gather_lanes(m.second[1].data(), item)},
+        {gather_lanes(m.third[0].data(), item), gather_lanes(m.third[1].data(), item)}};
+    const tension::Sides<Lanes> found = tensions(m.law, g, gather(corner[1]) - a, gather(corner[2]) - a);
     for (int l = 0; l < count; l++)
       for (int side = 0; side < 3; side++) {
         const auto i = std::size_t(corner[side][l]), j = std::size_t(corner[(side + 1) % 3][l]);
-        if (i >= begin && i < end) add(i, slot_at(m, item[l], 2 * side), found.side[side][l]);
-        if (j >= begin && j < end) add(j, slot_at(m, item[l], 2 * side + 1), found.side[side][l]);
+        const Real tension = found.side[side][l];
+        if (i >= begin && i < end) sheet.across[membrane.entry(sheet, i, item[l], 2 * side)] += tension;
+        if (j >= begin && j < end) sheet.across[membrane.entry(sheet, j, item[l], 2 * side + 1)] += tension;
       }
   }
 };
@@ -218,7 +135,7 @@ Weave weave_at(Vec3d direction, Vec3d normal) {
 }
 
 Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric) {
-  Membrane m = material(fabric);
+  Membrane m{.law = material(fabric)};
   const std::size_t count = mesh.triangles.size(), size = padded(count);
   for (int k = 0; k < 2; k++) m.second[k].resize(size), m.third[k].resize(size);
   for (std::size_t t = 0; t < count; t++) {
@@ -230,7 +147,7 @@ Membrane make_membrane(const TriMesh& mesh, const Fabric& fabric) {
 }
 
 std::vector<Spring> membrane_springs(const TriMesh& mesh, const Fabric& fabric) {
-  const Membrane m = material(fabric);
+  const MembraneLaw m = material(fabric);
   std::vector<std::array<double, 3>> stiffness;
   for (const Int3 t : mesh.triangles) {
     const Corners c = corners(mesh, t);
@@ -269,16 +186,17 @@ void find_slots(const std::vector<Int3>& triangles, const Rows& rows, Membrane& 
 }
 
 void find_tensions(const Exec& exec, const Model& model, State& state) {
-  parallel_for(exec, model.chunk_triangles.begin.size() - 1, TensionChunk{model, state});
+  parallel_for(exec, model.chunk_triangles.begin.size() - 1,
+               TensionChunk{model, view(model, state), view(model.membrane, model.triangles)});
 }
 
 TriangleTension triangle_tension(const Model& model, const State& state, std::size_t triangle) {
   const Membrane& m = model.membrane;
   const Int3 t = model.triangles[triangle];
   const auto at = [&state](int v) { return Vec3d(state.x[std::size_t(v)]); };
-  const Slopes<double> g{{double(m.second[0][triangle]), double(m.second[1][triangle])},
-                         {double(m.third[0][triangle]), double(m.third[1][triangle])}};
-  const Sides<double> found = tensions(m, g, at(t.y) - at(t.x), at(t.z) - at(t.x));
+  const tension::Slopes<double> g{{double(m.second[0][triangle]), double(m.second[1][triangle])},
+                                  {double(m.third[0][triangle]), double(m.third[1][triangle])}};
+  const tension::Sides<double> found = tensions(m.law, g, at(t.y) - at(t.x), at(t.z) - at(t.x));
   return {{found.side[0], found.side[1], found.side[2]}, found.energy};
 }
 

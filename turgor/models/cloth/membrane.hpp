@@ -18,9 +18,14 @@ struct Fabric;
 struct Model;
 struct State;
 
-/// σ = D ε by warp and weft, and the triangles at rest. Arrays are padded to whole batches of triangles.
+/// σ = D ε by warp and weft: D₁₁, D₂₂, D₁₂, G [N/m].
+struct MembraneLaw {
+  Real warp = 0, weft = 0, both = 0, shear = 0;
+};
+
+/// The law, and the triangles at rest. Arrays are padded to whole batches of triangles.
 struct Membrane {
-  Real warp = 0, weft = 0, both = 0, shear = 0;  // D₁₁, D₂₂, D₁₂, G [N/m]
+  MembraneLaw law;
   /// Gradients of the shape functions of the second and third corner, along warp and weft [1/m].
   aligned_vector<Real> second[2], third[2];
   /// Where the tensions of the sides go: the slots in the rows of the first and the second vertex of side 0,

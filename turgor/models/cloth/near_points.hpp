@@ -27,12 +27,12 @@ struct NearPoints {
 /// Sorts the first `count` points. `cell` is more than twice the largest reach that is asked for.
 void sort_points(const Exec& exec, const Vectors& points, int count, Real cell, NearPoints& near);
 
-inline int cell_of(Real x, Real inverse_cell) {
+TURGOR_HD inline int cell_of(Real x, Real inverse_cell) {
   constexpr Real kFar = 1e9f;  // an int holds it; points beyond share the last cell
-  return int(std::floor(std::clamp(x * inverse_cell, -kFar, kFar)));
+  return int(std::floor(smaller(larger(x * inverse_cell, -kFar), kFar)));
 }
 /// Of the cell (0, cy, cz); cell cx is cx further on.
-inline std::uint32_t row_bucket(int cy, int cz) {
+TURGOR_HD inline std::uint32_t row_bucket(int cy, int cz) {
   const std::uint32_t h = std::uint32_t(cy) * 0x9e3779b1u ^ std::uint32_t(cz) * 0x85ebca77u;
   return (h ^ h >> 15) * 0x2c1b3c6du;
 }
@@ -52,25 +52,38 @@ void visit_run(const NearPoints& near, int from, int to, const Passes& passes, c
   }
 }
 
+/// Calls visit(from, to, is_own) for runs of sorted points in which all of a box are; is_own(place) says
+/// which of them belong there: buckets have points of other cells, too.
+template <class Visit>
+TURGOR_HD inline void visit_runs(Real cell, std::uint32_t mask, const int* begin, int count, Vec3 low,
+                                 Vec3 high, const Visit& visit) {
+  const Real inverse = 1 / cell;
+  const int x0 = cell_of(low.x, inverse), y0 = cell_of(low.y, inverse), z0 = cell_of(low.z, inverse);
+  const int x1 = cell_of(high.x, inverse), y1 = cell_of(high.y, inverse), z1 = cell_of(high.z, inverse);
+  const double cells = (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1);
+  if (cells > double(mask)) return visit(0, count, [](Vec3) { return true; });
+  for (int cz = z0; cz <= z1; cz++)
+    for (int cy = y0; cy <= y1; cy++) {
+      const auto is_own = [&](Vec3 p) {  // other rows have some of the same buckets
+        return cell_of(p.y, inverse) == cy && cell_of(p.z, inverse) == cz;
+      };
+      const std::uint32_t first = (row_bucket(cy, cz) + std::uint32_t(x0)) & mask,
+                          last = first + std::uint32_t(x1 - x0);
+      visit(begin[first], begin[(last < mask ? last : mask) + 1], is_own);
+      if (last > mask) visit(0, begin[last - mask], is_own);
+    }
+}
+
 /// Calls visit(point, place) once for every point that passes. `passes` takes sixteen places, and where they
 /// are among the sorted ones, and returns a bit for each; no point outside of the box may pass.
 template <class Passes, class Visit>
 void visit_box(const NearPoints& near, Vec3 low, Vec3 high, const Passes& passes, const Visit& visit) {
-  const Real inverse = 1 / near.cell;
-  const int x0 = cell_of(low.x, inverse), y0 = cell_of(low.y, inverse), z0 = cell_of(low.z, inverse);
-  const int x1 = cell_of(high.x, inverse), y1 = cell_of(high.y, inverse), z1 = cell_of(high.z, inverse);
-  const double cells = (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1);
-  if (cells > double(near.mask)) return visit_run(near, 0, int(near.index.size()), passes, visit);
-  for (int cz = z0; cz <= z1; cz++)
-    for (int cy = y0; cy <= y1; cy++) {
-      const auto visit_own = [&](int point, Vec3 p) {  // other rows have some of the same buckets
-        if (cell_of(p.y, inverse) == cy && cell_of(p.z, inverse) == cz) visit(point, p);
-      };
-      const std::uint32_t first = (row_bucket(cy, cz) + std::uint32_t(x0)) & near.mask,
-                          last = first + std::uint32_t(x1 - x0);
-      visit_run(near, near.begin[first], near.begin[std::min(last, near.mask) + 1], passes, visit_own);
-      if (last > near.mask) visit_run(near, 0, near.begin[last - near.mask], passes, visit_own);
-    }
+  visit_runs(near.cell, near.mask, near.begin.data(), int(near.index.size()), low, high,
+             [&](int from, int to, const auto& is_own) {
+               visit_run(near, from, to, passes, [&](int point, Vec3 p) {
+                 if (is_own(p)) visit(point, p);
+               });
+             });
 }
 
 /// Calls visit(point, place) once for every point within `reach` of p, which is less than half a cell.

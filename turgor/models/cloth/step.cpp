@@ -4,6 +4,7 @@
 
 #include "turgor/core/hash.hpp"
 #include "turgor/models/cloth/fields.hpp"
+#include "turgor/models/cloth/motion_loops.hpp"
 #include "turgor/models/cloth/strain_limit.hpp"
 #include "turgor/models/cloth/system.hpp"
 
@@ -13,14 +14,9 @@ namespace {
 
 constexpr std::size_t kGrain = 64;  // batches
 
-void change_velocities(const Exec& exec, State& state) {
-  parallel_for(
-      exec, state.v.size() / std::size_t(kLanes),
-      [&](std::size_t batch) {
-        const std::size_t i = batch * std::size_t(kLanes);
-        store(state.v, i, load(state.v, i) + load(state.system.change, i));
-      },
-      kGrain);
+template <class Loop>
+void for_batches(const Exec& exec, const State& state, const Loop& loop) {
+  parallel_for(exec, state.v.size() / std::size_t(kLanes), loop, kGrain);
 }
 
 /// Not finite when any velocity is not: bit patterns of positive numbers are in order, and those of no
@@ -42,16 +38,9 @@ Real largest_speed(const Exec& exec, const State& state) {
 }
 
 /// `from` is where the cloth was when the step began.
-void move(const Exec& exec, State& state, const Vectors& from, Real dt) {
-  parallel_for(
-      exec, state.v.size() / std::size_t(kLanes),
-      [&](std::size_t batch) {
-        const std::size_t i = batch * std::size_t(kLanes);
-        const Lanes3 x = load(state.x, i);
-        store(state.system.before, i, load(from, i));  // for avoid_crossings
-        store(state.x, i, x + load(state.v, i) * all_lanes(dt));
-      },
-      kGrain);
+void move(const Exec& exec, State& state, Vectors& from, Real dt) {
+  for_batches(exec, state,
+              Move<Lanes>{view(state.x), view(state.v), view(from), view(state.system.before), dt});
   for (const Hold& hold : state.holds) state.x.set(std::size_t(hold.vertex), hold.goal);
 }
 
@@ -63,17 +52,8 @@ double lead_on(const Exec& exec, State& state, double dt) {
   const bool leads = last.dt == dt;
   last.dt = dt;
   last.x.resize(state.x.size()), last.v.resize(state.v.size());
-  parallel_for(
-      exec, state.v.size() / std::size_t(kLanes),
-      [&](std::size_t batch) {
-        const std::size_t i = batch * std::size_t(kLanes);
-        for (auto [now, before] : {std::pair(&state.x, &last.x), std::pair(&state.v, &last.v)}) {
-          const Lanes3 one = load(*now, i), zero = load(*before, i);
-          store(*before, i, one);
-          if (leads) store(*now, i, one + (one - zero) * all_lanes(1.0f / 3));
-        }
-      },
-      kGrain);
+  for_batches(exec, state, LeadOn<Lanes>{view(state.x), view(last.x), leads});
+  for_batches(exec, state, LeadOn<Lanes>{view(state.v), view(last.v), leads});
   return leads ? dt * 2 / 3 : dt;
 }
 
@@ -101,7 +81,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
     report.iterations = state.system.iterations, report.residual = state.system.residual;
   else if (inputs.measure_residual)
     report.residual = residual(exec, model, state);
-  change_velocities(exec, state);
+  for_batches(exec, state, ChangeVelocities<Lanes>{view(state.v), view(state.system.change)});
   if (model.params.solver.strain_limit > 0) limit_strain(exec, model, state, dt);
   state.largest_speed = largest_speed(exec, state);
   if (uses_gradients(model.params.solver.method) && !std::isfinite(state.system.residual))

@@ -3,102 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "turgor/models/cloth/batch_system.hpp"
+#include "turgor/models/cloth/system_loops.hpp"
 
 namespace turgor::cloth {
 
 namespace {
 
 constexpr std::size_t kGrain = 16;  // batches
-
-/// Springs around sixteen vertices: their force, viscous part included, their matrix entries, and the inverse
-/// of the diagonal block.
-struct AssembleBatch {
-  const Model& model;
-  State& state;
-  Vec3 gravity;
-  Real dt, s, keep;  // s = h² + h·stretch damping; keep = h·motion damping
-  bool has_air, keeps_air;
-
-  void add_springs(std::size_t batch, const Lanes3& x, const Lanes3& v, Lanes is_free, Lanes3& f,
-                   LanesMatrix& d) const {
-    const Rows& rows = model.rows;
-    System& system = state.system;
-    for (int slot = rows.slot_begin[batch]; slot < rows.slot_begin[batch + 1]; slot++) {
-      const auto entry = std::size_t(slot) * std::size_t(kLanes);
-      const Lanes3 e = load_neighbours(rows, state.x, slot) - x, u = load_neighbours(rows, state.v, slot) - v;
-      const Lanes k = load_lanes(&rows.stiffness[entry]);
-      const Lanes length2 = larger(dot(e, e), all_lanes(1e-20f));
-      const Lanes stretch = 1 - load_lanes(&rows.rest[entry]) / square_root(length2);
-      // Compressed springs lose the part across them, so that W stays positive definite. [Kang III]
-      const Lanes across = k * s * larger(stretch, all_lanes(0));
-      const Lanes along = (k * s - across) / length2;
-      f = f + e * (k * dt * stretch + along * dot(e, u)) + u * across;
-      d.diagonal = d.diagonal +
-                   Lanes3{along * e.x * e.x + across, along * e.y * e.y + across, along * e.z * e.z + across};
-      d.off = d.off + Lanes3{along * e.x * e.y, along * e.x * e.z, along * e.y * e.z};
-      store_lanes(&system.along[entry], along * is_free);
-      store_lanes(&system.across[entry], across * is_free);
-    }
-  }
-
-  /// The tensions of the membrane are in `across`. Its stiffness is bounded by springs along the edges; those
-  /// that are pushed lose the part across them, as springs do.
-  void add_sheet(std::size_t batch, const Lanes3& x, const Lanes3& v, Lanes is_free, Lanes3& f,
-                 LanesMatrix& d) const {
-    const Rows &rows = model.rows, &far = model.far_rows;
-    System& system = state.system;
-    const Lanes spare = load_lanes(&model.spare[batch * std::size_t(kLanes)]) * s;
-    Lanes sum = spare;
-    for (int slot = rows.slot_begin[batch]; slot < rows.slot_begin[batch + 1]; slot++) {
-      const auto entry = std::size_t(slot) * std::size_t(kLanes);
-      const Lanes3 e = load_neighbours(rows, state.x, slot) - x, u = load_neighbours(rows, state.v, slot) - v;
-      const Lanes tension = load_lanes(&system.across[entry]), bend = load_lanes(&rows.bend[entry]);
-      const Lanes across = (larger(tension, all_lanes(0)) + bend) * s;
-      const Lanes along = load_lanes(&rows.stiffness[entry]) * s / larger(dot(e, e), all_lanes(1e-20f));
-      f = f + e * ((tension + bend) * dt + along * dot(e, u)) + u * across;
-      d.diagonal = d.diagonal + Lanes3{along * e.x * e.x, along * e.y * e.y, along * e.z * e.z};
-      d.off = d.off + Lanes3{along * e.x * e.y, along * e.x * e.z, along * e.y * e.z};
-      sum = sum + across;
-      store_lanes(&system.along[entry], along * is_free);
-      store_lanes(&system.across[entry], across * is_free);
-    }
-    for (int slot = far.slot_begin[batch]; slot < far.slot_begin[batch + 1]; slot++) {
-      const Lanes3 e = load_neighbours(far, state.x, slot) - x, u = load_neighbours(far, state.v, slot) - v;
-      const Lanes bend = load_lanes(&far.bend[std::size_t(slot) * std::size_t(kLanes)]);
-      f = f + e * (bend * dt) + u * (bend * s);
-      sum = sum + bend * s;
-    }
-    d.diagonal = d.diagonal + Lanes3{sum, sum, sum};
-  }
-
-  void operator()(std::size_t batch) const {
-    const std::size_t i = batch * std::size_t(kLanes);
-    System& system = state.system;
-    const Lanes3 x = load(state.x, i), v = load(state.v, i);
-    const Lanes mass = load_lanes(&state.free_mass[i]);
-    const Lanes is_free = mass > 0 ? all_lanes(1) : all_lanes(0);
-    LanesMatrix d{{mass * (1 + keep), mass * (1 + keep), mass * (1 + keep)}, {}};
-    Lanes3 f =
-        Lanes3{mass * gravity.x, mass * gravity.y, mass * gravity.z} * all_lanes(dt) - v * (mass * keep);
-    if (keeps_air)
-      for (int k = 0; k < 2; k++)
-        store(system.air[k], i, has_air ? load(system.inverse[k], i) * is_free : Lanes3{});
-    if (has_air) {
-      f = f + load(system.force, i);
-      d.diagonal = d.diagonal + load(system.inverse[0], i), d.off = d.off + load(system.inverse[1], i);
-    }
-    if (model.params.fabric.law == Law::kSprings)
-      add_springs(batch, x, v, is_free, f, d);
-    else
-      add_sheet(batch, x, v, is_free, f, d);
-    const Lanes is_held = 1 - is_free;  // whose row says: the change is the given one
-    d = {d.diagonal * is_free + Lanes3{is_held, is_held, is_held}, d.off * is_free};
-    const LanesMatrix inverted = inverse(d);
-    store(system.inverse[0], i, inverted.diagonal), store(system.inverse[1], i, inverted.off);
-    store(system.force, i, f * is_free);
-  }
-};
 
 /// Impulses of contacts: known from the step before, so that what lies still need not find them again.
 void add_contact_impulses(State& state) {
@@ -146,6 +57,26 @@ struct IsPartHeld {
 
 }  // namespace
 
+SheetView view(const Model& model, State& state) {
+  System& system = state.system;
+  return {.size = state.x.size(),
+          .rows = view(model.rows),
+          .far = view(model.far_rows),
+          .spare = model.spare.empty() ? nullptr : model.spare.data(),
+          .x_rest = view(model.x_rest),
+          .x = view(state.x),
+          .v = view(state.v),
+          .free_mass = state.free_mass.data(),
+          .along = system.along.data(),
+          .across = system.across.data(),
+          .force = view(system.force),
+          .inverse = {view(system.inverse[0]), view(system.inverse[1])},
+          .change = view(system.change),
+          .before = view(system.before),
+          .air = {view(system.air[0]), view(system.air[1])},
+          .square = system.square};
+}
+
 void assemble(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt) {
   System& system = state.system;
   const bool has_air = inputs.air.density > 0;
@@ -166,8 +97,8 @@ void assemble(const Exec& exec, const Model& model, State& state, const Inputs& 
   system.keep = Real(1 + dt * damping.motion), system.square = Real(dt * dt + dt * damping.stretch);
   if (model.params.fabric.law == Law::kSheet) find_tensions(exec, model, state);
   parallel_for(exec, batch_count(model.rows),
-               AssembleBatch{model, state, Vec3(inputs.gravity), Real(dt), system.square,
-                             Real(dt * damping.motion), has_air, keeps_air},
+               AssembleRow<Lanes>{view(model, state), Vec3(inputs.gravity), Real(dt),
+                                  Real(dt * damping.motion), has_air, keeps_air},
                kGrain);
   if (!uses_gradients(model.params.solver.method)) add_contact_impulses(state);  // else: bearing.hpp
   aim_holds(state, Real(dt));
@@ -198,39 +129,14 @@ void start_change(const Exec& exec, const Model& model, State& state, double dt)
 }
 
 void sweep(const Exec& exec, const Model& model, State& state, Real omega) {
-  System& system = state.system;
-  parallel_for(
-      exec, batch_count(model.rows),
-      [&](std::size_t batch) {
-        const std::size_t i = batch * std::size_t(kLanes);
-        const Lanes3 sum = with_neighbours(model, state, system.change, i, load(system.force, i));
-        const Lanes3 before = load(system.before, i);
-        const Lanes3 jacobi = inverse_diagonal(system, i) * sum;
-        store(system.before, i, before + (jacobi - before) * all_lanes(omega));
-      },
-      kGrain);
-  std::swap(system.change, system.before);
+  parallel_for(exec, batch_count(model.rows), SweepRow<Lanes>{view(model, state), omega}, kGrain);
+  std::swap(state.system.change, state.system.before);
 }
 
 void solve_by_sweeps(const Exec& exec, const Model& model, State& state, Method method, int sweeps) {
-  int left = sweeps + 1;  // the paper's start, W_ii⁻¹ h f̃, is a sweep too
-  if (left % 2 == 1) {    // errors of alternating sign would come out doubled [docs/models/cloth.md]
-    sweep(exec, model, state, Real(0.5));
-    left--;
-    state.system.before = state.system.change;
-  }
-  if (method == Method::kJacobi) {
-    for (; left > 0; left--) sweep(exec, model, state, 1);
-    return;
-  }
-  // Eigenvalues of the iteration in [-rho, rho] lose all but 1/(2 + sweeps) of their error, none grows, and
-  // the slow ones above rho gain as much as they can.
-  const double rho = 1 / std::cosh(std::acosh(2.0 + left) / left);
-  double omega = 1;
-  for (int n = 0; n < left; n++) {
-    sweep(exec, model, state, Real(omega));
-    omega = n == 0 ? 2 / (2 - rho * rho) : 4 / (4 - rho * rho * omega);
-  }
+  go_through_sweeps(
+      method == Method::kChebyshev, sweeps, [&](Real omega) { sweep(exec, model, state, omega); },
+      [&] { state.system.before = state.system.change; });
 }
 
 // What is left of stiff forces would be much of the force of a contact: there is less left of them.

@@ -37,6 +37,6 @@ struct Stop {
 void solve_by_conjugate_gradients(const Exec& exec, const Model& model, State& state, const Stop& stop);
 
 /// |force − W change| / |force| over the free vertices. The system was assembled to measure it.
-double residual(const Exec& exec, const Model& model, const State& state);
+double residual(const Exec& exec, const Model& model, State& state);
 
 }  // namespace turgor::cloth

@@ -1,6 +1,8 @@
 // Three numbers a vertex, each in an array of its own, padded to whole batches.
 #pragma once
 
+#include <type_traits>
+
 #include "turgor/core/aligned.hpp"
 #include "turgor/core/lanes.hpp"
 #include "turgor/core/vec.hpp"
@@ -32,24 +34,33 @@ inline Lanes3 gather(const Vectors& a, const int* index) {
   return {gather_lanes(a.x.data(), index), gather_lanes(a.y.data(), index), gather_lanes(a.z.data(), index)};
 }
 
+/// Three numbers of sixteen vertices (T = Lanes), or of one (T = Real).
+template <class T>
+using Three = std::conditional_t<std::is_same_v<T, Lanes>, Lanes3, Vec3>;
+
 /// A symmetric 3×3 matrix by its diagonal and xy, xz, yz.
-struct LanesMatrix {
-  Lanes3 diagonal, off;
+template <class T>
+struct Symmetric {
+  Three<T> diagonal, off;
 };
-inline Lanes3 operator*(const LanesMatrix& m, Lanes3 a) {
+using LanesMatrix = Symmetric<Lanes>;
+
+template <class T>
+TURGOR_HD inline Three<T> operator*(const Symmetric<T>& m, Three<T> a) {
   return {m.diagonal.x * a.x + m.off.x * a.y + m.off.y * a.z,
           m.off.x * a.x + m.diagonal.y * a.y + m.off.z * a.z,
           m.off.y * a.x + m.off.z * a.y + m.diagonal.z * a.z};
 }
 /// Of a positive definite one. Scaled first, so that small masses do not vanish in products of three.
-inline LanesMatrix inverse(LanesMatrix m) {
-  const Lanes scale = 1 / (m.diagonal.x + m.diagonal.y + m.diagonal.z);
+template <class T>
+TURGOR_HD inline Symmetric<T> inverse(Symmetric<T> m) {
+  const T scale = 1 / (m.diagonal.x + m.diagonal.y + m.diagonal.z);
   m.diagonal = m.diagonal * scale, m.off = m.off * scale;
   const auto [a, d, f] = m.diagonal;
   const auto [b, c, e] = m.off;
-  const Lanes m00 = d * f - e * e, m01 = c * e - b * f, m02 = b * e - d * c;
-  const Lanes s = scale / (a * m00 + b * m01 + c * m02);
-  return {Lanes3{m00, a * f - c * c, a * d - b * b} * s, Lanes3{m01, m02, b * c - a * e} * s};
+  const T m00 = d * f - e * e, m01 = c * e - b * f, m02 = b * e - d * c;
+  const T s = scale / (a * m00 + b * m01 + c * m02);
+  return {Three<T>{m00, a * f - c * c, a * d - b * b} * s, Three<T>{m01, m02, b * c - a * e} * s};
 }
 
 }  // namespace turgor::cloth

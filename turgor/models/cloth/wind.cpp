@@ -4,6 +4,8 @@
 #include <cmath>
 #include <random>
 
+#include "turgor/models/cloth/wind_loops.hpp"
+
 namespace turgor::cloth {
 
 namespace {
@@ -19,68 +21,20 @@ Vec3d next_direction(std::mt19937_64& random) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-/// sin(2π a) to 1e-5: Taylor's polynomial on the half turn around the nearest zero.
-Lanes sine_of_turns(Lanes a) {
-  constexpr float kRound = 12582912;  // 1.5·2²³: adding it leaves no fraction
-  a = a - ((a + kRound) - kRound);    // in [-½, ½]
-  const Lanes size = a < 0 ? -a : a;
-  const Lanes b = larger(smaller(a, 0.5f - size), size - 0.5f), b2 = b * b;  // sin(π − x) = sin x
-  return b * (6.2831853f + b2 * (-41.341702f + b2 * (81.605249f + b2 * (-76.705860f + b2 * 42.058694f))));
-}
-
-/// The air's velocity at the vertices of a batch.
-Lanes3 air_velocity(const Gusts& gusts, Lanes3 x) {
-  Lanes3 u{all_lanes(gusts.mean.x), all_lanes(gusts.mean.y), all_lanes(gusts.mean.z)};
-  for (const auto& [number, velocity, phase] : gusts.waves) {
-    const Lanes s = sine_of_turns(number.x * x.x + number.y * x.y + number.z * x.z + phase);
-    u = u + Lanes3{velocity.x * s, velocity.y * s, velocity.z * s};
-  }
-  return u;
-}
-
-/// ½ ρ A (C_n |u_n| u_n + C_t |u_t| u_t) on a triangle, a third for each corner, times dt.
-struct TriangleLoad {
-  Vec3 impulse, normal;
-  Real across = 0, along = 0;  // minus its derivatives by velocity: normal and tangential
-};
-
-TriangleLoad load_of(Vec3 edge1, Vec3 edge2, Vec3 u, Real pressure, Real drag) {
-  const Vec3 n = cross(edge1, edge2);
-  const Real twice_area = norm(n);
-  if (!(twice_area > 0)) return {};
-  const Vec3 normal = n / twice_area;
-  const Real un = dot(u, normal), speed_n = std::abs(un);
-  const Vec3 ut = u - normal * un;
-  const Real speed_t = norm(ut), a = pressure * twice_area * speed_n, b = drag * twice_area * speed_t;
-  return {normal * (a * un) + ut * b, normal, 2 * a, b};
-}
-
+/// Each triangle once for all of its corners in a chunk.
 struct BlowChunk {
-  std::span<const Int3> triangles;
+  Sails sails;
   const ChunkTriangles& chunks;
-  const Vectors &x, &v, &air;
-  AirLoad out;
-  Real pressure, drag;
-
-  void add(std::size_t vertex, const TriangleLoad& load) const {
-    const auto [nx, ny, nz] = load.normal;
-    const Real d = load.across - load.along;
-    out.impulse.add(vertex, load.impulse);
-    out.diagonal.add(vertex, {load.along + d * nx * nx, load.along + d * ny * ny, load.along + d * nz * nz});
-    out.off_diagonal.add(vertex, {d * nx * ny, d * nx * nz, d * ny * nz});
-  }
+  std::size_t size;
 
   void operator()(std::size_t chunk) const {
-    const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, x.size());
-    for (Vectors* field : {&out.impulse, &out.diagonal, &out.off_diagonal})
-      for (std::size_t i = begin; i < end; i++) field->set(i, {});
+    const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, size);
+    for (std::size_t i = begin; i < end; i++) sails.clear(i);
     for (int n = chunks.begin[chunk]; n < chunks.begin[chunk + 1]; n++) {
-      const auto [a, b, c] = triangles[std::size_t(chunks.triangle[std::size_t(n)])];
-      const auto i = std::size_t(a), j = std::size_t(b), k = std::size_t(c);
-      const Vec3 u = (air[i] + air[j] + air[k] - v[i] - v[j] - v[k]) * (Real(1) / 3);
-      const TriangleLoad load = load_of(x[j] - x[i], x[k] - x[i], u, pressure, drag);
-      for (const std::size_t corner : {i, j, k})
-        if (corner >= begin && corner < end) add(corner, load);
+      const Int3 t = sails.triangles[chunks.triangle[std::size_t(n)]];
+      const TriangleLoad load = sails.load_of(t);
+      for (int k = 0; k < 3; k++)
+        if (const auto corner = std::size_t(t[k]); corner >= begin && corner < end) sails.add(corner, load);
     }
   }
 };
@@ -105,8 +59,7 @@ Gusts gusts_at(const Air& air, double time) {
 }
 
 Vec3 air_velocity(const Gusts& gusts, Vec3 x) {
-  const Lanes3 u = air_velocity(gusts, Lanes3{all_lanes(x.x), all_lanes(x.y), all_lanes(x.z)});
-  return {u.x[0], u.y[0], u.z[0]};
+  return AirAt<Real>{.x = {}, .air = {}, .gusts = gusts, .is_steady = false}(x);
 }
 
 ChunkTriangles triangles_by_chunk(std::span<const Int3> triangles, std::size_t padded_count) {
@@ -128,22 +81,11 @@ ChunkTriangles triangles_by_chunk(std::span<const Int3> triangles, std::size_t p
 
 void blow(const Exec& exec, const Air& air, double time, double dt, std::span<const Int3> triangles,
           const ChunkTriangles& chunks, const Vectors& x, const Vectors& v, Vectors& scratch, AirLoad out) {
-  const Gusts gusts = gusts_at(air, time);
-  const bool is_steady = air.gusts == 0 || air.velocity == Vec3d{};
-  parallel_for(
-      exec, x.size() / std::size_t(kLanes),
-      [&](std::size_t batch) {
-        const std::size_t i = batch * std::size_t(kLanes);
-        if (is_steady)
-          store(scratch, i, {all_lanes(gusts.mean.x), all_lanes(gusts.mean.y), all_lanes(gusts.mean.z)});
-        else
-          store(scratch, i, air_velocity(gusts, load(x, i)));
-      },
-      64);
-  const double quarter = 0.25 * air.density * dt / 3;  // of twice the area
-  parallel_for(exec, chunks.begin.size() - 1,
-               BlowChunk{triangles, chunks, x, v, scratch, out, Real(quarter * air.pressure),
-                         Real(quarter * air.drag)});
+  parallel_for(exec, x.size() / std::size_t(kLanes),
+               AirAt<Lanes>{view(x), view(scratch), gusts_at(air, time), is_steady(air)}, 64);
+  const Sails all = sails(air, dt, triangles.data(), view(x), view(v), view(scratch), view(out.impulse),
+                          view(out.diagonal), view(out.off_diagonal));
+  parallel_for(exec, chunks.begin.size() - 1, BlowChunk{all, chunks, x.size()});
 }
 
 }  // namespace turgor::cloth

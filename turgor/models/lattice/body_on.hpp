@@ -6,8 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "turgor/core/arrays_on.hpp"
 #include "turgor/core/assert.hpp"
-#include "turgor/models/lattice/arrays_on.hpp"
 #include "turgor/models/lattice/coarse_on.hpp"
 #include "turgor/models/lattice/descent_loops.hpp"
 #include "turgor/models/lattice/kept_state.hpp"

@@ -10,9 +10,7 @@ Result<std::shared_ptr<BodyThere>> put(const Gpu& gpu, const Model& model, Frame
   std::shared_ptr<BodyThere> body =
       std::make_shared<BodyOn<GpuSide>>(model, rooms, GpuRun{.one_by_one = frames == Frames::kOneByOne});
   if (rooms.all_there) return body;
-  const auto megabytes = [](std::size_t bytes) { return std::to_string(bytes / 1000000) + " MB"; };
-  return Error{"the body needs " + megabytes(rooms.bytes) + " of a GPU's memory; " + gpu.name + " has " +
-               megabytes(gpu.free_bytes) + " free"};
+  return no_room("the body", rooms.bytes, gpu);
 }
 
 }  // namespace turgor::lattice

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "turgor/models/lattice/arrays_on.hpp"
+#include "turgor/core/arrays_on.hpp"
 #include "turgor/models/lattice/fringe.hpp"
 #include "turgor/models/lattice/fringe_loops.hpp"
 #include "turgor/models/lattice/kept_state.hpp"

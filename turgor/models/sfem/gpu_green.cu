@@ -10,10 +10,7 @@ template <class T>
 Status fill(const Gpu& gpu, const Model& model, std::vector<T>& values, const Progress& progress) {
   Rooms<GpuSide> rooms;
   GreenOn<GpuSide, T> there(model, rooms);
-  const auto megabytes = [](std::size_t bytes) { return std::to_string(bytes / 1000000) + " MB"; };
-  if (!rooms.all_there)
-    return Error{"Green's functions need " + megabytes(rooms.bytes) + " of a GPU's memory; " + gpu.name +
-                 " has " + megabytes(gpu.free_bytes) + " free"};
+  if (!rooms.all_there) return no_room("the store of Green's functions", rooms.bytes, gpu);
   there.fill(values, progress);
   return Done{};
 }

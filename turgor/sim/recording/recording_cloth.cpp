@@ -21,13 +21,13 @@ std::string group_of(const std::string& snapshot, const ClothBody& body) {
 
 Status write_state(const SnapshotOut& out, const ClothBody& body, BodyId id) {
   Writing writing(out.file, group_of(out.group, body));
-  write_fields(writing, body.state, entries_of(body));
+  write_fields(writing, *body.state, entries_of(body));
   return writing.status() ? write_tools(out, body, id) : writing.status();
 }
 
 Status read_state(const SnapshotIn& in, ClothBody& body, BodyId id) {
   Reading reading(in.file, group_of(in.group, body));
-  read_fields(reading, body.state, entries_of(body));
+  read_fields(reading, body.state.change(), entries_of(body));
   if (!reading.status()) return reading.status();
   ShownBody none;
   if (!body.tool_indices.empty())

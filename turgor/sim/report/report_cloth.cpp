@@ -135,6 +135,7 @@ std::string unsettled(const ClothBody& body) {
 
 struct ClothPart {
   const ClothBody& body;
+  Device device;
   std::size_t bytes;
   cloth::SelfDistance self;
   std::vector<double> seconds;  // of steps
@@ -153,6 +154,8 @@ const Quantity<P> kCloth[] = {
     {"mean_edge", kMillimetres, "mean edge", [](const P& p) -> Json { return p.body.model.mean_edge; }},
     {"method", kNone, "solver",
      [](const P& p) -> Json { return method_name(p.body.model.params.solver.method); }},
+    {"device", kNone, "", [](const P& p) -> Json { return p.device == Device::kGpu ? "gpu" : "cpu"; },
+     kInReport},
     {"sweeps", kCount, "sweeps", [](const P& p) -> Json { return p.body.model.params.solver.sweeps; }},
     {"law", kNone, "law",
      [](const P& p) -> Json {
@@ -195,9 +198,10 @@ Json parts_of(const Json& report, const char* key) {
 
 }  // namespace
 
-Json report_body(const ReportInput& input, const ClothScene&, const ClothBody& body, BodyId) {
+Json report_body(const ReportInput& input, const ClothScene& scene, const ClothBody& body, BodyId) {
   const World& world = input.world;
   ClothPart part{.body = body,
+                 .device = scene.device,
                  .bytes = cloth::memory_bytes(body.model, body.state),
                  .self = cloth::self_distance(input.exec, body.model, body.state),
                  .seconds = {}};

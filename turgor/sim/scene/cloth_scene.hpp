@@ -15,6 +15,7 @@
 #include "turgor/models/cloth/cloth.hpp"
 #include "turgor/models/cloth/sheet.hpp"
 #include "turgor/sim/scene/body_id.hpp"
+#include "turgor/sim/scene/device.hpp"
 
 namespace turgor {
 
@@ -68,6 +69,7 @@ struct ClothScene {
   std::string name;
   std::string place;  // "scene.toml:7:1: body.flag", for errors found later
   std::variant<cloth::Sheet, GarmentFile> source;
+  Device device = Device::kCpu;
   cloth::Params params;
   cloth::Air air;
   std::vector<WindTurn> turns;

@@ -129,7 +129,8 @@ void read_world(SceneTable world, Scene& scene) {
              "steps a second; a run has at most a million");
   world.read_choice<Device>(
       "device", scene.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
-      "where lattices step; `\"gpu\"`, of NVIDIA, needs `solver.schedule = \"colours\"`");
+      "where lattices and cloth step and Green's functions are computed; `\"gpu\"`, of NVIDIA: lattices need "
+      "`solver.schedule = \"colours\"`, cloth is solved by sweeps");
   world.finish();
 }
 
@@ -144,7 +145,7 @@ void read_bodies(SceneTable bodies, Scene& scene) {
                      "`\"lattice\"`, a body from a CT that is cut and touched; `\"sfem\"`, a solid that "
                      "tools touch; `\"rhombus\"`, a surface that tools touch and forceps pull; `\"cloth\"`");
     if (model == "sfem")
-      scene.sfem_bodies.push_back(read_sfem_scene(body, name));
+      scene.sfem_bodies.push_back(read_sfem_scene(body, name, scene.device));
     else if (model == "rhombus")
       rhombi.emplace_back(name, body);
     else if (model == "cloth")

@@ -17,13 +17,11 @@
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/sim/scene/cloth_scene.hpp"
 #include "turgor/sim/scene/ct_source.hpp"
+#include "turgor/sim/scene/device.hpp"
 #include "turgor/sim/scene/rhombus_scene.hpp"
 #include "turgor/sim/scene/sfem_scene.hpp"
 
 namespace turgor {
-
-/// Where lattices step. All else is the CPU's.
-enum class Device : std::uint8_t { kCpu, kGpu };
 
 /// [body.NAME] with model = "lattice".
 struct LatticeScene {

@@ -1,5 +1,6 @@
 #include "turgor/sim/scene/scene_cloth.hpp"
 
+#include "turgor/models/cloth/gpu_sheet.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
@@ -219,6 +220,16 @@ ObstacleScene read_obstacle(SceneTable table, const std::string& name, const Sce
   return obstacle;
 }
 
+/// What a GPU does not do is refused.
+void read_device(SceneTable& body, ClothScene& cloth) {
+  body.read_choice<Device>("device", cloth.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
+                           "where it steps: as `world.device` says, unless it is said here");
+  if (cloth.device != Device::kGpu) return;
+  const auto [key, why] = cloth::why_not_on_gpu(cloth.params, !cloth.obstacles.empty());
+  if (!key.empty())
+    body.fail(key, fmt::format("on device = \"gpu\" {}, or device = \"cpu\" of this body", why));
+}
+
 }  // namespace
 
 ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scene& scene) {
@@ -248,6 +259,8 @@ ClothScene read_cloth_scene(SceneTable body, const std::string& name, const Scen
   SceneTable obstacles = body.table("obstacle");
   for (const std::string& obstacle : obstacles.names())
     cloth.obstacles.push_back(read_obstacle(obstacles.named(obstacle), obstacle, scene));
+  cloth.device = scene.device;
+  read_device(body, cloth);
   body.finish();
   return cloth;
 }

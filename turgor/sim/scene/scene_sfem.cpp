@@ -196,8 +196,9 @@ void read_cache(SceneTable& body, SfemScene& scene) {
 
 }  // namespace
 
-SfemScene read_sfem_scene(SceneTable body, const std::string& name) {
+SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device device) {
   SfemScene scene;
+  scene.device = device;
   body.begin_group("sfem");
   scene.name = name, scene.place = body.place();
   SceneLabels labels = scene_labels(body);

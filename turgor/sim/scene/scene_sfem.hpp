@@ -9,6 +9,7 @@ namespace turgor {
 /// PatchScene::refinement where a scene does not say: the body's elements decide.
 constexpr int kByElements = 0;
 
-SfemScene read_sfem_scene(SceneTable body, const std::string& name);
+/// `device`: of the scene.
+SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device device);
 
 }  // namespace turgor

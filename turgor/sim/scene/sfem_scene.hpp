@@ -14,6 +14,7 @@
 #include "turgor/geometry/up_axis.hpp"
 #include "turgor/models/sfem/sfem.hpp"
 #include "turgor/sim/scene/body_id.hpp"
+#include "turgor/sim/scene/device.hpp"
 
 namespace turgor {
 
@@ -83,6 +84,7 @@ struct PatchScene {
 };
 
 struct SfemScene {
+  Device device = Device::kCpu;  // computes Green's functions
   std::string name;
   std::string place;  // "scene.toml:7:1: body.liver", for errors found later
   SolidSource source;

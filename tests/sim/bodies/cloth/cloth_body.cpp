@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turgor/core/gpu.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -77,6 +78,32 @@ TEST(ClothScene, what_is_wrong_is_said_with_its_place) {
   EXPECT_NE(error_of({"body.flag.clor=1"}).find("clor"), std::string::npos);
 }
 
+TEST(ClothScene, what_a_gpu_does_not_do_of_cloth_is_refused_by_its_key) {
+  const std::string gpu = "world.device=gpu";
+  const auto expect = [](const std::vector<std::string>& overrides, const std::string& sentence) {
+    const std::string error = error_of(overrides);
+    EXPECT_NE(error.find(sentence), std::string::npos) << error;
+  };
+  expect({gpu, "body.flag.solver.method=blocks"},
+         "body.flag.solver: on device = \"gpu\" sweeps alone solve cloth: set solver.method = \"chebyshev\"");
+  expect({gpu},
+         "flag.toml:15:1: body.flag.obstacle: on device = \"gpu\" cloth stays out of itself alone: leave "
+         "obstacle "
+         "away, or device = \"cpu\" of this body");
+  expect({"body.flag.device=gpu"}, "body.flag.obstacle: on device = \"gpu\"");
+  EXPECT_EQ(error_of({gpu, "body.flag.device=cpu"}), "no error");
+}
+
+TEST(ClothScene, without_a_gpu_it_is_said_which_is_missing) {
+  if (const Result<Gpu> gpu = open_gpu(); gpu) GTEST_SKIP() << "there is one, " << gpu->name;
+  const std::string text = std::string(kFlag).substr(0, std::string(kFlag).find("[body.flag.obstacle"));
+  const Scene scene = must_parse(text, {"world.device=gpu", "body.flag.collision.self=false"});
+  const Result<World> world = load_world(Exec(1), scene);
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("body.flag: device = \"gpu\": expected a"), std::string::npos)
+      << world.error().message;
+}
+
 TEST(ClothScene, an_obstacle_is_another_body_by_its_name) {
   const std::string bodies = R"(
 [body.pad]
@@ -115,13 +142,13 @@ TEST(ClothScene, holds_follow_their_path_and_let_go_and_the_wind_turns) {
   Result<World> world = load_world(exec, scene);
   ASSERT_TRUE(world) << world.error().message;
   ClothBody& flag = world->cloth_bodies[0];
-  const auto corner = [&flag] { return flag.state.x[std::size_t(flag.model.place[0])]; };
+  const auto corner = [&flag] { return flag.state->x[std::size_t(flag.model.place[0])]; };
   for (int frame = 0; frame < 29; frame++) ASSERT_TRUE(step(exec, *world, frame == 20));
   EXPECT_NEAR(corner().z, 1 + 0.1 * 29 / 30, 1e-5);
   EXPECT_EQ(flag.air.velocity, (Vec3d{0, 5, 0}));
-  EXPECT_EQ(flag.state.holds.size(), 11u);
+  EXPECT_EQ(flag.state->holds.size(), 11u);
   for (int frame = 0; frame < 30; frame++) ASSERT_TRUE(step(exec, *world));
-  EXPECT_TRUE(flag.state.holds.empty());
+  EXPECT_TRUE(flag.state->holds.empty());
   EXPECT_GT(norm(corner() - Vec3{0, 0, 1.1f}), 0.01f);
   EXPECT_EQ(flag.samples.size(), 59u);
   EXPECT_GT(flag.samples[20].energy, 0);

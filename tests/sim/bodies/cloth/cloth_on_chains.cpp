@@ -119,7 +119,7 @@ body = "liver"
     double y = -1;
     const Vec3d tool = path_at(world.tools[0].path, 1.5).position;
     for (int v = 0; v < sheet.model.count; v++) {
-      const Vec3d x(sheet.state.x[std::size_t(v)]);
+      const Vec3d x(sheet.state->x[std::size_t(v)]);
       if (std::hypot(x.x - tool.x, x.z - tool.z) < 0.008) y = std::max(y, x.y);
     }
     return y;

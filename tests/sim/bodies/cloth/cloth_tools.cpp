@@ -107,7 +107,7 @@ TEST(ClothTools, a_ball_smaller_than_a_cell_and_fast_does_not_pass_and_its_push_
       const ClothBody& sheet = world.cloth_bodies[0];
       double lowest = 0;
       for (std::size_t v = 0; v < std::size_t(sheet.model.count); v++)
-        lowest = std::min(lowest, double(sheet.state.x.z[v]));
+        lowest = std::min(lowest, double(sheet.state->x.z[v]));
       EXPECT_LT(lowest, -0.012) << seconds;
       const double tool = felt(world, 20).z;
       EXPECT_GT(tool, 0.5) << "N: it is pushed back";
@@ -134,7 +134,7 @@ TEST(ClothTools, a_ball_that_is_drawn_over_a_sheet_rubs_it_by_coulomb_s_ratio) {
     for (int n = 0; n < 54; n++) {
       run(world, 1);
       if (n < 36) continue;
-      for (const cloth::Contact& c : world.cloth_bodies[0].state.contacts.list) {
+      for (const cloth::Contact& c : world.cloth_bodies[0].state->contacts.list) {
         if (!(c.impulse > 0) || c.obstacle != 0) continue;
         rub += double(norm(c.rub)), push += double(c.impulse);
         EXPECT_LE(norm(c.rub), 1.001 * friction * double(c.impulse));

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "turgor/contact/tool.hpp"
-#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/kept_state.hpp"
 #include "turgor/models/cloth/measure.hpp"
 #include "turgor/models/cloth/obstacle.hpp"
 #include "turgor/sim/bodies/cloth/cloth_support.hpp"
@@ -62,7 +62,7 @@ struct ClothSample {
 struct ClothBody : FrameTouchedBody {
   std::vector<Int3> triangles;  // of the mesh, as the scene gives it
   cloth::Model model;
-  cloth::State state;
+  cloth::KeptState state;
   cloth::Air air;
   std::vector<WindTurn> turns;
   std::vector<ClothHold> holds;

@@ -5,6 +5,7 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/where_is.hpp"
 #include "turgor/io/surface_files.hpp"
+#include "turgor/models/cloth/gpu_sheet.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
 #include "turgor/sim/world.hpp"
@@ -96,6 +97,16 @@ Result<ClothHold> load_hold(const HoldScene& scene, const TriMesh& mesh, const c
   return hold;
 }
 
+Status put_on_gpu(ClothBody& body) {
+  const Result<Gpu> gpu = open_gpu();
+  if (!gpu) return Error{"device = \"gpu\": " + gpu.error().message};
+  Result<std::shared_ptr<cloth::SheetThere>> there = put(*gpu, body.model);
+  if (!there) return Error{"device = \"gpu\": " + there.error().message};
+  body.state.step_on(std::move(*there));
+  body.notes.push_back("steps on " + gpu->name);
+  return Done{};
+}
+
 }  // namespace
 
 Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, const World&) {
@@ -131,6 +142,8 @@ Result<ClothBody> load_body(const Loading& loading, const ClothScene& scene, con
   body.triangles = std::move(mesh.triangles);
   body.usual_force = 1e-3 * std::sqrt(body.model.params.fabric.warp * body.model.params.fabric.weft);
   body.build_seconds = timer.seconds();
+  if (scene.device == Device::kGpu && loading.purpose == Purpose::kSimulate)
+    if (const Status there = put_on_gpu(body); !there) return failed(there.error());
   return body;
 }
 

@@ -27,12 +27,12 @@ Vec3d displacement_at(const std::vector<std::array<double, 4>>& path, double tim
 void seize(const ClothBody& body, ClothHold& hold) {
   hold.vertices.clear();
   for (std::size_t v = 0; v < body.model.place.size(); v++) {
-    const Vec3d x(body.state.x[std::size_t(body.model.place[v])]);
+    const Vec3d x(body.state->x[std::size_t(body.model.place[v])]);
     if (norm(x - hold.scene.ball->centre) <= hold.scene.ball->radius) hold.vertices.push_back(int(v));
   }
   if (!hold.vertices.empty()) return;
   std::vector<Vec3d> places;
-  for (std::size_t v = 0; v < std::size_t(body.model.count); v++) places.emplace_back(body.state.x[v]);
+  for (std::size_t v = 0; v < std::size_t(body.model.count); v++) places.emplace_back(body.state->x[v]);
   hold.missed = where_is(places, hold.scene.ball->centre);
 }
 
@@ -43,13 +43,12 @@ void follow(ClothBody& body, ClothHold& hold, double end) {
   for (std::size_t n = 0; n < hold.vertices.size(); n++) {
     const int v = hold.vertices[n];
     if (wanted && !hold.is_held) {
-      (void)cloth::hold(body.model, body.state, v);
-      hold.places.push_back(body.state.x[std::size_t(body.model.place[std::size_t(v)])]);
+      (void)body.state.hold(body.model, v);
+      hold.places.push_back(body.state->x[std::size_t(body.model.place[std::size_t(v)])]);
     }
     if (wanted)
-      (void)cloth::move_hold(body.model, body.state, v,
-                             hold.places[n] + Vec3(displacement_at(hold.scene.path, end)));
-    if (!wanted && hold.is_held) (void)cloth::release(body.model, body.state, v);
+      (void)body.state.move_hold(body.model, v, hold.places[n] + Vec3(displacement_at(hold.scene.path, end)));
+    if (!wanted && hold.is_held) (void)body.state.release(body.model, v);
   }
   hold.is_held = wanted;
   if (!wanted) hold.places.clear();
@@ -64,7 +63,7 @@ Vec3d force_of(const ClothBody& body, const ClothHold& hold, const cloth::Vector
   Vec3d sum;
   for (const int vertex : hold.vertices) {
     const auto v = std::size_t(body.model.place[std::size_t(vertex)]);
-    const Vec3d change = Vec3d(body.state.v[v]) - Vec3d(v_before[v]);
+    const Vec3d change = Vec3d(body.state->v[v]) - Vec3d(v_before[v]);
     sum += cloth::hold_force(body.model, body.state, vertex, world.gravity, change, world.dt);
   }
   return sum;
@@ -116,9 +115,9 @@ void note_tools(ClothBody& body, World& world, double time, double seconds) {
     const int obstacle = int(body.obstacles.size() + t);
     const cloth::ObstacleLoad load = cloth::obstacle_load(body.state, obstacle, command.pose.position);
     body.poses[t] = command.pose;
-    body.forces[t] = {.force = load.impulse / body.state.impulse_time,
-                      .torque = load.moment / body.state.impulse_time};
-    for (const cloth::Contact& c : body.state.contacts.list)
+    body.forces[t] = {.force = load.impulse / body.state->impulse_time,
+                      .torque = load.moment / body.state->impulse_time};
+    for (const cloth::Contact& c : body.state->contacts.list)
       body.forces[t].contacts += c.obstacle == obstacle && c.impulse > 0;
     const contact::ToolForce& felt = body.forces[t];
     ForceSample sample =
@@ -134,7 +133,7 @@ void leave_planes(ClothBody& body) {
     leave_plane(
         body, t,
         contact::local_contact(body.model, body.state, int(body.obstacles.size() + t), tool_gap(body),
-                               body.tools[t], body.poses[t], body.state.impulse_time, body.felt[t].memory));
+                               body.tools[t], body.poses[t], body.state->impulse_time, body.felt[t].memory));
 }
 
 }  // namespace
@@ -149,9 +148,11 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
   take_commands(body, begin, end, world.tools);
   add_tools(body, world, input, inputs);
 
-  const cloth::Vectors v_before = body.state.v;
+  const bool is_held =
+      std::any_of(body.holds.begin(), body.holds.end(), [](const ClothHold& hold) { return hold.is_held; });
+  const cloth::Vectors v_before = is_held ? body.state->v : cloth::Vectors();
   const Timer timer;
-  const cloth::StepReport report = cloth::step(exec, body.model, body.state, inputs, world.dt);
+  const cloth::StepReport report = body.state.step(exec, body.model, inputs, world.dt);
   ClothSample sample{.time = end,
                      .seconds = timer.seconds(),
                      .largest_speed = report.largest_speed,
@@ -161,8 +162,8 @@ void step_body(const Exec& exec, ClothBody& body, World& world, const FrameInput
                      .contacts = report.contacts};
   for (std::size_t o = 0; o < body.obstacles.size(); o++) {
     ClothObstacle& obstacle = body.obstacles[o];
-    obstacle.force.push_back(cloth::obstacle_load(body.state, int(o), {}).impulse / body.state.impulse_time);
-    if (obstacle.support) note_force(body.state, int(o), body.state.impulse_time, *obstacle.support);
+    obstacle.force.push_back(cloth::obstacle_load(body.state, int(o), {}).impulse / body.state->impulse_time);
+    if (obstacle.support) note_force(body.state, int(o), body.state->impulse_time, *obstacle.support);
   }
   note_tools(body, world, end, sample.seconds);
   leave_planes(body);

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "turgor/core/gpu.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/hex_block.hpp"
 #include "turgor/geometry/organ_mesh.hpp"
@@ -127,7 +129,15 @@ Status compute_and_keep(const Exec& exec, const SfemScene& scene, const std::fil
                   body.name, body.model.vertex.size(), body.model.green.nodes.size(),
                   memory_text(double(cost.store_bytes)), memory_text(double(cost.factor_bytes)),
                   (cost.factor_flops + cost.solve_flops) * 1e-9));
-  if (const Status status = sfem::compute_green(exec, body.model, std::size_t(scene.memory * 1e9), progress);
+  std::optional<Gpu> gpu;
+  if (scene.device == Device::kGpu) {
+    const Result<Gpu> found = open_gpu();
+    if (!found) return Error{fmt::format("{}: device = \"gpu\": {}", scene.place, found.error().message)};
+    gpu = *found;
+    body.facts.notes.push_back("Green's functions were computed on " + gpu->name);
+  }
+  if (const Status status = sfem::compute_green(exec, body.model, std::size_t(scene.memory * 1e9), progress,
+                                                gpu ? &*gpu : nullptr);
       !status)
     return Error{fmt::format("{}: {}", scene.place, status.error().message)};
   if (cache.empty()) return Done{};

@@ -1,0 +1,39 @@
+// What needs a GPU; elsewhere it is skipped with a sentence. What it does there, cloth_sheet_on tests here.
+#include "cloth_sheets.hpp"
+#include "turgor/models/cloth/gpu_sheet.hpp"
+
+namespace turgor::cloth {
+namespace {
+
+State end_of(const Gpu* gpu, const Model& model) {
+  KeptState state = make_state(model);
+  for (int v = 0; v < 5; v++) EXPECT_TRUE(state.hold(model, v));
+  if (gpu != nullptr) state.step_on(put(*gpu, model).value());
+  Inputs inputs{.gravity = {0, 0, -9.81}, .measure_residual = true};
+  inputs.air.velocity = {4, 2, 1};
+  inputs.air.gusts = 0.3;
+  for (int n = 0; n < 2; n++) EXPECT_TRUE(state.step(Exec(1), model, inputs, kFrame).finite);
+  return *state;
+}
+
+TEST(gpu_cloth, sheets_step_there_as_they_do_here) {
+  const Result<Gpu> gpu = open_gpu();
+  if (!gpu) GTEST_SKIP() << gpu.error().message;
+  for (const Law law : {Law::kSprings, Law::kSheet})
+    for (const Integrator integrator : {Integrator::kEuler, Integrator::kBdf2}) {
+      Params params{.fabric = {.law = law}, .solver = {.integrator = integrator, .strain_limit = 0.05}};
+      params.collision.thickness = 0.0096;
+      const Model model = must_build(flat_sheet(20), params);
+      const State here = end_of(nullptr, model), there = end_of(&*gpu, model);
+      double way = 0, apart = 0;
+      for (std::size_t v = 0; v < std::size_t(model.count); v++) {
+        way = std::max(way, double(norm(here.x[v] - model.x_rest[v])));
+        apart = std::max(apart, double(norm(here.x[v] - there.x[v])));
+      }
+      EXPECT_LT(apart, 1e-2 * way) << "of roundings, m, law " << int(law);
+      EXPECT_EQ(there.time, here.time);
+    }
+}
+
+}  // namespace
+}  // namespace turgor::cloth

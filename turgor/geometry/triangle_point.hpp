@@ -1,0 +1,56 @@
+// The point of a triangle that is nearest to another point.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "turgor/core/vec.hpp"
+
+namespace turgor {
+
+struct TrianglePoint {
+  int triangle = -1;
+  Vec3d weights;        // barycentric
+  Vec3d place;          // [m]
+  double distance = 0;  // from the point that was asked for [m]
+};
+
+/// Where p's foot on the line ab is, kept within the edge: 0 at a, 1 at b.
+TURGOR_HD inline double foot_on_edge(Vec3d p, Vec3d a, Vec3d b) {
+  const double length2 = dot(b - a, b - a);
+  return length2 > 0 ? std::clamp(dot(p - a, b - a) / length2, 0.0, 1.0) : 0;
+}
+
+/// Barycentric weights of p's foot on the plane of abc.
+TURGOR_HD inline Vec3d foot_on_plane(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
+  const Vec3d n = cross(b - a, c - a);
+  const double area2 = dot(n, n);
+  if (!(area2 > 0)) return {-1, -1, -1};
+  const double v = dot(cross(p - a, c - a), n) / area2, w = dot(cross(b - a, p - a), n) / area2;
+  return {1 - v - w, v, w};
+}
+
+/// The nearest point of the triangle abc; also for triangles without area.
+TURGOR_HD inline TrianglePoint nearest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
+  const Vec3d weights = foot_on_plane(p, a, b, c);
+  if (weights.x > 0 && weights.y > 0 && weights.z > 0) {
+    const Vec3d place = a * weights.x + b * weights.y + c * weights.z;
+    return {-1, weights, place, norm(p - place)};
+  }
+  const Vec3d x[3] = {a, b, c};
+  TrianglePoint nearest;
+  nearest.distance = std::numeric_limits<double>::infinity();
+  for (int side = 0; side < 3; side++) {
+    const int from = side, to = (side + 1) % 3;
+    const double t = foot_on_edge(p, x[from], x[to]);
+    const Vec3d place = x[from] * (1 - t) + x[to] * t;
+    if (const double d = norm(p - place); d < nearest.distance) {
+      nearest = {-1, {}, place, d};
+      nearest.weights[from] = 1 - t;
+      nearest.weights[to] = t;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace turgor

@@ -1,0 +1,300 @@
+// Contacts of a sheet with itself on one side of a bus or the other: found by the same hashing as on the CPU,
+// in the order of its list, and solved by the same iterations (contact_loops.hpp).
+#pragma once
+
+#include <bit>
+
+#include "turgor/core/lists_on.hpp"
+#include "turgor/models/cloth/contact_loops.hpp"
+
+namespace turgor::cloth {
+
+/// NearPoints there.
+struct NearView {
+  Real cell;
+  std::uint32_t mask;
+  const int *begin, *index;
+  int count;
+  VectorsView at;  // places by bucket [m]
+};
+struct BucketOf {
+  ConstVectorsView x;
+  Real inverse_cell;
+  std::uint32_t mask;
+
+  TURGOR_HD int operator()(std::size_t i) const {
+    const std::uint32_t row = row_bucket(cell_of(x.y[i], inverse_cell), cell_of(x.z[i], inverse_cell));
+    return int((row + std::uint32_t(cell_of(x.x[i], inverse_cell))) & mask);
+  }
+};
+struct PlaceSorted {
+  NearView near;
+  ConstVectorsView x;
+
+  TURGOR_HD void operator()(std::size_t n) const { near.at.set(n, x[std::size_t(near.index[n])]); }
+};
+
+/// The contacts of a vertex with later ones: how many, or where `begin` is there, they themselves.
+struct FindPairsOf {
+  PairsView pairs;
+  NearView near;
+  Real reach;
+  int* count;
+  Contact* list;
+
+  template <class Take>
+  TURGOR_HD void visit(int i, const Take& take) const {
+    const Vec3 p = pairs.x[std::size_t(i)];
+    const Group mine = pairs.group(i);
+    const Vec3 half{near.cell / 2, near.cell / 2, near.cell / 2};
+    visit_runs(near.cell, near.mask, near.begin, near.count, p - half, p + half,
+               [&](int from, int to, const auto& is_own) {
+                 for (int n = from; n < to; n++) {
+                   const Vec3 q = near.at[std::size_t(n)], d = q - p;
+                   const int j = near.index[n];
+                   if (!(dot(d, d) < reach * reach) || j <= i || !is_own(q)) continue;
+                   Contact contact;
+                   if (pairs.touch(i, mine, j, q, Look::kLeft, contact)) take(contact);
+                 }
+               });
+  }
+  TURGOR_HD void operator()(std::size_t i) const {
+    int found = 0;
+    if (list == nullptr) {
+      visit(int(i), [&](const Contact&) { found++; });
+      count[i] = found;
+    } else {
+      visit(int(i), [&](const Contact& c) { list[count[i] + found++] = c; });
+    }
+  }
+};
+
+/// The vertex of corner n % 4 of contact n / 4.
+struct VertexOf {
+  const Contact* list;
+
+  TURGOR_HD int operator()(std::size_t n) const { return list[n / 4].vertex[n % 4]; }
+};
+
+struct LinkContact {
+  Contact* list;
+  const int* begin;
+  const Real* free_mass;
+
+  TURGOR_HD void operator()(std::size_t c) const {
+    list[c].mass = contact_mass(list[c], begin, free_mass);
+    start_impulse(list[c]);
+  }
+};
+
+/// Iterations without looking at what they found from the other side of the bus: each leaves the largest of
+/// what was lacking, and the last is the one after which it is small, or `most`.
+struct Iterations {
+  std::uint32_t* largest;  // of iteration 1, 2, …
+  Real small;
+  int most;
+
+  TURGOR_HD bool was_near(int n) const {
+    return n > 0 && std::bit_cast<Real>(shared_load(largest[n])) < small;
+  }
+  TURGOR_HD bool was_any_near(int up_to) const {
+    for (int n = 1; n <= up_to; n++)
+      if (was_near(n)) return true;
+    return false;
+  }
+};
+struct SolveVelocity {
+  Contact* list;
+  ConstVectorsView v;
+  Real dt;
+  Iterations all;
+  int n;
+
+  TURGOR_HD void operator()(std::size_t c) const {
+    if (all.was_any_near(n - 2)) return;  // the one before was the last
+    const bool is_last = n == all.most || all.was_near(n - 1);
+    const Real far = update_impulse(list[c], v, dt, is_last ? 0 : beyond_of(n));
+    atomic_max(all.largest[n], magnitude_bits(far));
+  }
+};
+struct SolvePlace {
+  Contact* list;
+  ConstVectorsView x;
+  Real dt;
+  Iterations all;
+  int n;
+
+  TURGOR_HD void operator()(std::size_t c) const {
+    if (all.was_any_near(n - 1)) return;
+    atomic_max(all.largest[n],
+               magnitude_bits(update_place(list[c], x, dt, n == all.most ? 0 : beyond_of(n))));
+  }
+};
+/// As long as iterations go on.
+struct KickVertex {
+  Kick kick;
+  Iterations all;
+  int seen;  // iterations of which none was near
+
+  TURGOR_HD void operator()(std::size_t vertex) const {
+    if (!all.was_any_near(seen)) kick(vertex);
+  }
+};
+struct CarryContact {
+  Contact* list;
+  const Real* free_mass;
+  Real largest_change;
+
+  TURGOR_HD void operator()(std::size_t c) const { set_carry(list[c], free_mass, largest_change); }
+};
+
+/// Impulses of the step before are among the forces of this one.
+struct AddImpulses {
+  ContactsView contacts;
+  const Real* free_mass;
+  VectorsView force;
+
+  TURGOR_HD void operator()(std::size_t v) const {
+    if (!(free_mass[v] > 0)) return;
+    for (int n = contacts.begin[v]; n < contacts.begin[v + 1]; n++) {
+      const auto item = std::size_t(contacts.item[n]);
+      const Contact& c = contacts.list[item / 4];
+      if (c.impulse > 0) force.add(v, (c.normal * c.impulse + c.rub) * (c.carry * c.weight[item % 4]));
+    }
+  }
+};
+
+template <class Side>
+class ContactsOn {
+ public:
+  using Run = typename Side::Run;
+
+  /// Of a model that has self-collision; others need nothing.
+  ContactsOn(Rooms<Side>& rooms, const Model& m)
+      : vertices_(m.params.collision.self ? std::size_t(m.count) : 0),
+        near_begin_(rooms.copy(m.near.begin)),
+        near_item_(rooms.copy(m.near.item)),
+        sorted_(rooms, vertices_),
+        counts_(rooms.template room<int>(vertices_ > 0 ? vertices_ + 1 : 0)) {}
+
+  std::size_t count() const { return list_.count; }
+  ContactsView view() const {
+    return {list_.data(), list_.count > 0 ? of_vertex_.begin.data() : nullptr, of_vertex_.item.data()};
+  }
+  void put(const Run& run, const Contacts& contacts) {
+    list_.put(contacts.list);
+    if (list_.count > 0) link(run);
+  }
+  void get(Contacts& contacts) const {
+    contacts.list.resize(list_.count);
+    list_.room.download(contacts.list);
+    contacts.begin.clear(), contacts.item.clear(), contacts.touched.clear();
+    if (list_.count == 0) return;
+    contacts.begin.resize(vertices_ + 1);
+    of_vertex_.begin.room.download(contacts.begin);
+    contacts.item.resize(std::size_t(contacts.begin.back()));
+    of_vertex_.item.room.download(contacts.item);
+    for (std::size_t v = 0; v < vertices_; v++)
+      if (contacts.begin[v] < contacts.begin[v + 1]) contacts.touched.push_back(int(v));
+  }
+  void forget() { list_.count = 0; }
+
+  void add_impulses(const Run& run, const SheetView& sheet) const {
+    if (list_.count > 0) run(vertices_, AddImpulses{view(), sheet.free_mass, sheet.force});
+  }
+
+  /// find_contacts, with `more` behind what is found there.
+  void find(const Run& run, const Model& model, const SheetView& sheet, Real largest_speed, double dt,
+            std::span<const Contact> more) {
+    const Collision& params = model.params.collision;
+    const Real thickness = Real(params.thickness);
+    const Real reach = reach_in_step(thickness, Real(1.1), largest_speed, Real(dt));
+    const NearView near = sort(run, sheet, Real(2.02) * reach);
+    const PairsView pairs{sheet.x,           sheet.v,   sheet.change,          view(),  near_begin_.data(),
+                          near_item_.data(), thickness, Real(params.friction), Real(dt)};
+    run(vertices_, FindPairsOf{pairs, near, reach, counts_.data(), nullptr});
+    run(1, ClearNumbers{counts_.data() + vertices_});
+    scan_(run, counts_.data(), vertices_ + 1);
+    const std::size_t found = total(run);
+    found_.fit(found + more.size());
+    if (found > 0) run(vertices_, FindPairsOf{pairs, near, reach, counts_.data(), found_.data()});
+    if (!more.empty()) add(found, more);
+    std::swap(list_, found_);
+    if (list_.count == 0) return;
+    link(run);
+    run(list_.count, LinkContact{list_.data(), of_vertex_.begin.data(), sheet.free_mass});
+  }
+
+  /// Returns the iterations it took.
+  int solve_velocities(const Run& run, const Model& model, const SheetView& sheet, double dt) {
+    const Collision& params = model.params.collision;
+    if (list_.count == 0) return 0;
+    const Iterations all = begin(small_speed(params, dt), params.iterations);
+    for (int n = 1; n <= all.most; n++) {
+      run(list_.count, SolveVelocity{list_.data(), sheet.v, Real(dt), all, n});
+      run(vertices_, KickVertex{{view(), sheet.free_mass, sheet.v}, all, n - 2});
+    }
+    run(list_.count, CarryContact{list_.data(), sheet.free_mass, largest_carried(params, dt)});
+    std::vector<std::uint32_t> largest(largest_.count);
+    largest_.room.download(largest);
+    for (int n = 1; n < all.most; n++)
+      if (std::bit_cast<Real>(largest[std::size_t(n)]) < all.small) return n + 1;
+    return all.most;
+  }
+  void solve_places(const Run& run, const Model& model, const SheetView& sheet, double dt) {
+    const Collision& params = model.params.collision;
+    if (list_.count == 0) return;
+    const Iterations all = begin(small_way(params), params.iterations);
+    for (int n = 1; n <= all.most; n++) {
+      run(list_.count, SolvePlace{list_.data(), sheet.x, Real(dt), all, n});
+      run(vertices_, KickVertex{{view(), sheet.free_mass, sheet.x}, all, n - 1});
+    }
+  }
+
+ private:
+  NearView sort(const Run& run, const SheetView& sheet, Real cell) {
+    const std::size_t buckets = std::bit_ceil(std::max<std::size_t>(vertices_, 64));
+    const auto mask = std::uint32_t(buckets - 1);
+    of_bucket_.make(run, buckets, vertices_, BucketOf{sheet.x, 1 / cell, mask});
+    const NearView near{cell,
+                        mask,
+                        of_bucket_.begin.data(),
+                        of_bucket_.item.data(),
+                        int(vertices_),
+                        {sorted_.x.data(), sorted_.y.data(), sorted_.z.data()}};
+    run(vertices_, PlaceSorted{near, sheet.x});
+    return near;
+  }
+  std::size_t total(const Run& run) {
+    int total = 0;
+    total_.fit(1);
+    run(1, CopyNumbers{counts_.data() + vertices_, total_.data()});
+    total_.room.download({&total, 1});
+    return std::size_t(total);
+  }
+  /// Behind what was found there.
+  void add(std::size_t found, std::span<const Contact> more) {
+    std::vector<Contact> all(found);
+    found_.room.download(all);
+    all.insert(all.end(), more.begin(), more.end());
+    found_.put(all);
+  }
+  void link(const Run& run) { of_vertex_.make(run, vertices_, 4 * list_.count, VertexOf{list_.data()}); }
+  Iterations begin(Real small, int most) {
+    const std::vector<std::uint32_t> none(std::size_t(most) + 1, 0);
+    largest_.put(none);
+    return {largest_.data(), small, most};
+  }
+
+  std::size_t vertices_;
+  typename Side::template Array<int> near_begin_, near_item_;
+  VectorsOn<Side> sorted_;
+  typename Side::template Array<int> counts_;
+  ScanOn<Side> scan_;
+  ListsOn<Side> of_bucket_, of_vertex_;
+  ListOn<Side, Contact> list_, found_;
+  ListOn<Side, std::uint32_t> largest_;
+  ListOn<Side, int> total_;
+};
+
+}  // namespace turgor::cloth

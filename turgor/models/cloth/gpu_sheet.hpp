@@ -1,0 +1,26 @@
+// A sheet on a GPU: either law, solved by sweeps, in the wind, with holds, and out of itself; without
+// obstacles.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "turgor/core/gpu.hpp"
+#include "turgor/models/cloth/kept_state.hpp"
+
+namespace turgor::cloth {
+
+/// What of these a GPU does not do: a group of a scene's keys, and a sentence; both empty = it does all.
+struct Missing {
+  std::string key, why;
+};
+Missing why_not_on_gpu(const Params& params, bool has_obstacles);
+
+/// Which triangles of a model with self-collision are too large for it: a sentence; "" = none.
+std::string why_too_coarse(const Model& model);
+
+/// Copies the model over, for KeptState::step_on. Error: edges so long beside the thickness that vertices
+/// alone do not keep layers apart; the memory that it needs and that there is.
+Result<std::shared_ptr<SheetThere>> put(const Gpu& gpu, const Model& model);
+
+}  // namespace turgor::cloth
