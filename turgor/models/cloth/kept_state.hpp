@@ -1,19 +1,26 @@
-// A State and where it is: here, or on a GPU, where it steps and stays until somebody looks. Nobody can read
-// what is old: whoever asks for the State gets it as it is now, and while it is elsewhere its places and
-// velocities here are empty. Holds and times are always here.
+// A State and where it is (core/kept.hpp): while it steps on a GPU its places and velocities here are empty.
+// Holds and times are always here.
 #pragma once
 
-#include <memory>
-#include <mutex>
-
+#include "turgor/core/kept.hpp"
 #include "turgor/models/cloth/cloth.hpp"
 
 namespace turgor::cloth {
 
-struct StateAndPlace;
+/// Places and velocities of a state that is away.
+struct AwayRoom {
+  Vectors x, v, last_x, last_v;
+
+  void swap(State& state) {
+    std::swap(x, state.x), std::swap(v, state.v);
+    std::swap(last_x, state.last.x), std::swap(last_v, state.last.v);
+  }
+};
+struct SheetThere;
+using StateAndPlace = Kept<State, SheetThere, AwayRoom>;
 
 /// A sheet on the other side of a bus (sheet_on.hpp): its model, and one state at a time.
-struct SheetThere {
+struct SheetThere : HolderOf<StateAndPlace> {
   virtual ~SheetThere() = default;
 
   /// What changes, but for holds and times.
@@ -23,45 +30,18 @@ struct SheetThere {
   /// sweeps, damping, friction and strain limit may be others since.
   virtual StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                           double frame) = 0;
-
-  std::mutex in_use;
-  std::weak_ptr<StateAndPlace> whose;  // state it holds
 };
 
-class KeptState {
+class KeptState : public KeptStateOf<StateAndPlace> {
  public:
-  KeptState() : KeptState(State{}) {}
-  KeptState(State state);
-  /// A copy is here; it steps where the original does.
-  KeptState(const KeptState& other);
-  KeptState(KeptState&&) noexcept = default;
-  /// Takes the other's numbers, in the same memory, and steps where it does.
-  KeptState& operator=(const KeptState& other);
-  KeptState& operator=(KeptState&&) noexcept = default;
-  ~KeptState() = default;
+  KeptState(State state = {}) : KeptStateOf(std::move(state)) {}
 
-  /// As it is now. Valid until the next step.
-  const State& here() const;
-  operator const State&() const { return here(); }
-  const State& operator*() const { return here(); }
-  const State* operator->() const { return &here(); }
-  /// To write into, until the next step.
-  State& change();
-  /// For views that outlive steps: from now on every step ends with all of it here, in the same memory, and
-  /// what was written there goes over before it.
-  State& watch();
-
-  /// From now on it steps there.
-  void step_on(std::shared_ptr<SheetThere> there);
   StepReport step(const Exec& exec, const Model& model, const Inputs& inputs, double frame);
 
   /// What the functions of these names do (cloth.hpp).
   Status hold(const Model& model, int mesh_vertex);
   Status move_hold(const Model& model, int mesh_vertex, Vec3 goal);
   Status release(const Model& model, int mesh_vertex);
-
- private:
-  std::shared_ptr<StateAndPlace> kept_;
 };
 
 }  // namespace turgor::cloth

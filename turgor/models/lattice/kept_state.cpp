@@ -1,55 +1,19 @@
 #include "turgor/models/lattice/kept_state.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "turgor/core/timing.hpp"
 #include "turgor/models/lattice/coarse.hpp"
 
 namespace turgor::lattice {
 
-/// What was changed here since it last went over.
-enum class Changed : std::uint8_t { kNothing, kCuts, kAll };
-
-struct StateAndPlace {
-  State state;
-  std::shared_ptr<BodyThere> there;  // null: it steps here
-  VecField u, u_before, v;           // room of the state's own, while it is away
-  bool away = false, watched = false;
-  Changed changed = Changed::kAll;
-
-  void swap_room() { std::swap(u, state.u), std::swap(u_before, state.u_before), std::swap(v, state.v); }
-  void go() {
-    if (std::exchange(away, true)) return;
-    swap_room();
-  }
-  /// `there` is in use by this thread.
-  void come_back() {
-    if (!std::exchange(away, false)) return;
-    swap_room();
-    there->get_state(state);
-  }
-  State& at_home() {
-    if (!there) return state;
-    const std::lock_guard lock(there->in_use);
-    come_back();
-    return state;
-  }
-};
-
 namespace {
 
 /// What is there is this state, as it is.
 void put_over(const Model& model, const std::shared_ptr<StateAndPlace>& kept) {
-  BodyThere& there = *kept->there;
-  const std::shared_ptr<StateAndPlace> other = there.whose.lock();
-  if (other != kept) {
-    if (other) other->come_back();
-    kept->changed = Changed::kAll;
-    there.whose = kept;
-  }
-  if (kept->changed == Changed::kAll) there.put_state(model, kept->state);
-  if (kept->changed == Changed::kCuts) there.put_cuts(model, kept->state);
+  claim(kept);
+  if (kept->changed == Changed::kAll) kept->there->put_state(model, kept->state);
+  if (kept->changed == Changed::kPart) kept->there->put_cuts(model, kept->state);
   kept->changed = Changed::kNothing;
 }
 
@@ -60,39 +24,7 @@ bool is_there(const std::shared_ptr<StateAndPlace>& kept) {
 
 }  // namespace
 
-KeptState::KeptState(State state) : kept_(std::make_shared<StateAndPlace>()) {
-  kept_->state = std::move(state);
-}
-
-KeptState::KeptState(const KeptState& other) : KeptState(other.here()) { kept_->there = other.kept_->there; }
-
-KeptState& KeptState::operator=(const KeptState& other) {
-  if (this == &other) return *this;
-  change() = other.here();
-  kept_->there = other.kept_->there;
-  return *this;
-}
-
-const State& KeptState::here() const { return kept_->at_home(); }
-
-State& KeptState::change() {
-  State& state = kept_->at_home();
-  kept_->changed = Changed::kAll;
-  return state;
-}
-
-State& KeptState::watch() {
-  kept_->watched = true;
-  return change();
-}
-
 std::size_t KeptState::cuts() const { return cut_version(kept_->state); }
-
-void KeptState::step_on(std::shared_ptr<BodyThere> there) {
-  kept_->at_home();
-  kept_->there = std::move(there);
-  kept_->changed = Changed::kAll;
-}
 
 StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& inputs, double dt) {
   if (!kept_->there) return lattice::step(exec, model, kept_->state, inputs, dt);
@@ -104,7 +36,7 @@ StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& i
   const StepReport report = kept_->there->step(model, state, smooth, inputs, dt);
   state.fastest = report.largest_speed;
   if (report.finite) state.time += dt;
-  if (kept_->watched) kept_->come_back(), kept_->changed = Changed::kAll;
+  kept_->show_watchers();
   return report;
 }
 
@@ -141,7 +73,7 @@ int KeptState::cut_with(const Cut& cut) {
   State& state = kept_->at_home();
   const std::size_t before = cut_version(state);
   const int count = cut(state);
-  if (count > 0 || cut_version(state) != before) kept_->changed = std::max(kept_->changed, Changed::kCuts);
+  if (count > 0 || cut_version(state) != before) kept_->changed = std::max(kept_->changed, Changed::kPart);
   return count;
 }
 

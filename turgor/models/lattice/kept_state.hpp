@@ -1,19 +1,25 @@
-// A State and where it is: here, or on a GPU, where it steps and stays until somebody looks. Nobody can read
-// what is old: whoever asks for the State gets it as it is now, and while it is elsewhere its places and
-// velocities here are empty.
+// A State and where it is (core/kept.hpp): while it steps on a GPU its places and velocities here are empty.
 #pragma once
 
 #include <functional>
-#include <memory>
-#include <mutex>
 #include <optional>
 
+#include "turgor/core/kept.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/resample.hpp"
 
 namespace turgor::lattice {
 
-struct StateAndPlace;
+/// Places and velocities of a state that is away.
+struct AwayRoom {
+  VecField u, u_before, v;
+
+  void swap(State& state) {
+    std::swap(u, state.u), std::swap(u_before, state.u_before), std::swap(v, state.v);
+  }
+};
+struct BodyThere;
+using StateAndPlace = Kept<State, BodyThere, AwayRoom>;
 
 /// A deformed CT on the other side of a bus.
 struct ResampledThere {
@@ -22,7 +28,7 @@ struct ResampledThere {
 };
 
 /// A body on the other side of a bus (body_on.hpp): its model, and one state at a time.
-struct BodyThere {
+struct BodyThere : HolderOf<StateAndPlace> {
   virtual ~BodyThere() = default;
 
   virtual void put_state(const Model& model, const State& state) = 0;
@@ -43,38 +49,15 @@ struct BodyThere {
                                                  const ResampleOptions& options) = 0;
   /// The samples of that one.
   virtual void get_resampled(std::span<std::int16_t> samples) const = 0;
-
-  std::mutex in_use;
-  std::weak_ptr<StateAndPlace> whose;  // state it holds
 };
 
-class KeptState {
+class KeptState : public KeptStateOf<StateAndPlace> {
  public:
-  KeptState() : KeptState(State{}) {}
-  KeptState(State state);
-  /// A copy is here; it steps where the original does.
-  KeptState(const KeptState& other);
-  KeptState(KeptState&&) noexcept = default;
-  /// Takes the other's numbers, in the same memory, and steps where it does.
-  KeptState& operator=(const KeptState& other);
-  KeptState& operator=(KeptState&&) noexcept = default;
-  ~KeptState() = default;
+  KeptState(State state = {}) : KeptStateOf(std::move(state)) {}
 
-  /// As it is now. Valid until the next step.
-  const State& here() const;
-  operator const State&() const { return here(); }
-  const State& operator*() const { return here(); }
-  const State* operator->() const { return &here(); }
-  /// To write into, until the next step.
-  State& change();
-  /// For views that outlive steps: from now on every step ends with all of it here, in the same memory, and
-  /// what was written there goes over before it.
-  State& watch();
   /// cut_version, wherever it is.
   std::size_t cuts() const;
 
-  /// From now on it steps there.
-  void step_on(std::shared_ptr<BodyThere> there);
   StepReport step(const Exec& exec, const Model& model, const Inputs& inputs, double dt);
 
   /// What the functions of these names do (incision.hpp).
@@ -92,8 +75,6 @@ class KeptState {
  private:
   template <class Cut>
   int cut_with(const Cut& cut);
-
-  std::shared_ptr<StateAndPlace> kept_;
 };
 
 }  // namespace turgor::lattice

@@ -29,26 +29,30 @@ bool has_moved_near(const Model& model, const State& state, int row) {
   return any;
 }
 
+/// Calls visit(slot) for what can move in a row.
+template <class Visit>
+void for_each_slot(const Model& model, int row, const Visit& visit) {
+  for (const int half_row : {2 * row, 2 * row + 1})
+    for (const Run run : model.moving.of_half_row(half_row))
+      for (int s = run.begin; s < run.begin + run.count; s++) visit(std::size_t(s));
+}
+
 /// At rest where it is.
 void stop_row(const Model& model, State& state, int row) {
-  for (int half_row = 2 * row; half_row < 2 * row + 2; half_row++)
-    for (const Run run : model.moving.of_half_row(half_row))
-      for (auto s = std::size_t(run.begin); s < std::size_t(run.begin + run.count); s++) {
-        state.u_before.set(s, state.u[s]);
-        state.v.set(s, {});
-      }
+  for_each_slot(model, row, [&](std::size_t s) {
+    state.u_before.set(s, state.u[s]);
+    state.v.set(s, {});
+  });
 }
 
 /// Has the smooth part of the motion taken it further than a sleeper goes?
 bool is_carried_further(const Model& model, const State& state, int row, double dt) {
   const Real way = Real(model.params.solver.sleep * dt);
   bool any = false;
-  for (int half_row = 2 * row; half_row < 2 * row + 2; half_row++)
-    for (const Run run : model.moving.of_half_row(half_row))
-      for (auto s = std::size_t(run.begin); s < std::size_t(run.begin + run.count); s++) {
-        const Vec3 d = state.u[s] - state.u_before[s];
-        any |= !(dot(d, d) <= way * way);
-      }
+  for_each_slot(model, row, [&](std::size_t s) {
+    const Vec3 d = state.u[s] - state.u_before[s];
+    any |= !(dot(d, d) <= way * way);
+  });
   return any;
 }
 
