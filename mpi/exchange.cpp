@@ -186,6 +186,7 @@ lattice::Others others_of(PartOfBody& part) {
                 const int layers = part.model.lattice.size.z;
                 join_edges(part, layers, path.edges);
                 join_edges(part, layers - 1, path.fine_edges);  // these are counted by cells
+                join_edges(part, layers - 1, path.lines);
               }};
 }
 

@@ -19,6 +19,7 @@ void visit_fields(S& s, const Visit& visit) {
   visit(Field{"row_cut", "", Axis::kRow, kRecorded}, s.row_cut);
   visit(Field{"skin_cut", "", Axis::kSkinTriangle, kRecorded}, s.skin_cut);
   visit(Field{"cut_edge", "", Axis::kCutEdge, kRecorded}, s.cut_edges);
+  visit(Field{"crossed_cells", ""}, s.crossed);
   visit(Field{"copies", "m"}, s.copies);
   visit(Field{"copies_before", "m"}, s.copies_before);
   visit(Field{"cell_parts", ""}, s.parts.cells);

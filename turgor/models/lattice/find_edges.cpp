@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "turgor/models/lattice/blade_sheet.hpp"
+#include "turgor/models/lattice/crossed_lines.hpp"
 #include "turgor/models/lattice/others.hpp"
 #include "turgor/models/lattice/pieces.hpp"
 
@@ -80,6 +81,7 @@ struct FineEdges {
   const Pieces& pieces;
   const BladeSheet& sheet;
   std::vector<CutEdge>& found;
+  std::vector<LineAhead>& lines;
   std::vector<int> near;
   std::array<Vec3d, kMostPlaces> place;
   std::array<bool, 8> has_body;  // of the cell in hand, and of those below it along x (1), y (2), z (4)
@@ -136,6 +138,27 @@ struct FineEdges {
       for (std::size_t c = 0; c < 8; c++) at += x[c] * weight[c];
     });
     for_places(f, [&](Int3 p) { add_edges(cell, cut, piece, p); });
+    add_lines(slot, x, cut, piece);
+  }
+
+  void add_lines(int slot, const std::array<Vec3d, 8>& x, const CutCell* cut, int piece) {
+    const auto place_of = [&](Vec3d at) {
+      const auto weight = trilinear(at);
+      Vec3d sum;
+      for (std::size_t c = 0; c < 8; c++) sum += x[c] * weight[c];
+      return sum;
+    };
+    for (int axis = 0; axis < 3; axis++)
+      for (int line = 0; line < kLines; line++) {
+        Vec3d at = line_start(axis, line);
+        const Vec3d from = place_of(at);
+        at[axis] = 1;
+        const auto hit = cross_sheet(sheet, near, from, place_of(at));
+        if (!hit) continue;
+        at[axis] = hit->fraction;
+        if (cut && piece_at(pieces, state, *cut, Vec3(at)) != piece) continue;
+        lines.push_back({slot, std::uint8_t(axis), std::uint8_t(line), Real(hit->along)});
+      }
   }
 
   void add_edges(Int3 cell, const CutCell* cut, int piece, Int3 local) {
@@ -168,7 +191,7 @@ void find_edges(const Model& model, const State& state, const BladeSheet& sheet,
   LatticeEdges edges{model, state, sheet, path.edges, {}};
   for_range(range, last, edges);
   const Pieces pieces = make_pieces(model, state);
-  FineEdges fine{model, state, pieces, sheet, path.fine_edges, {}, {}, {}};
+  FineEdges fine{model, state, pieces, sheet, path.fine_edges, path.lines, {}, {}, {}};
   for_range(range, last - Int3{1, 1, 1}, fine);
   if (others) others->join_edges(path);
 }

@@ -9,6 +9,7 @@
 
 #include "turgor/geometry/where_is.hpp"
 #include "turgor/models/lattice/blade_sheet.hpp"
+#include "turgor/models/lattice/crossed_lines.hpp"
 #include "turgor/models/lattice/fine_lattice.hpp"
 #include "turgor/models/lattice/key_index.hpp"
 #include "turgor/models/lattice/others.hpp"
@@ -274,7 +275,8 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
                  .depth = incision.depth,
                  .width = incision.width,
                  .edges = {},
-                 .fine_edges = {}};
+                 .fine_edges = {},
+                 .lines = {}};
   std::vector<double> offset;
   for (std::size_t n = 0; n < curve.size(); n++) {
     if (norm(path.into[n]) == 0)
@@ -305,10 +307,11 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
     cut_edge(model, state, edge.slot, edge.family);
     count++;
   }
-  const std::size_t before = state.cut_edges.size();
+  const std::size_t before = cut_version(state);
   cut_fine_edges(model, state, path, begin, end, incision);
+  cross_lines(model, state, path, begin, end, incision);
   if (count > 0) cut_skin(model, state);
-  if (count > 0 || state.cut_edges.size() > before) part_cells(model, state);
+  if (count > 0 || cut_version(state) > before) part_cells(model, state);
   return count;
 }
 

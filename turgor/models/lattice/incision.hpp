@@ -27,6 +27,13 @@ struct EdgeAhead {
   Real along = 0;  // [m]
 };
 
+/// A line through a cell that a blade will cross when it comes by (crossed_lines.hpp).
+struct LineAhead {
+  int slot = 0;  // of the cell's lowest node
+  std::uint8_t axis = 0, line = 0;
+  Real along = 0;  // [m]
+};
+
 /// The blade's path laid on the skin as it is when the blade starts, followed while it moves.
 struct BladePath {
   std::vector<Vec3d>
@@ -38,6 +45,7 @@ struct BladePath {
   // tissue ahead of the blade does not bend the cut: else it would leave bridges and islands.
   std::vector<EdgeAhead> edges;
   std::vector<CutEdge> fine_edges;
+  std::vector<LineAhead> lines;
 };
 
 /// Lays the path on the skin. Error: no skin there, or an incision without length. `others` as of Inputs.

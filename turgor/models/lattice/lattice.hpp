@@ -182,6 +182,13 @@ struct CutEdge {
   Real along = 0;              // where on the blade's path [m]
 };
 
+/// Lines through a cell, 8 × 8 along each axis (crossed_lines.hpp), that a blade went through.
+struct CrossedCell {
+  int slot = 0;               // of its lowest node
+  std::uint8_t incision = 0;  // of the scene
+  std::array<std::uint64_t, 3> lines{};
+};
+
 /// Displacement of a copy of a node beside a blade (pieces.hpp), along the lattice's axes [m].
 struct CopyShift {
   Real x = 0, y = 0, z = 0;
@@ -253,6 +260,8 @@ struct State {
   std::vector<std::uint8_t> row_cut;     // by row: is an edge cut that touches this row or one beside it?
   std::vector<std::uint8_t> skin_cut;    // by skin triangle: 1 = holds no tension
   std::vector<CutEdge> cut_edges;        // in the order they were cut
+  std::vector<CrossedCell> crossed;      // by slot and incision
+  int crossed_lines = 0;                 // in them, in all
   std::vector<CopyShift> copies, copies_before;  // of nodes beside blades, as make_pieces numbers them
   PartsOfCells parts;                            // follows from the cuts
   int removed_nodes = 0;                         // how many left the body
@@ -337,7 +346,7 @@ inline bool is_solid(const Model& model, const State& state, int slot) {
 }
 /// Grows with every cut: what was made of the cuts is to be made anew when it has changed.
 inline std::size_t cut_version(const State& state) {
-  return state.cut_edges.size() + std::size_t(state.removed_nodes);
+  return state.cut_edges.size() + std::size_t(state.crossed_lines) + std::size_t(state.removed_nodes);
 }
 inline bool is_body(Tissue t) { return t != Tissue::kOutside; }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "turgor/models/lattice/cells.hpp"
+#include "turgor/models/lattice/crossed_lines.hpp"
 #include "turgor/models/lattice/raster.hpp"
 #include "turgor/models/lattice/tip_cells.hpp"
 
@@ -51,11 +52,10 @@ void for_bearing(const Model& model, const State& state, const Pieces& pieces, c
   }
 }
 
-/// What lines along one axis say of a cell's pieces: lengths within each, how often a line goes from one to
-/// another, and how many of these times through a blade.
+/// Lengths within a cell's pieces along one axis, and how often a line goes from one to another.
 struct Lengths {
   std::vector<double> of;
-  double crossings = 0, cut = 0;
+  double crossings = 0;
 };
 Lengths lengths_along(const Pieces& pieces, const State& state, const CutCell& cell, int axis) {
   const FineLattice& f = pieces.fine;
@@ -72,7 +72,7 @@ Lengths lengths_along(const Pieces& pieces, const State& state, const CutCell& c
     if (a != b) {
       found.crossings += weight;
       if (const Crossing cut = crossing(pieces, state, first + p, first + p + way); cut.edge)
-        fraction = double(cut.fraction), found.cut += weight;
+        fraction = double(cut.fraction);
     }
     if (a >= 0) found.of[std::size_t(a)] += weight * fraction;
     if (b >= 0) found.of[std::size_t(b)] += weight * (1 - fraction);
@@ -80,16 +80,16 @@ Lengths lengths_along(const Pieces& pieces, const State& state, const CutCell& c
   return found;
 }
 
-/// A bridge beside a blade's end holds less than its share of the area, as it is bent and stretched most at
-/// the very end: this power of it, with which gapes are nearest to those of elements
+/// Where a blade ends in a cell, what it did not reach stays whole: so much of it, by the share of its
+/// section that the blade went through. Less than what is left of the section, as tissue beside a blade's end
+/// is bent and stretched most at the very end; with these numbers gapes are nearest to those of elements
 /// (docs/models/lattice.md).
-constexpr double kBridge = 8;
+double bridge(double crossed) { return std::pow(1 - crossed, 4) / (1 + 10 * crossed); }
 
-/// How a cell's tissue is parted, measured along the axis that crosses the blades most. Where a blade ends in
-/// it, what the blade did not reach stays whole, on the nodes themselves.
+/// How a cell's tissue is parted, measured along the axis that crosses the blades most.
 struct Shares {
-  std::vector<Real> of;  // of each piece in what is parted
-  Real parted = 1;       // of the cell
+  std::vector<Real> of;       // of each piece, in the cell
+  std::vector<Real> bridges;  // of each tip, in both its pieces
 };
 Shares shares_of(const Pieces& pieces, const State& state, const CutCell& cell) {
   Lengths best = lengths_along(pieces, state, cell, 0);
@@ -101,25 +101,61 @@ Shares shares_of(const Pieces& pieces, const State& state, const CutCell& cell) 
   for (double& length : best.of) length = std::max(length, kLeast), sum += length;
   Shares shares;
   for (const double length : best.of) shares.of.push_back(Real(length / sum));
-  if (best.crossings > 0)
-    shares.parted = Real(std::max(kLeast, 1 - std::pow(1 - best.cut / best.crossings, kBridge)));
+  for (int t = cell.first_tip; t < cell.first_tip + cell.tip_count; t++) {
+    const double crossed = share_crossed(state, pieces, cell, pieces.tips[std::size_t(t)]);
+    shares.bridges.push_back(Real(std::min(1 - kLeast, bridge(crossed))));
+  }
   return shares;
+}
+/// The share of each piece that is not bridged.
+std::vector<Real> parted_shares(const Pieces& pieces, const CutCell& cell, const Shares& shares) {
+  std::vector<Real> parted(std::size_t(cell.piece_count), 1);
+  for (int t = 0; t < cell.tip_count; t++) {
+    const Tip& tip = pieces.tips[std::size_t(cell.first_tip + t)];
+    for (const int piece : {tip.left, tip.right})
+      parted[std::size_t(piece)] = 1 - shares.bridges[std::size_t(t)];
+  }
+  return parted;
+}
+
+/// What a bridge holds: of each corner of the cell the one on the side of the plane that it lies on. Where
+/// one of its pieces hangs on nothing, the nodes.
+std::array<int, 8> corners_of_bridge(const Model& model, const State& state, const Pieces& pieces,
+                                     const CutCell& cell, const Tip& tip) {
+  const auto piece_of = [&](int n) -> const Piece& {
+    return pieces.pieces[std::size_t(cell.first_piece + n)];
+  };
+  if (!hangs_on_nodes(model, state, pieces, piece_of(tip.left)) ||
+      !hangs_on_nodes(model, state, pieces, piece_of(tip.right)))
+    return corners_of(model, pieces, cell.slot, -1);
+  const Vec3d low(in_body(pieces.fine.cells, slot_node(pieces.fine.cells, cell.slot)));
+  std::array<int, 8> corners;
+  for (int n = 0; n < kCellCorners; n++)
+    corners[std::size_t(n)] = piece_of(tip.plane.at(low + Vec3d(cell_corner(n))) >= 0 ? tip.right : tip.left)
+                                  .corner[std::size_t(n)];
+  return corners;
 }
 
 void add_cells(const Model& model, State& state, const Pieces& pieces) {
   int last = -1;
   Shares shares;
+  std::vector<Real> parted;
   for_bearing(model, state, pieces, [&](const CutCell& cell, int piece) {
     const Real young = model.cell_young[std::size_t(cell.slot)];
     if (cell.slot != last) {
-      last = cell.slot, shares = shares_of(pieces, state, cell);
+      last = cell.slot, shares = shares_of(pieces, state, cell), parted = parted_shares(pieces, cell, shares);
       state.cut[std::size_t(cell.slot)] |= kParted;
       mark_rows(model, state, cell.slot);
-      if (shares.parted < 1)
-        state.parts.cells.push_back({corners_of(model, pieces, cell.slot, -1), young * (1 - shares.parted)});
+      for (int t = 0; t < cell.tip_count; t++) {
+        const Tip& tip = pieces.tips[std::size_t(cell.first_tip + t)];
+        const Real both = shares.of[std::size_t(tip.left)] + shares.of[std::size_t(tip.right)];
+        state.parts.cells.push_back({corners_of_bridge(model, state, pieces, cell, tip),
+                                     young * shares.bridges[std::size_t(t)] * both});
+      }
     }
-    state.parts.cells.push_back({pieces.pieces[std::size_t(cell.first_piece + piece)].corner,
-                                 young * shares.parted * shares.of[std::size_t(piece)]});
+    const auto p = std::size_t(piece);
+    state.parts.cells.push_back(
+        {pieces.pieces[std::size_t(cell.first_piece + piece)].corner, young * parted[p] * shares.of[p]});
   });
 }
 
@@ -152,20 +188,26 @@ void part_triangle(const Model& model, State& state, const Pieces& pieces, int t
   if (cell == nullptr) return;
   const Vec3 places[3] = {Vec3(node[0] - low), Vec3(node[1] - low), Vec3(node[2] - low)};
   const std::vector<int> count = count_points(pieces, state, *cell, places, kParts);
-  const Real parted = shares_of(pieces, state, *cell).parted;
-  if (parted < 1) state.parts.skin.push_back({t, model.skin.triangles[std::size_t(t)].vertex, 1 - parted});
-  for (int p = 0; p < cell->piece_count; p++) {
-    SkinPart part{
-        .triangle = t, .corner = {}, .share = parted * Real(count[std::size_t(p)]) / (kParts * kParts)};
+  const Shares shares = shares_of(pieces, state, *cell);
+  const std::vector<Real> parted = parted_shares(pieces, *cell, shares);
+  const auto add = [&](const std::array<int, 8>& corners, Real share) {
+    SkinPart part{.triangle = t, .corner = {}, .share = share};
     bool borne = part.share > 0;
     for (int c = 0; c < 3; c++) {
       const Int3 at = node[c] - low;
-      part.corner[c] =
-          pieces.pieces[std::size_t(cell->first_piece + p)].corner[std::size_t(at.x + 2 * at.y + 4 * at.z)];
+      part.corner[c] = corners[std::size_t(at.x + 2 * at.y + 4 * at.z)];
       borne = borne && is_borne(model, state, pieces, part.corner[c]);
     }
     if (borne) state.parts.skin.push_back(part);
+  };
+  const auto share = [&](int piece) { return Real(count[std::size_t(piece)]) / (kParts * kParts); };
+  for (int b = 0; b < cell->tip_count; b++) {
+    const Tip& tip = pieces.tips[std::size_t(cell->first_tip + b)];
+    add(corners_of_bridge(model, state, pieces, *cell, tip),
+        shares.bridges[std::size_t(b)] * (share(tip.left) + share(tip.right)));
   }
+  for (int p = 0; p < cell->piece_count; p++)
+    add(pieces.pieces[std::size_t(cell->first_piece + p)].corner, parted[std::size_t(p)] * share(p));
 }
 
 /// Copies of a node of skin take their share of its pull with them, by area.

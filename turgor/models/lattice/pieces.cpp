@@ -145,24 +145,55 @@ void label_air(const CellPlaces& places) {
   }
 }
 
-/// Parts the one piece of a cell that a blade entered: by a plane. Returns how many pieces
-/// there are then.
-int part_tip(const State& state, const Pieces& pieces, const EdgesOfCells& edges, const CutCell& cell,
-             const CellPlaces& places) {
-  const std::optional<TipPlane> plane = fit_tip(state, pieces, edges, cell);
-  if (!plane) return 1;
+/// Which blade entered a piece of a cell without parting it: that of most edges that are cut between places
+/// of the piece; where such are between corners of the cell; -1: none.
+int blade_in(const State& state, const Pieces& pieces, const EdgesOfCells& edges, const CutCell& cell,
+             const CellPlaces& places, int piece) {
+  const FineLattice& f = pieces.fine;
+  const Int3 first = first_of_cell(f, slot_node(f.cells, cell.slot));
+  const auto has = [&](Int3 local) { return places.label[place_in_cell(f, local)] == piece; };
+  bool between_corners = false;
+  const int parity = slot_node(f.cells, cell.slot).x & 1;
+  for (int c = 0; c < 8; c++)
+    for (int n = 0; n < kFamilyCount; n++) {
+      const Int3 low{c & 1, c >> 1 & 1, c >> 2}, high = low + kFamilies[std::size_t(n)];
+      if (high.x > 1 || high.y > 1 || high.z > 1) continue;
+      if (!has(hadamard(low, f.parts)) || !has(hadamard(high, f.parts))) continue;
+      between_corners |=
+          (state.cut[std::size_t(cell.slot + slot_offset(f.cells, low, parity))] >> n & 1) != 0;
+    }
+  if (!between_corners) return -1;
+  std::array<int, 256> count{};
+  const int index = int(&cell - pieces.cells.data());
+  auto at = std::lower_bound(edges.pairs.begin(), edges.pairs.end(), std::pair(index, -1));
+  for (; at != edges.pairs.end() && at->first == index; ++at) {
+    const CutEdge& edge = state.cut_edges[std::size_t(at->second)];
+    const Int3 a = fine_node(f, edge) - first;
+    if (has(a) && has(a + kFamilies[edge.family])) count[edge.incision]++;
+  }
+  const auto most = std::max_element(count.begin(), count.end());
+  return *most > 0 ? int(most - count.begin()) : -1;
+}
+
+/// Parts a piece of a cell that a blade entered: by a plane.
+void part_tip(const State& state, Pieces& pieces, const EdgesOfCells& edges, CutCell& cell,
+              const CellPlaces& places, int piece) {
+  const int incision = blade_in(state, pieces, edges, cell, places, piece);
+  if (incision < 0) return;
+  const std::optional<TipPlane> plane = fit_tip(state, pieces, edges, cell, incision);
+  if (!plane) return;
   const Int3 first = first_of_cell(pieces.fine, slot_node(pieces.fine.cells, cell.slot));
+  const auto is_right = [&](Int3 p) { return plane->at(lattice_index(pieces.fine, first + p)) >= 0; };
+  const auto label = [&](Int3 p) -> std::int16_t& { return places.label[place_in_cell(pieces.fine, p)]; };
   bool any[2] = {false, false};
   for_places(pieces.fine, [&](Int3 p) {
-    std::int16_t& label = places.label[place_in_cell(pieces.fine, p)];
-    if (label < 0) return;
-    label = plane->at(lattice_index(pieces.fine, first + p)) >= 0;
-    any[label] = true;
+    if (label(p) == piece) any[is_right(p)] = true;
   });
-  if (any[0] && any[1]) return 2;
-  for (int p = 0; p < places_of_cell(pieces.fine); p++)
-    places.label[p] = std::min(places.label[p], std::int16_t(0));
-  return 1;
+  if (!any[0] || !any[1]) return;
+  for_places(pieces.fine, [&](Int3 p) {
+    if (label(p) == piece && is_right(p)) label(p) = std::int16_t(cell.piece_count);
+  });
+  pieces.tips.push_back({*plane, piece, cell.piece_count++, std::uint8_t(incision)});
 }
 
 /// The fine node of a piece with the lowest index.
@@ -199,8 +230,10 @@ void make_cell_pieces(const Model& model, const State& state, const EdgesOfCells
     const CellPlaces places(out, cell);
     cell.first_piece = int(out.pieces.size());
     cell.piece_count = label_tissue(places, solid_places(model, state, out.fine, cell.slot));
-    if (cell.is_cut && cell.piece_count == 1 && has_cut_edge(state, out.fine.cells, cell.slot))
-      cell.piece_count = part_tip(state, out, edges, cell, places);
+    cell.first_tip = int(out.tips.size());
+    const int found = cell.is_cut ? cell.piece_count : 0;
+    for (int piece = 0; piece < found; piece++) part_tip(state, out, edges, cell, places, piece);
+    cell.tip_count = int(out.tips.size()) - cell.first_tip;
     for (int p = 0; p < cell.piece_count; p++) {
       const int parity = slot_node(out.fine.cells, cell.slot).x & 1;
       Piece piece{

@@ -28,8 +28,22 @@ struct Piece {
 struct CutCell {
   int slot = 0;  // of its lowest node
   int first_piece = 0, piece_count = 0;
-  std::size_t places = 0;  // its first in Pieces::label and Pieces::cut
-  bool is_cut = false;     // an edge in it is cut; else it is beside such a cell
+  std::size_t places = 0;            // its first in Pieces::label and Pieces::cut
+  bool is_cut = false;               // an edge in it is cut; else it is beside such a cell
+  int first_tip = 0, tip_count = 0;  // Pieces::tips
+};
+
+/// A plane through what is cut in and around a cell, by least squares; negative on the blades' left side.
+struct TipPlane {
+  Vec3d centre, normal;  // [steps of the lattice]
+
+  double at(Vec3d place) const { return dot(place - centre, normal); }
+};
+/// What a blade entered and did not part: two pieces of a cell, to both sides of a plane.
+struct Tip {
+  TipPlane plane;
+  int left = 0, right = 0;    // of the cell's pieces
+  std::uint8_t incision = 0;  // of the scene
 };
 
 /// A copy of a node. One that bears tissue has a displacement of its own (State::copies). Others go where the
@@ -55,6 +69,7 @@ struct Pieces {
   std::vector<std::uint8_t> cut;  // by place: bit f = the edge of family f that starts there is cut
   std::vector<NodeCopy> copies;
   std::vector<CopySource> sources;
+  std::vector<Tip> tips;    // cell by cell
   KeyIndex edge_index;      // of a fine edge's key: index into State::cut_edges
   std::size_t version = 0;  // cut_version of the state that they were made of
 };

@@ -8,12 +8,6 @@ bool is_storage_row(const State& state, int row) {
   return row >= 0 && std::size_t(row) < state.sleep.still.size();
 }
 
-void wake_around(const Model& model, State& state, int slot, int reach) {
-  for_each_row_beside(model.lattice, row_of(model, slot), reach, [&](int row) {
-    if (is_storage_row(state, row)) state.sleep.still[std::size_t(row)] = 0;
-  });
-}
-
 /// Around the cells that have been cut since the last step.
 void wake_cuts(const Model& model, State& state) {
   for (std::size_t n = state.sleep.cuts; n < state.cut_edges.size(); n++)
@@ -66,6 +60,12 @@ void grow_old(std::uint8_t& still) {
 std::uint8_t first_of_sleep(int row) { return std::uint8_t(kStillSteps + row % kStillSteps); }
 
 }  // namespace
+
+void wake_around(const Model& model, State& state, int slot, int reach) {
+  for_each_row_beside(model.lattice, row_of(model, slot), reach, [&](int row) {
+    if (is_storage_row(state, row)) state.sleep.still[std::size_t(row)] = 0;
+  });
+}
 
 void wake_rows(const Model& model, State& state, const Inputs& inputs, bool coarse) {
   Sleep& sleep = state.sleep;

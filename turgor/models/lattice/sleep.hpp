@@ -33,6 +33,8 @@ void for_each_row_beside(const Lattice& l, int row, int reach, const Visit& visi
     for (int j = -reach; j <= reach; j++) visit(row + k * (l.size.y + 2) + j);
 }
 
+/// Wakes the rows up to `reach` around a slot.
+void wake_around(const Model& model, State& state, int slot, int reach);
 /// Who is awake when a step begins: all but the sleepers, and those near cuts, loads and contacts. `coarse`:
 /// there is a coarse space that the step can use.
 void wake_rows(const Model& model, State& state, const Inputs& inputs, bool coarse);

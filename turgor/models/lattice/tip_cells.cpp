@@ -12,7 +12,7 @@ namespace {
 /// Calls visit(edge, where it is cut, the way across to the right) for the cut edges of the cells around one.
 template <class Visit>
 void for_cuts_around(const State& state, const Pieces& pieces, const EdgesOfCells& edges, Int3 cell,
-                     const Visit& visit) {
+                     int incision, const Visit& visit) {
   const FineLattice& f = pieces.fine;
   const Int3 low = max(cell - Int3{1, 1, 1}, Int3{0, 0, 0}),
              high = min(cell + Int3{1, 1, 1}, f.cells.size - Int3{2, 2, 2});
@@ -23,6 +23,7 @@ void for_cuts_around(const State& state, const Pieces& pieces, const EdgesOfCell
         auto at = std::lower_bound(edges.pairs.begin(), edges.pairs.end(), std::pair(index, -1));
         for (; index >= 0 && at != edges.pairs.end() && at->first == index; ++at) {
           const CutEdge& edge = state.cut_edges[std::size_t(at->second)];
+          if (incision >= 0 && edge.incision != incision) continue;
           const Int3 a = fine_node(f, edge), b = a + kFamilies[edge.family];
           const Vec3d from = lattice_index(f, a), way = lattice_index(f, b) - from;
           visit(edge, from + way * double(edge.fraction), edge.rightward ? way : -way);
@@ -55,7 +56,7 @@ bool has_cut_edge(const State& state, const Lattice& lattice, int slot) {
 }
 
 std::optional<TipPlane> fit_tip(const State& state, const Pieces& pieces, const EdgesOfCells& edges,
-                                const CutCell& cell) {
+                                const CutCell& cell, int incision) {
   const Int3 corner = slot_node(pieces.fine.cells, cell.slot);
   const Vec3d middle = Vec3d(in_body(pieces.fine.cells, corner)) + Vec3d{0.5, 0.5, 0.5};
   double total = 0;
@@ -64,14 +65,14 @@ std::optional<TipPlane> fit_tip(const State& state, const Pieces& pieces, const 
     const Vec3d apart = place - middle;
     return 1 / ((1 + dot(apart, apart)) * (1 + dot(apart, apart)));
   };
-  for_cuts_around(state, pieces, edges, corner, [&](const CutEdge&, Vec3d place, Vec3d way) {
+  for_cuts_around(state, pieces, edges, corner, incision, [&](const CutEdge&, Vec3d place, Vec3d way) {
     const double weight = weight_at(place);
     total += weight, centre += place * weight, right += way * weight;
   });
   if (!(total > 0)) return {};
   centre = centre / total;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for_cuts_around(state, pieces, edges, corner, [&](const CutEdge&, Vec3d place, Vec3d) {
+  for_cuts_around(state, pieces, edges, corner, incision, [&](const CutEdge&, Vec3d place, Vec3d) {
     const Eigen::Vector3d d(place.x - centre.x, place.y - centre.y, place.z - centre.z);
     spread += weight_at(place) * d * d.transpose();
   });

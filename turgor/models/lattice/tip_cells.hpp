@@ -17,15 +17,10 @@ struct EdgesOfCells {
 /// Is an edge of the lattice between two corners of this cell cut?
 bool has_cut_edge(const State& state, const Lattice& lattice, int slot);
 
-/// A plane through what is cut in and around a cell, by least squares; negative on the blades' left side.
-struct TipPlane {
-  Vec3d centre, normal;  // [steps of the lattice]
-
-  double at(Vec3d place) const { return dot(place - centre, normal); }
-};
 /// Across the plane that places lie nearest to, a unit vector.
 Vec3d flattest_way(const std::vector<Vec3d>& places);
+/// Of one incision, or of all (-1).
 std::optional<TipPlane> fit_tip(const State& state, const Pieces& pieces, const EdgesOfCells& edges,
-                                const CutCell& cell);
+                                const CutCell& cell, int incision = -1);
 
 }  // namespace turgor::lattice

@@ -1,0 +1,27 @@
+// How much of a cell a blade went through: of lines through the cell, a regular grid of them along each axis,
+// those that it crossed. Finer than the fine lattice, so that a wound grows as its blade does.
+#pragma once
+
+#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/pieces.hpp"
+
+namespace turgor::lattice {
+
+constexpr int kLineGrid = 8, kLines = kLineGrid * kLineGrid;
+
+/// Where a line along an axis enters its cell, in coordinates of the cell from 0 to 1.
+constexpr Vec3d line_start(int axis, int line) {
+  Vec3d at;
+  at[(axis + 1) % 3] = (line % kLineGrid + 0.5) / kLineGrid;
+  at[(axis + 2) % 3] = (line / kLineGrid + 0.5) / kLineGrid;
+  return at;
+}
+
+/// Adds the lines that a blade crosses between two places of its path [m], and wakes what sleeps there.
+void cross_lines(const Model& model, State& state, const BladePath& path, double begin, double end,
+                 int incision);
+
+/// What share of the plane between the two pieces of a tip its blade went through, in [0, 1].
+double share_crossed(const State& state, const Pieces& pieces, const CutCell& cell, const Tip& tip);
+
+}  // namespace turgor::lattice
