@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "turgor/models/lattice/cells.hpp"
+#include "turgor/models/lattice/coarse_follow.hpp"
 #include "turgor/models/lattice/coarse_levels.hpp"
 #include "turgor/models/lattice/moving.hpp"
 #include "turgor/models/lattice/parts.hpp"
@@ -147,44 +148,7 @@ void add_loose_edges(const Model& model, const State& state, const CoarseSpace& 
   }
 }
 
-// ---------------------------------------------------------------- between nodes and unknowns
-
-/// Calls visit(block, weights, slot) or visit(row, slot) for what follows the unknowns in a layer.
-template <class OfBlock, class OfRow>
-void for_followers(const Model& model, const CoarseSpace& space, int k, const OfBlock& of_block,
-                   const OfRow& of_row) {
-  const Lattice& l = model.lattice;
-  for (int j = 0; j < l.size.y; j++)
-    for (int parity = 0; parity < 2; parity++) {
-      const int first = row_slot(l, j, k) + parity * l.half;
-      for (const Run run : model.moving.of_half_row(first / l.half))
-        for (int s = run.begin; s < run.begin + run.count; s++) {
-          const int to = space.follows[std::size_t(s)];
-          if (to >= 0) {
-            const CoarseBlock& block = space.blocks[std::size_t(to)];
-            of_block(block, corner_weights(block, {2 * (s - first) + parity, j, k}), s);
-          } else if (to != CoarseSpace::kFixed) {
-            of_row(-2 - to, s);
-          }
-        }
-    }
-}
-
-/// The same for copies, numbered from 0.
-template <class OfBlock, class OfRow>
-void for_copies(const Model& model, const State& state, const CoarseSpace& space, const OfBlock& of_block,
-                const OfRow& of_row) {
-  const int slots = slot_count(model.lattice);
-  for (const PartNode& copy : state.parts.copies) {
-    const int to = space.follows[std::size_t(copy.corner)];
-    if (to >= 0) {
-      const CoarseBlock& block = space.blocks[std::size_t(to)];
-      of_block(block, corner_weights(block, slot_node(model.lattice, copy.slot)), copy.corner - slots);
-    } else if (to != CoarseSpace::kFixed) {
-      of_row(-2 - to, copy.corner - slots);
-    }
-  }
-}
+// ---------------------------------------------------------------- between corners and unknowns
 
 /// What the forces that are left over do to the unknowns.
 std::vector<double> gather_unknowns(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
@@ -192,33 +156,16 @@ std::vector<double> gather_unknowns(const Exec& exec, const Model& model, State&
   const CoarseSpace& space = *state.coarse;
   const std::size_t rows = space.row_begin.size() - 1;
   std::vector<Vec3d> sums(kStretches * rows);
-  const auto add = [&](Vec3d* sum, const CoarseBlock& block, const std::array<float, 8>& w, Vec3d f) {
-    for (std::size_t c = 0; c < 8; c++) sum[block.corner[c]] += f * double(w[c]);
-  };
-  const auto see = [&](int stretch, int k, LayerForces forces) {
-    Vec3d* sum = sums.data() + std::size_t(stretch) * rows;
-    for_followers(
-        model, space, k,
-        [&](const CoarseBlock& block, const std::array<float, 8>& w, int slot) {
-          add(sum, block, w, Vec3d(forces[slot]));
-        },
-        [&](int row, int slot) { sum[row] += Vec3d(forces[slot]); });
-  };
-  find_left_over(exec, model, state, space, inputs, dt, state.left_over, see);
-  const auto of_copy = [&](int c) {
-    const CopyShift& f = state.left_over.copies[std::size_t(c)];
-    return Vec3d{f.x, f.y, f.z};
-  };
-  for_copies(
-      model, state, space,
-      [&](const CoarseBlock& block, const std::array<float, 8>& w, int c) {
-        add(sums.data(), block, w, of_copy(c));
-      },
-      [&](int row, int c) { sums[std::size_t(row)] += of_copy(c); });
+  const auto sums_of = [&](std::size_t stretch) { return std::span(sums).subspan(stretch * rows, rows); };
+  find_left_over(exec, model, state, space, inputs, dt, state.left_over,
+                 [&](int stretch, int k, LayerForces forces) {
+                   add_to_corners(space, k, forces, sums_of(std::size_t(stretch)));
+                 });
+  add_copies_to_corners(model, state, sums_of(0));
   std::vector<double> out(3 * std::size_t(space.unknowns));
   for (std::size_t row = 0; row < rows; row++) {
     Vec3d sum;
-    for (std::size_t stretch = 0; stretch < kStretches; stretch++) sum += sums[stretch * rows + row];
+    for (std::size_t stretch = 0; stretch < kStretches; stretch++) sum += sums_of(stretch)[row];
     for (int t = space.row_begin[row]; t < space.row_begin[row + 1]; t++)
       for (int axis = 0; axis < 3; axis++)
         out[std::size_t(3 * space.terms[std::size_t(t)].unknown + axis)] +=
@@ -228,39 +175,19 @@ std::vector<double> gather_unknowns(const Exec& exec, const Model& model, State&
 }
 
 /// Moves nodes and copies by `part` of what the unknowns say.
-void move_nodes(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
-                std::span<const double> unknowns, double part) {
-  std::vector<Vec3> by_row(space.row_begin.size() - 1);
-  for (std::size_t row = 0; row < by_row.size(); row++) {
+void move_by(const Exec& exec, const Model& model, State& state, std::span<const double> unknowns,
+             double part) {
+  const CoarseSpace& space = *state.coarse;
+  std::vector<Vec3> corners(space.row_begin.size() - 1);
+  for (std::size_t row = 0; row < corners.size(); row++) {
     Vec3d sum;
     for (int t = space.row_begin[row]; t < space.row_begin[row + 1]; t++)
       for (int axis = 0; axis < 3; axis++)
         sum[axis] += double(space.terms[std::size_t(t)].weight) *
                      unknowns[std::size_t(3 * space.terms[std::size_t(t)].unknown + axis)];
-    by_row[row] = Vec3(sum * part);
+    corners[row] = Vec3(sum * part);
   }
-  const auto at = [&](const CoarseBlock& block, const std::array<float, 8>& w) {
-    Vec3 sum;
-    for (std::size_t c = 0; c < 8; c++) sum += by_row[std::size_t(block.corner[c])] * w[c];
-    return sum;
-  };
-  const auto move = [&](int slot, Vec3 way) {
-    state.u.set(std::size_t(slot), state.u[std::size_t(slot)] + way);
-  };
-  parallel_for(exec, std::size_t(model.lattice.size.z), [&](std::size_t k) {
-    for_followers(
-        model, space, int(k),
-        [&](const CoarseBlock& block, const std::array<float, 8>& w, int slot) { move(slot, at(block, w)); },
-        [&](int row, int slot) { move(slot, by_row[std::size_t(row)]); });
-  });
-  const auto move_copy = [&](int c, Vec3 way) {
-    CopyShift& copy = state.copies[std::size_t(c)];
-    copy = {copy.x + way.x, copy.y + way.y, copy.z + way.z};
-  };
-  for_copies(
-      model, state, space,
-      [&](const CoarseBlock& block, const std::array<float, 8>& w, int c) { move_copy(c, at(block, w)); },
-      [&](int row, int c) { move_copy(c, by_row[std::size_t(row)]); });
+  move_followers(exec, model, state, corners);
 }
 
 double work(std::span<const double> forces, std::span<const double> way) {
@@ -347,17 +274,18 @@ void correct_smooth_part(const Exec& exec, const Model& model, State& state, con
   const std::vector<double> before = forces(), way = space.stiffness.solve(before);
   const double slope = work(before, way);
   if (!(slope > 0)) return;
-  move_nodes(exec, model, state, space, way, 1);
+  move_by(exec, model, state, way, 1);
   const double part = part_of_way(slope, work(forces(), way));
-  move_nodes(exec, model, state, space, way, part - 1);
+  move_by(exec, model, state, way, part - 1);
 }
 
 std::size_t memory_bytes(const CoarseSpace& space) {
   const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   return bytes(space.blocks) + bytes(space.row_begin) + bytes(space.terms) + bytes(space.follows) +
-         bytes(space.outside) + bytes(space.loose) + bytes(space.cells.all) + bytes(space.cells.row_begin) +
-         bytes(space.stiffness.order) + bytes(space.stiffness.mobility) + bytes(space.stiffness.column) +
-         bytes(space.stiffness.row) + bytes(space.stiffness.value);
+         bytes(space.runs) + bytes(space.runs_begin) + bytes(space.outside) + bytes(space.loose) +
+         bytes(space.cells.all) + bytes(space.cells.row_begin) + bytes(space.stiffness.order) +
+         bytes(space.stiffness.mobility) + bytes(space.stiffness.column) + bytes(space.stiffness.row) +
+         bytes(space.stiffness.value);
 }
 
 }  // namespace turgor::lattice
