@@ -9,6 +9,7 @@
 #include "turgor/models/lattice/coarse_levels.hpp"
 #include "turgor/models/lattice/moving.hpp"
 #include "turgor/models/lattice/parts.hpp"
+#include "turgor/models/lattice/skin.hpp"
 
 namespace turgor::lattice {
 
@@ -113,20 +114,38 @@ void begin_layer(const Model& model, const Inertia& inertia, const State& state,
   });
 }
 
-/// Skin, and what blades parted.
-void add_skin_and_parts(const Model& model, State& state, const SkinForces& skin, const PartForces& parts,
-                        int k, TwoLayers out, std::vector<CopyShift>& copies) {
-  const NodeArrays nodes = node_arrays(model, state);
-  for_each_piece(model, nullptr, k, [&](int, int slot, int count) {
-    if (!model.skin.triangles.empty())
-      for_skin_nodes(
-          model, state, nodes, skin, slot, count, [](int) { return NodeSystem{}; },
-          [&](int at, const NodeSystem& s) { out.add(at, k, s.f); });
-    for (const PartNode& node : parts.nodes_of(slot, count)) out.add(node.slot, k, parts.gather(node).f);
-  });
+/// Of skin in the cells between layers k and k + 1.
+void add_skin(const Model& model, const State& state, const NodeArrays& nodes, const SkinForces& skin, int k,
+              TwoLayers out) {
+  const int above = row_slot(model.lattice, -1, k + 1);
+  const std::span<const SkinTriangle> triangles = skin_of_cells(model, {k, k + 1});
+  const std::uint8_t* cut = state.skin_cut.data() + (triangles.data() - model.skin.triangles.data());
+  TriangleForces forces;
+  for (std::size_t first = 0; first < triangles.size(); first += kSkinLanes) {
+    const std::size_t count = std::min(std::size_t(kSkinLanes), triangles.size() - first);
+    skin.find(triangles.subspan(first, count), nodes, forces);
+    for (std::size_t i = 0; i < count; i++)
+      for (int c = 0; c < 3 && !cut[first + i]; c++) {
+        const int slot = triangles[first + i].vertex[c];
+        out.add(slot, slot < above ? k : k + 1, forces.get(c, int(i)));
+      }
+  }
+}
+
+/// What answers the skin in the CT, and what blades parted.
+void add_pull_and_parts(const Model& model, const PartForces& parts, int k, TwoLayers out,
+                        std::vector<CopyShift>& copies) {
+  const Lattice& l = model.lattice;
+  const int begin = row_slot(l, -1, k), end = begin + layer_stride(l);
+  const Skin& skin = model.skin;
+  if (!skin.triangles.empty())
+    for (int n = skin.row_begin[std::size_t(begin / l.half)]; n < skin.row_begin[std::size_t(end / l.half)];
+         n++)
+      out.add(skin.nodes[std::size_t(n)], k, -skin.pull[std::size_t(n)]);
+  for (const PartNode& node : parts.nodes_of(begin, end - begin)) out.add(node.slot, k, parts.gather(node).f);
   for (const PartNode& copy : parts.copies_of(k)) {
     const Vec3 f = parts.gather(copy).f;
-    copies[std::size_t(copy.corner - slot_count(model.lattice))] = {f.x, f.y, f.z};
+    copies[std::size_t(copy.corner - slot_count(l))] = {f.x, f.y, f.z};
   }
 }
 
@@ -232,6 +251,7 @@ void find_left_over(const Exec& exec, const Model& model, State& state, const Co
       if (k < 0 || k + 1 >= layers) return;
       cells(space.cells, k);
       add_loose_edges(model, state, space, k, out);
+      if (!model.skin.triangles.empty()) add_skin(model, state, cells.nodes, skin, k, out);
     };
     const int begin = layers * int(stretch) / kStretches, end = layers * int(stretch + 1) / kStretches;
     if (begin == end) return;
@@ -240,7 +260,7 @@ void find_left_over(const Exec& exec, const Model& model, State& state, const Co
     for (int k = begin; k < end; k++) {
       if (k + 1 < layers) begin_layer(model, inertia, state, k + 1, out);
       add_cells(k);
-      add_skin_and_parts(model, state, skin, parts, k, out, room.copies);
+      add_pull_and_parts(model, parts, k, out, room.copies);
       see(int(stretch), k, {field, out.shift(k)});
     }
   });

@@ -288,6 +288,18 @@ Int3 cell_of(const Lattice& l, Int3 triangle) {
   return low;
 }
 
+std::span<const SkinTriangle> skin_of_cells(const Model& model, Layers cells) {
+  const Skin& skin = model.skin;
+  if (skin.triangles.empty()) return {};
+  const auto layers = std::size_t(model.lattice.size.z - 1), groups = (skin.layer_begin.size() - 1) / layers;
+  const auto first_of = [&](int layer) {
+    return std::size_t(
+        skin.batch_begin[std::size_t(skin.layer_begin[std::min(std::size_t(layer), layers) * groups])]);
+  };
+  const std::size_t first = first_of(cells.begin);
+  return std::span(skin.triangles).subspan(first, first_of(cells.end) - first);
+}
+
 void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& join_skin, Model& model) {
   Skin& skin = model.skin;
   std::vector<std::vector<Int3>> layers(std::size_t(model.lattice.size.z - 1));
