@@ -366,6 +366,7 @@ void measure_pull(const Exec& exec, const Model& model, Skin& skin) {
 void cut_skin(const Model& model, State& state) {
   for (std::size_t t = 0; t < model.skin.triangles.size(); t++) {
     const Int3 v = model.skin.triangles[t].vertex;
+    if (!state.row_cut[std::size_t(v.x / row_stride(model.lattice))]) continue;
     for (int c = 0; c < 3; c++) {
       const Edge edge = edge_between(model.lattice, v[c], v[(c + 1) % 3]);
       if (state.cut[std::size_t(edge.slot)] >> edge.family & 1) state.skin_cut[t] = 1;
