@@ -213,6 +213,14 @@ double work(std::span<const double> forces, std::span<const double> way) {
   return std::inner_product(forces.begin(), forces.end(), way.begin(), 0.0);
 }
 
+/// Of ways of three numbers each.
+double longest(std::span<const double> ways) {
+  double most = 0;
+  for (std::size_t n = 0; n < ways.size(); n += 3)
+    most = std::max(most, norm(Vec3d{ways[n], ways[n + 1], ways[n + 2]}));
+  return most;
+}
+
 /// Does a blade cut more in the steps to come? Not when it has stopped for some.
 bool blade_goes_on(State& state, std::size_t cuts) {
   constexpr int kStopped = 8;
@@ -287,16 +295,17 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
   return state.coarse->unknowns > 0;
 }
 
-void correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
-                         double dt) {
+double correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                           double dt) {
   const CoarseSpace& space = *state.coarse;
   const auto forces = [&] { return gather_unknowns(exec, model, state, inputs, dt); };
   const std::vector<double> before = forces(), way = space.stiffness.solve(before);
   const double slope = work(before, way);
-  if (!(slope > 0)) return;
+  if (!(slope > 0)) return 0;
   move_by(exec, model, state, way, 1);
   const double part = part_of_way(slope, work(forces(), way));
   move_by(exec, model, state, way, part - 1);
+  return part * longest(way);
 }
 
 std::size_t memory_bytes(const CoarseSpace& space) {

@@ -131,8 +131,9 @@ bool may_have_coarse_space(const Model& model);
 /// or the step is a part of one that the space was made for.
 bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt);
 /// One step in the coarse space, between sweeps: towards the minimum of what is quadratic there, as far along
-/// that way as the forces at its end say.
-void correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+/// that way as the forces at its end say. Returns how far the unknown that goes farthest went [m].
+double correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                           double dt);
 
 /// How much of a way to go whose slope is `before` where it begins, and `after` at its end: to where it would
 /// be nil, but not much farther than the end. The numbers of the end may be none.
