@@ -80,6 +80,8 @@ TEST(lattice_kernels, area_skin_force_is_minus_the_gradient_and_corners_sum_to_z
     const double area = 0.5 * norm(cross(x[1] - x[0], x[2] - x[0]));
     if (area < 0.1) continue;  // gradients of slivers are beyond single precision
     const double rest = area * random(0.6, 1.4), k = random(1, 3), beta = 2;
+    const CornerForces all =
+        skin_area_forces(Vec3(x[1] - x[0]), Vec3(x[2] - x[0]), Real(rest), Real(k), Real(beta));
     Vec3d sum;
     for (int c = 0; c < 3; c++) {
       const Vec3d b = x[(c + 1) % 3], d = x[(c + 2) % 3];
@@ -89,6 +91,7 @@ TEST(lattice_kernels, area_skin_force_is_minus_the_gradient_and_corners_sum_to_z
         return k * amplified(0.5 * norm(cross(b - p, d - p)) - rest, rest, beta);
       };
       expect_near(Vec3d(s.f), minus_gradient(energy, x[c]), 2e-4);
+      expect_near(Vec3d(all.on[c]), minus_gradient(energy, x[c]), 2e-4);
       EXPECT_TRUE(is_positive_definite(s));
       sum += Vec3d(s.f);
     }
@@ -108,6 +111,9 @@ TEST(lattice_kernels, fibre_skin_force_is_minus_the_gradient_and_corners_sum_to_
     const FibreLaw law{
         .rest_along = 0.8f, .rest_across = 0.9f, .stiffness = 3, .shear = 1, .amplification = 2};
     Vec3d x[3] = {random.point(), random.point(), random.point()};
+    const CornerForces all =
+        skin_fibre_forces(Vec3(x[1] - x[0]), Vec3(x[2] - x[0]), {t.along[0], t.along[1], t.along[2]},
+                          {t.across[0], t.across[1], t.across[2]}, t.area, law);
     Vec3d sum;
     for (int c = 0; c < 3; c++) {
       const int next = (c + 1) % 3, last = (c + 2) % 3;
@@ -125,6 +131,7 @@ TEST(lattice_kernels, fibre_skin_force_is_minus_the_gradient_and_corners_sum_to_
                 3 * amplified(norm(across) - law.rest_across, law.rest_across, 2) + 0.5 * shear * shear);
       };
       expect_near(Vec3d(s.f), minus_gradient(energy, x[c]), 1e-3);
+      expect_near(Vec3d(all.on[c]), minus_gradient(energy, x[c]), 1e-3);
       sum += Vec3d(s.f);
     }
     expect_near(sum, {}, 1e-3);

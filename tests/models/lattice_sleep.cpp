@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "block_body.hpp"
+#include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/sleep.hpp"
 
@@ -152,6 +153,73 @@ TEST(lattice_sleep, a_load_or_a_contact_on_a_sleeping_body_moves_it_as_one_that_
     EXPECT_GT(norm(moved[0]), 0.2e-3);
     EXPECT_LT(norm(moved[1] - moved[0]), 1e-3 * norm(moved[0]))
         << "pressed " << pressed << ", law " << int(law);
+  }
+}
+
+/// A torso of the phantom, curved and with steps of its surface, under tension that is not alike in all
+/// directions.
+Model tense_torso(double sleep, TissueLaw law, SkinLaw skin) {
+  PhantomParams phantom = default_phantom(PhantomKind::kTorso);
+  phantom.size = {64, 64, 38}, phantom.spacing *= 8;
+  Params params;
+  params.tissue.law = law;
+  params.solver.sleep = sleep;
+  params.skin.law = skin;
+  params.skin.tension_along = 130, params.skin.tension_across = 25, params.skin.direction = {1, 0.4, 0.7};
+  return build(Exec(2), make_phantom(Exec(2), phantom), {}, params).value();
+}
+
+TEST(lattice_sleep, a_body_to_which_nothing_has_happened_is_at_rest_and_begins_asleep) {
+  for (const auto& [law, skin] : {std::pair{TissueLaw::kSprings, SkinLaw::kFibre},
+                                  {TissueLaw::kSolid, SkinLaw::kFibre},
+                                  {TissueLaw::kSolid, SkinLaw::kArea}}) {
+    const Model wakeful = tense_torso(0, law, skin), model = tense_torso(kSleep, law, skin);
+    State awake = make_state(wakeful), state = make_state(model);
+    double fastest = 0, farthest = 0;
+    for (int n = 0; n < 120; n++)
+      fastest = std::max(fastest, double(step(Exec(2), wakeful, awake, {}, kDt).largest_speed));
+    for (std::size_t s = 0; s < awake.u.x.size(); s++)
+      farthest = std::max(farthest, double(norm(awake.u[s])));
+    EXPECT_LT(fastest, 0.1 * kSleep) << "law " << int(law);
+    EXPECT_LT(farthest, kSleep * kDt) << "in two seconds, law " << int(law);
+    const StepReport report = step(Exec(2), model, state, {}, kDt);
+    EXPECT_GT(report.rows, 50);
+    EXPECT_EQ(report.rows_asleep, report.rows) << "law " << int(law);
+  }
+}
+
+TEST(lattice_sleep, a_body_that_has_been_moved_begins_awake) {
+  for (const bool is_fast : {false, true}) {
+    const Model model = tense_block({9, 9, 9}, kSleep);
+    State state = make_state(model);
+    VecField& field = is_fast ? state.v : state.u;
+    field.set(std::size_t(node_slot(model.lattice, 4, 4, 4)), {0, 0, 1e-5f});
+    EXPECT_EQ(awake_after(model, state, kDt), 7 * 8) << "is fast " << is_fast;
+  }
+}
+
+TEST(lattice_sleep,
+     a_wound_cut_into_a_body_that_has_slept_from_the_beginning_is_that_of_one_that_never_sleeps) {
+  for (const TissueLaw law : {TissueLaw::kSprings, TissueLaw::kSolid}) {
+    double gape[2];
+    for (const bool sleeps : {false, true}) {
+      const Model model = tense_block({23, 17, 9}, sleeps ? kSleep : 0, law);
+      State state = make_state(model);
+      EXPECT_EQ(awake_after(model, state, kDt), 0);
+      const Vec3d from{6.3 * kStep, 5.2 * kStep, 8 * kStep};
+      const BladePath path =
+          lay_blade(model, state, {.from = from, .to = from + Vec3d{0.03, 0.02, 0}, .depth = 0.013}).value();
+      int most = 0;
+      for (int n = 0; n < 20; n++) {  // a blade on its way
+        cut_edges(model, state, path, n / 20.0, (n + 1) / 20.0, 0);
+        most = std::max(most, awake_after(model, state, kDt));
+      }
+      EXPECT_EQ(most > 20, sleeps) << "rows awake at most: " << most;
+      EXPECT_EQ(awake_after(model, state, 5), 0);
+      gape[sleeps] = measure_wound(model, state, path, 0).gape_max;
+    }
+    EXPECT_GT(gape[0], 0.5e-3);
+    EXPECT_NEAR(gape[1], gape[0], 1e-3 * gape[0]) << "law " << int(law);
   }
 }
 

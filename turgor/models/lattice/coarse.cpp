@@ -5,9 +5,11 @@
 #include <numeric>
 
 #include "turgor/models/lattice/cells.hpp"
+#include "turgor/models/lattice/coarse_follow.hpp"
 #include "turgor/models/lattice/coarse_levels.hpp"
 #include "turgor/models/lattice/moving.hpp"
 #include "turgor/models/lattice/parts.hpp"
+#include "turgor/models/lattice/skin.hpp"
 
 namespace turgor::lattice {
 
@@ -112,20 +114,38 @@ void begin_layer(const Model& model, const Inertia& inertia, const State& state,
   });
 }
 
-/// Skin, and what blades parted.
-void add_skin_and_parts(const Model& model, State& state, const SkinForces& skin, const PartForces& parts,
-                        int k, TwoLayers out, std::vector<CopyShift>& copies) {
-  const NodeArrays nodes = node_arrays(model, state);
-  for_each_piece(model, nullptr, k, [&](int, int slot, int count) {
-    if (!model.skin.triangles.empty())
-      for_skin_nodes(
-          model, state, nodes, skin, slot, count, [](int) { return NodeSystem{}; },
-          [&](int at, const NodeSystem& s) { out.add(at, k, s.f); });
-    for (const PartNode& node : parts.nodes_of(slot, count)) out.add(node.slot, k, parts.gather(node).f);
-  });
+/// Of skin in the cells between layers k and k + 1.
+void add_skin(const Model& model, const State& state, const NodeArrays& nodes, const SkinForces& skin, int k,
+              TwoLayers out) {
+  const int above = row_slot(model.lattice, -1, k + 1);
+  const std::span<const SkinTriangle> triangles = skin_of_cells(model, {k, k + 1});
+  const std::uint8_t* cut = state.skin_cut.data() + (triangles.data() - model.skin.triangles.data());
+  TriangleForces forces;
+  for (std::size_t first = 0; first < triangles.size(); first += kSkinLanes) {
+    const std::size_t count = std::min(std::size_t(kSkinLanes), triangles.size() - first);
+    skin.find(triangles.subspan(first, count), nodes, forces);
+    for (std::size_t i = 0; i < count; i++)
+      for (int c = 0; c < 3 && !cut[first + i]; c++) {
+        const int slot = triangles[first + i].vertex[c];
+        out.add(slot, slot < above ? k : k + 1, forces.get(c, int(i)));
+      }
+  }
+}
+
+/// What answers the skin in the CT, and what blades parted.
+void add_pull_and_parts(const Model& model, const PartForces& parts, int k, TwoLayers out,
+                        std::vector<CopyShift>& copies) {
+  const Lattice& l = model.lattice;
+  const int begin = row_slot(l, -1, k), end = begin + layer_stride(l);
+  const Skin& skin = model.skin;
+  if (!skin.triangles.empty())
+    for (int n = skin.row_begin[std::size_t(begin / l.half)]; n < skin.row_begin[std::size_t(end / l.half)];
+         n++)
+      out.add(skin.nodes[std::size_t(n)], k, -skin.pull[std::size_t(n)]);
+  for (const PartNode& node : parts.nodes_of(begin, end - begin)) out.add(node.slot, k, parts.gather(node).f);
   for (const PartNode& copy : parts.copies_of(k)) {
     const Vec3 f = parts.gather(copy).f;
-    copies[std::size_t(copy.corner - slot_count(model.lattice))] = {f.x, f.y, f.z};
+    copies[std::size_t(copy.corner - slot_count(l))] = {f.x, f.y, f.z};
   }
 }
 
@@ -147,44 +167,7 @@ void add_loose_edges(const Model& model, const State& state, const CoarseSpace& 
   }
 }
 
-// ---------------------------------------------------------------- between nodes and unknowns
-
-/// Calls visit(block, weights, slot) or visit(row, slot) for what follows the unknowns in a layer.
-template <class OfBlock, class OfRow>
-void for_followers(const Model& model, const CoarseSpace& space, int k, const OfBlock& of_block,
-                   const OfRow& of_row) {
-  const Lattice& l = model.lattice;
-  for (int j = 0; j < l.size.y; j++)
-    for (int parity = 0; parity < 2; parity++) {
-      const int first = row_slot(l, j, k) + parity * l.half;
-      for (const Run run : model.moving.of_half_row(first / l.half))
-        for (int s = run.begin; s < run.begin + run.count; s++) {
-          const int to = space.follows[std::size_t(s)];
-          if (to >= 0) {
-            const CoarseBlock& block = space.blocks[std::size_t(to)];
-            of_block(block, corner_weights(block, {2 * (s - first) + parity, j, k}), s);
-          } else if (to != CoarseSpace::kFixed) {
-            of_row(-2 - to, s);
-          }
-        }
-    }
-}
-
-/// The same for copies, numbered from 0.
-template <class OfBlock, class OfRow>
-void for_copies(const Model& model, const State& state, const CoarseSpace& space, const OfBlock& of_block,
-                const OfRow& of_row) {
-  const int slots = slot_count(model.lattice);
-  for (const PartNode& copy : state.parts.copies) {
-    const int to = space.follows[std::size_t(copy.corner)];
-    if (to >= 0) {
-      const CoarseBlock& block = space.blocks[std::size_t(to)];
-      of_block(block, corner_weights(block, slot_node(model.lattice, copy.slot)), copy.corner - slots);
-    } else if (to != CoarseSpace::kFixed) {
-      of_row(-2 - to, copy.corner - slots);
-    }
-  }
-}
+// ---------------------------------------------------------------- between corners and unknowns
 
 /// What the forces that are left over do to the unknowns.
 std::vector<double> gather_unknowns(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
@@ -192,33 +175,16 @@ std::vector<double> gather_unknowns(const Exec& exec, const Model& model, State&
   const CoarseSpace& space = *state.coarse;
   const std::size_t rows = space.row_begin.size() - 1;
   std::vector<Vec3d> sums(kStretches * rows);
-  const auto add = [&](Vec3d* sum, const CoarseBlock& block, const std::array<float, 8>& w, Vec3d f) {
-    for (std::size_t c = 0; c < 8; c++) sum[block.corner[c]] += f * double(w[c]);
-  };
-  const auto see = [&](int stretch, int k, LayerForces forces) {
-    Vec3d* sum = sums.data() + std::size_t(stretch) * rows;
-    for_followers(
-        model, space, k,
-        [&](const CoarseBlock& block, const std::array<float, 8>& w, int slot) {
-          add(sum, block, w, Vec3d(forces[slot]));
-        },
-        [&](int row, int slot) { sum[row] += Vec3d(forces[slot]); });
-  };
-  find_left_over(exec, model, state, space, inputs, dt, state.left_over, see);
-  const auto of_copy = [&](int c) {
-    const CopyShift& f = state.left_over.copies[std::size_t(c)];
-    return Vec3d{f.x, f.y, f.z};
-  };
-  for_copies(
-      model, state, space,
-      [&](const CoarseBlock& block, const std::array<float, 8>& w, int c) {
-        add(sums.data(), block, w, of_copy(c));
-      },
-      [&](int row, int c) { sums[std::size_t(row)] += of_copy(c); });
+  const auto sums_of = [&](std::size_t stretch) { return std::span(sums).subspan(stretch * rows, rows); };
+  find_left_over(exec, model, state, space, inputs, dt, state.left_over,
+                 [&](int stretch, int k, LayerForces forces) {
+                   add_to_corners(space, k, forces, sums_of(std::size_t(stretch)));
+                 });
+  add_copies_to_corners(model, state, sums_of(0));
   std::vector<double> out(3 * std::size_t(space.unknowns));
   for (std::size_t row = 0; row < rows; row++) {
     Vec3d sum;
-    for (std::size_t stretch = 0; stretch < kStretches; stretch++) sum += sums[stretch * rows + row];
+    for (std::size_t stretch = 0; stretch < kStretches; stretch++) sum += sums_of(stretch)[row];
     for (int t = space.row_begin[row]; t < space.row_begin[row + 1]; t++)
       for (int axis = 0; axis < 3; axis++)
         out[std::size_t(3 * space.terms[std::size_t(t)].unknown + axis)] +=
@@ -228,43 +194,31 @@ std::vector<double> gather_unknowns(const Exec& exec, const Model& model, State&
 }
 
 /// Moves nodes and copies by `part` of what the unknowns say.
-void move_nodes(const Exec& exec, const Model& model, State& state, const CoarseSpace& space,
-                std::span<const double> unknowns, double part) {
-  std::vector<Vec3> by_row(space.row_begin.size() - 1);
-  for (std::size_t row = 0; row < by_row.size(); row++) {
+void move_by(const Exec& exec, const Model& model, State& state, std::span<const double> unknowns,
+             double part) {
+  const CoarseSpace& space = *state.coarse;
+  std::vector<Vec3> corners(space.row_begin.size() - 1);
+  for (std::size_t row = 0; row < corners.size(); row++) {
     Vec3d sum;
     for (int t = space.row_begin[row]; t < space.row_begin[row + 1]; t++)
       for (int axis = 0; axis < 3; axis++)
         sum[axis] += double(space.terms[std::size_t(t)].weight) *
                      unknowns[std::size_t(3 * space.terms[std::size_t(t)].unknown + axis)];
-    by_row[row] = Vec3(sum * part);
+    corners[row] = Vec3(sum * part);
   }
-  const auto at = [&](const CoarseBlock& block, const std::array<float, 8>& w) {
-    Vec3 sum;
-    for (std::size_t c = 0; c < 8; c++) sum += by_row[std::size_t(block.corner[c])] * w[c];
-    return sum;
-  };
-  const auto move = [&](int slot, Vec3 way) {
-    state.u.set(std::size_t(slot), state.u[std::size_t(slot)] + way);
-  };
-  parallel_for(exec, std::size_t(model.lattice.size.z), [&](std::size_t k) {
-    for_followers(
-        model, space, int(k),
-        [&](const CoarseBlock& block, const std::array<float, 8>& w, int slot) { move(slot, at(block, w)); },
-        [&](int row, int slot) { move(slot, by_row[std::size_t(row)]); });
-  });
-  const auto move_copy = [&](int c, Vec3 way) {
-    CopyShift& copy = state.copies[std::size_t(c)];
-    copy = {copy.x + way.x, copy.y + way.y, copy.z + way.z};
-  };
-  for_copies(
-      model, state, space,
-      [&](const CoarseBlock& block, const std::array<float, 8>& w, int c) { move_copy(c, at(block, w)); },
-      [&](int row, int c) { move_copy(c, by_row[std::size_t(row)]); });
+  move_followers(exec, model, state, corners);
 }
 
 double work(std::span<const double> forces, std::span<const double> way) {
   return std::inner_product(forces.begin(), forces.end(), way.begin(), 0.0);
+}
+
+/// Of ways of three numbers each.
+double longest(std::span<const double> ways) {
+  double most = 0;
+  for (std::size_t n = 0; n < ways.size(); n += 3)
+    most = std::max(most, norm(Vec3d{ways[n], ways[n + 1], ways[n + 2]}));
+  return most;
 }
 
 /// Does a blade cut more in the steps to come? Not when it has stopped for some.
@@ -305,6 +259,7 @@ void find_left_over(const Exec& exec, const Model& model, State& state, const Co
       if (k < 0 || k + 1 >= layers) return;
       cells(space.cells, k);
       add_loose_edges(model, state, space, k, out);
+      if (!model.skin.triangles.empty()) add_skin(model, state, cells.nodes, skin, k, out);
     };
     const int begin = layers * int(stretch) / kStretches, end = layers * int(stretch + 1) / kStretches;
     if (begin == end) return;
@@ -313,7 +268,7 @@ void find_left_over(const Exec& exec, const Model& model, State& state, const Co
     for (int k = begin; k < end; k++) {
       if (k + 1 < layers) begin_layer(model, inertia, state, k + 1, out);
       add_cells(k);
-      add_skin_and_parts(model, state, skin, parts, k, out, room.copies);
+      add_pull_and_parts(model, parts, k, out, room.copies);
       see(int(stretch), k, {field, out.shift(k)});
     }
   });
@@ -340,24 +295,26 @@ bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs
   return state.coarse->unknowns > 0;
 }
 
-void correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
-                         double dt) {
+double correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                           double dt) {
   const CoarseSpace& space = *state.coarse;
   const auto forces = [&] { return gather_unknowns(exec, model, state, inputs, dt); };
   const std::vector<double> before = forces(), way = space.stiffness.solve(before);
   const double slope = work(before, way);
-  if (!(slope > 0)) return;
-  move_nodes(exec, model, state, space, way, 1);
+  if (!(slope > 0)) return 0;
+  move_by(exec, model, state, way, 1);
   const double part = part_of_way(slope, work(forces(), way));
-  move_nodes(exec, model, state, space, way, part - 1);
+  move_by(exec, model, state, way, part - 1);
+  return part * longest(way);
 }
 
 std::size_t memory_bytes(const CoarseSpace& space) {
   const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   return bytes(space.blocks) + bytes(space.row_begin) + bytes(space.terms) + bytes(space.follows) +
-         bytes(space.outside) + bytes(space.loose) + bytes(space.cells.all) + bytes(space.cells.row_begin) +
-         bytes(space.stiffness.order) + bytes(space.stiffness.mobility) + bytes(space.stiffness.column) +
-         bytes(space.stiffness.row) + bytes(space.stiffness.value);
+         bytes(space.runs) + bytes(space.runs_begin) + bytes(space.outside) + bytes(space.loose) +
+         bytes(space.cells.all) + bytes(space.cells.row_begin) + bytes(space.stiffness.order) +
+         bytes(space.stiffness.mobility) + bytes(space.stiffness.column) + bytes(space.stiffness.row) +
+         bytes(space.stiffness.value);
 }
 
 }  // namespace turgor::lattice

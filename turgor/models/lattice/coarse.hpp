@@ -58,6 +58,13 @@ struct CoarseTerm {
   float weight = 0;
 };
 
+/// Nodes of one parity in a row, all of which follow the same block; or one that is by itself.
+struct FollowRun {
+  Int3 first;               // the first of these nodes
+  int slot = 0, count = 0;  // its slot, and how many follow each other
+  int to = 0;               // as CoarseSpace::follows
+};
+
 /// A spring between two neighbouring nodes that no cell holds.
 struct LooseEdge {
   int slot = 0, family = 0;
@@ -84,12 +91,19 @@ struct CoarseSpace {
   std::vector<int> row_begin;     // of corners, and of nodes by themselves, in `terms`
   std::vector<CoarseTerm> terms;  // row by row
   aligned_vector<int> follows;  // by slot, then by copy: kFixed, a block, or −2 − the row of a node by itself
+  std::vector<FollowRun> runs;   // of the nodes among them, in the order of slots
+  std::vector<int> runs_begin;   // by layer, and the end
   std::vector<int> outside;      // of these, nodes outside of the block that they follow
   std::vector<LooseEdge> loose;  // edges that no cell holds
   Runs cells;                    // slots of cells with something in them that can move
   CoarseFactor stiffness;        // [N/m]
 
   static constexpr int kFixed = -1;
+  std::span<const FollowRun> runs_of(int k) const {
+    const auto begin = std::size_t(runs_begin[std::size_t(k)]),
+               end = std::size_t(runs_begin[std::size_t(k) + 1]);
+    return std::span(runs).subspan(begin, end - begin);
+  }
 };
 
 /// Of the body as it is cut now; for a body that nothing can move, without unknowns.
@@ -117,8 +131,9 @@ bool may_have_coarse_space(const Model& model);
 /// or the step is a part of one that the space was made for.
 bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt);
 /// One step in the coarse space, between sweeps: towards the minimum of what is quadratic there, as far along
-/// that way as the forces at its end say.
-void correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt);
+/// that way as the forces at its end say. Returns how far the unknown that goes farthest went [m].
+double correct_smooth_part(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
+                           double dt);
 
 /// How much of a way to go whose slope is `before` where it begins, and `after` at its end: to where it would
 /// be nil, but not much farther than the end. The numbers of the end may be none.

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "turgor/models/lattice/cells.hpp"
+#include "turgor/models/lattice/coarse_follow.hpp"
 #include "turgor/models/lattice/coarse_levels.hpp"
 
 namespace turgor::lattice {
@@ -174,6 +175,12 @@ std::shared_ptr<const CoarseSpace> make_coarse_space(const Model& model, const S
     builder.find_loose_edges();
     if (std::size_t(space->unknowns) <= kMostUnknowns || finest == levels.size()) break;
     for (Grain& grain : levels[finest].grains) grain.is_parted = false;
+  }
+  space->runs = find_follow_runs(model.lattice, space->follows);
+  for (int k = 0; k <= model.lattice.size.z; k++) {
+    const auto is_below = [k](const FollowRun& run) { return run.first.z < k; };
+    const auto begin = std::partition_point(space->runs.begin(), space->runs.end(), is_below);
+    space->runs_begin.push_back(int(begin - space->runs.begin()));
   }
   space->version = cut_version(state), space->dt = dt;
   space->cells = cells_that_move(model);

@@ -146,19 +146,6 @@ std::vector<double> without_stairs(const std::vector<double>& offset) {
   return smooth;
 }
 
-/// The own triangles of skin.
-std::span<const SkinTriangle> own_skin(const Model& model) {
-  const Skin& skin = model.skin;
-  if (skin.triangles.empty()) return {};
-  const auto layers = std::size_t(model.lattice.size.z - 1), groups = (skin.layer_begin.size() - 1) / layers;
-  const auto first_of = [&](int layer) {
-    return std::size_t(
-        skin.batch_begin[std::size_t(skin.layer_begin[std::min(std::size_t(layer), layers) * groups])]);
-  };
-  const std::size_t first = first_of(model.own.begin);
-  return std::span(skin.triangles).subspan(first, first_of(model.own.end) - first);
-}
-
 /// The skin within reach of what is asked of it: where the blade meets it, and which way it faces around
 /// there.
 SkinNow skin_near(const Model& model, const State& state, const std::vector<Vec3d>& curve,
@@ -167,7 +154,7 @@ SkinNow skin_near(const Model& model, const State& state, const std::vector<Vec3
   const double reach = kReach + reach_of_directions(model.lattice) + 3 * largest_step(model.lattice);
   box.low -= Vec3d{reach, reach, reach}, box.high += Vec3d{reach, reach, reach};
   SkinNow near;
-  for (const SkinTriangle& t : own_skin(model))
+  for (const SkinTriangle& t : skin_of_cells(model, model.own))
     if (const Vec3d a = skin_corner(model, state, t, 0); squared_distance(box, a) == 0)
       near.push_back({a, skin_corner(model, state, t, 1), skin_corner(model, state, t, 2)});
   if (others) others->join_skin(near);

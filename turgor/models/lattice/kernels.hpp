@@ -152,6 +152,37 @@ TURGOR_HD inline void add_skin_fibre(NodeSystem& s, Vec3 edge1, Vec3 edge2, Vec3
   add_outer(s, sheared, law.shear * area);
 }
 
+/// Forces on the three corners of a triangle [N].
+struct CornerForces {
+  Vec3 on[3];
+};
+/// What fibres bear for being stretched, g = F d [N/m] by the area.
+TURGOR_HD inline Vec3 fibre_stress(Vec3 g, Real rest, Real stiffness, Real amplification) {
+  const Real length = square_root(dot(g, g)), strain = length - rest, steeper = amplification / rest;
+  const Real inverse_length = length > 0 ? 1 / nonzero(length) : 0;
+  return g * (stiffness * (1 + steeper * positive(strain)) * strain * inverse_length);
+}
+/// The forces of add_skin_fibre, at all three corners at once.
+TURGOR_HD inline CornerForces skin_fibre_forces(Vec3 edge1, Vec3 edge2, Vec3 along, Vec3 across, Real area,
+                                                const FibreLaw& law) {
+  const Vec3 f = edge1 * along.y + edge2 * along.z, g = edge1 * across.y + edge2 * across.z;
+  const Real sheared = law.shear * area * dot(f, g);
+  const Vec3 p = fibre_stress(f, law.rest_along, law.stiffness * area, law.amplification) + g * sheared;
+  const Vec3 q = fibre_stress(g, law.rest_across, law.stiffness * area, law.amplification) + f * sheared;
+  return {{p * -along.x - q * across.x, p * -along.y - q * across.y, p * -along.z - q * across.z}};
+}
+/// And those of add_skin_area.
+TURGOR_HD inline CornerForces skin_area_forces(Vec3 edge1, Vec3 edge2, Real rest_area, Real stiffness,
+                                               Real amplification) {
+  const Vec3 n = cross(edge1, edge2);
+  const Real twice_area = square_root(dot(n, n)), change = Real(0.5) * twice_area - rest_area;
+  const bool degenerate = !(twice_area > Real(1e-6) * rest_area);
+  const Real growth = positive(change / nonzero(rest_area));
+  const Real k = degenerate ? 0 : stiffness * (1 + amplification * growth);
+  const Vec3 u = n * (Real(-0.5) * k * change / nonzero(twice_area));
+  return {{cross(edge1 - edge2, u), cross(edge2, u), cross(-edge1, u)}};
+}
+
 /// Newton's step of one node: (1 + c H) x = y-part + c f with c = h²·w, so that a fixed node (c = 0) stays.
 TURGOR_HD inline Vec3 newton_step(const NodeSystem& s, Vec3 to_inertial, Real c) {
   const Real a = 1 + c * s.xx, d = 1 + c * s.yy, f = 1 + c * s.zz, b = c * s.xy, e = c * s.xz, g = c * s.yz;

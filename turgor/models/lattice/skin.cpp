@@ -288,6 +288,18 @@ Int3 cell_of(const Lattice& l, Int3 triangle) {
   return low;
 }
 
+std::span<const SkinTriangle> skin_of_cells(const Model& model, Layers cells) {
+  const Skin& skin = model.skin;
+  if (skin.triangles.empty()) return {};
+  const auto layers = std::size_t(model.lattice.size.z - 1), groups = (skin.layer_begin.size() - 1) / layers;
+  const auto first_of = [&](int layer) {
+    return std::size_t(
+        skin.batch_begin[std::size_t(skin.layer_begin[std::min(std::size_t(layer), layers) * groups])]);
+  };
+  const std::size_t first = first_of(cells.begin);
+  return std::span(skin.triangles).subspan(first, first_of(cells.end) - first);
+}
+
 void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& join_skin, Model& model) {
   Skin& skin = model.skin;
   std::vector<std::vector<Int3>> layers(std::size_t(model.lattice.size.z - 1));
@@ -354,6 +366,7 @@ void measure_pull(const Exec& exec, const Model& model, Skin& skin) {
 void cut_skin(const Model& model, State& state) {
   for (std::size_t t = 0; t < model.skin.triangles.size(); t++) {
     const Int3 v = model.skin.triangles[t].vertex;
+    if (!state.row_cut[std::size_t(v.x / row_stride(model.lattice))]) continue;
     for (int c = 0; c < 3; c++) {
       const Edge edge = edge_between(model.lattice, v[c], v[(c + 1) % 3]);
       if (state.cut[std::size_t(edge.slot)] >> edge.family & 1) state.skin_cut[t] = 1;

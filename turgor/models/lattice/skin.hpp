@@ -1,6 +1,8 @@
 // Finding the skin of a body: the triangles between tissue and the outside. [STC 4.1, Algorithm 2]
 #pragma once
 
+#include <span>
+
 #include "turgor/models/lattice/body_nodes.hpp"
 
 namespace turgor::lattice {
@@ -15,6 +17,9 @@ void measure_pull(const Exec& exec, const Model& model, Skin& skin);
 
 /// The lowest node of a cell that a triangle of the skin lies in, given by its three slots.
 Int3 cell_of(const Lattice& lattice, Int3 triangle);
+
+/// The triangles in layers of cells.
+std::span<const SkinTriangle> skin_of_cells(const Model& model, Layers layers);
 
 /// Family and lower end of the edge between two slots that are neighbours.
 struct Edge {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 
 #include "turgor/models/lattice/node_systems.hpp"
 #include "turgor/models/lattice/rows.hpp"
@@ -9,6 +10,13 @@
 namespace turgor::lattice {
 
 using CornerSystems = Systems<kSkinLanes>;
+
+/// On the corners of triangles, by corner and axis [N].
+struct TriangleForces {
+  alignas(64) Real on[3][3][kSkinLanes];
+
+  Vec3 get(int corner, int i) const { return {on[corner][0][i], on[corner][1][i], on[corner][2][i]}; }
+};
 
 struct SkinForces {
   SkinLaw law;
@@ -46,6 +54,8 @@ struct SkinForces {
   }
   /// What each of these corners asks of its own node.
   void gather(const SkinCorners& corners, const NodeArrays& nodes, CornerSystems& out) const;
+  /// Forces alone, on all corners of at most kSkinLanes triangles.
+  void find(std::span<const SkinTriangle> triangles, const NodeArrays& nodes, TriangleForces& out) const;
 };
 
 /// Adds what the skin around the nodes of [slot, slot + count) asks of them: store(node, load(node) + that).

@@ -1,5 +1,7 @@
 #include "turgor/models/lattice/sleep.hpp"
 
+#include <algorithm>
+
 namespace turgor::lattice {
 
 namespace {
@@ -59,6 +61,25 @@ void grow_old(std::uint8_t& still) {
 /// Those that fall asleep in one step are not looked at in one step.
 std::uint8_t first_of_sleep(int row) { return std::uint8_t(kStillSteps + row % kStillSteps); }
 
+/// As the CT shows it, and nothing pulls at it: that is a place of rest, tense skin or not (measure_pull).
+bool is_untouched(const State& state, const Inputs& inputs) {
+  const auto is_nil = [](const VecField& field) {
+    const auto all = [](const aligned_vector<Real>& axis) {
+      return std::all_of(axis.begin(), axis.end(), [](Real a) { return a == 0; });
+    };
+    return all(field.x) && all(field.y) && all(field.z);
+  };
+  return cut_version(state) == 0 && inputs.gravity == Vec3d{} && is_nil(state.u) && is_nil(state.v);
+}
+
+/// Who sleeps when nobody has looked yet.
+void begin_sleep(State& state, const Inputs& inputs) {
+  Sleep& sleep = state.sleep;
+  sleep.still.assign(state.row_cut.size(), 0), sleep.coarse_still = 0;
+  if (!is_untouched(state, inputs)) return;
+  for (std::size_t row = 0; row < sleep.still.size(); row++) sleep.still[row] = first_of_sleep(int(row));
+}
+
 }  // namespace
 
 void wake_around(const Model& model, State& state, int slot, int reach) {
@@ -70,8 +91,7 @@ void wake_around(const Model& model, State& state, int slot, int reach) {
 void wake_rows(const Model& model, State& state, const Inputs& inputs, bool coarse) {
   Sleep& sleep = state.sleep;
   const std::size_t rows = state.row_cut.size();
-  if (sleep.still.size() != rows || !(sleep.gravity == inputs.gravity))
-    sleep.still.assign(rows, 0), sleep.coarse_still = 0;
+  if (sleep.still.size() != rows || !(sleep.gravity == inputs.gravity)) begin_sleep(state, inputs);
   sleep.gravity = inputs.gravity;
   if (!coarse || sleep.cuts != state.cut_edges.size() || !inputs.loads.empty()) sleep.coarse_still = 0;
   wake_cuts(model, state);

@@ -1,6 +1,7 @@
 // Rows that sleep: a row near which nothing has gone faster than Params::solver.sleep for a few steps is not
 // swept until something near it moves, is cut, touched or loaded, or gravity changes. What a row does depends
 // on what rows did in sweeps before, never on when a thread came to them. Descent only.
+// A body that lies as the CT shows it, and to which nothing has happened yet, begins asleep.
 // Without a coarse space sleepers stand still. With one they follow the smooth part of the motion, without
 // inertia, and wake when it takes them further. What is smooth leaves something undone in every row, so they
 // are looked at, that is swept for a step, ever more rarely; and a coarse space is solved as rarely when all

@@ -182,16 +182,18 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   Residual residual;
   const double before = measures ? measure_residual(exec, model, state, inputs, dt).rms : 0;
   const int sweeps = model.params.solver.sweeps;
+  bool is_slow = false;  // nothing is carried further than a sleeper goes: no need to look twice
   const bool solid = model.params.tissue.law == TissueLaw::kSolid;
   for (int sweep = 0; sweep < sweeps; sweep++) {
     if (model.params.solver.method == Method::kPbd) {
       sweep_pbd(exec, model, state, inputs.others);
       continue;
     }
-    if (solves && is_turn(solid, sweep, sweeps)) correct_smooth_part(exec, model, state, inputs, dt);
+    if (solves && is_turn(solid, sweep, sweeps))
+      is_slow = correct_smooth_part(exec, model, state, inputs, dt) <= model.params.solver.sleep * dt;
     sweep_descent(exec, model, state, inputs, dt, sweep_order(solid, sweep, sweeps));
   }
-  if (solves) correct_smooth_part(exec, model, state, inputs, dt);
+  if (solves && !(may_sleep && is_slow)) correct_smooth_part(exec, model, state, inputs, dt);
   if (measures) residual = measure_residual(exec, model, state, inputs, dt);
   residual.before = before;
   StepReport report = finish(exec, model, state, dt, inputs.others);
