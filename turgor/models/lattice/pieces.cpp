@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "turgor/models/lattice/copy_sources.hpp"
+#include "turgor/models/lattice/crumbs.hpp"
 #include "turgor/models/lattice/node_copies.hpp"
 #include "turgor/models/lattice/tip_cells.hpp"
 
@@ -233,6 +234,7 @@ Pieces make_pieces(const Model& model, const State& state) {
   const EdgesOfCells edges = note_cuts(state, out);
   make_cell_pieces(model, state, edges, out);
   make_copies(out);
+  gather_crumbs(state, out);
   find_sources(model, state, edges, out);
   for (const CutCell& cell : out.cells) label_air(CellPlaces(out, cell));
   return out;
