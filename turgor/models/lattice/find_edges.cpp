@@ -118,15 +118,19 @@ struct FineEdges {
   /// Where all places of a cell are now, each in its own piece; returns the box around them.
   Box put_places(Int3 cell, const CutCell* cut) {
     const FineLattice& f = pieces.fine;
-    const int slot = node_slot(f.cells, cell), count = cut && cut->piece_count > 1 ? cut->piece_count : 1;
+    const int slot = node_slot(f.cells, cell), own = cut && cut->piece_count > 1 ? cut->piece_count : 1;
+    const int count = own + (cut ? cut->guest_count : 0);
     Box box{};
     for (int piece = 0; piece < count; piece++) {
-      const auto corners = corners_of(model, pieces, slot, cut ? piece : -1);
+      const auto corners = corners_of(model, pieces, slot, cut && piece < own ? piece : -1);
+      const auto u = [&](int c) {
+        return piece < own ? corner_displacement(model, state, pieces, corners[std::size_t(c)])
+                           : guest_displacement(model, state, pieces, cut->first_guest + piece - own, c);
+      };
       std::array<Vec3d, 8> x;
       for (std::size_t c = 0; c < 8; c++) {
         const Int3 corner = cell + Int3{int(c) & 1, int(c) >> 1 & 1, int(c) >> 2};
-        x[c] = Vec3d(rest_position(f.cells, corner)) +
-               Vec3d(corner_displacement(model, state, pieces, corners[c]));
+        x[c] = Vec3d(rest_position(f.cells, corner)) + Vec3d(u(int(c)));
         box = piece == 0 && c == 0 ? box_of(x[c], x[c]) : Box{min(box.low, x[c]), max(box.high, x[c])};
       }
       for_places(f, [&](Int3 p) {
