@@ -83,9 +83,10 @@ Vec3d place_now(const Model& model, const State& state, const Pieces& pieces, co
   return sum;
 }
 
-/// What a laid blade cuts in the tissue near one place of its path: how deep below the skin, and where now.
+/// What a laid blade cuts in the tissue near one place of its path: how deep below the skin, how far beyond
+/// that place, and where now.
 struct CutPlace {
-  double depth;
+  double depth, beyond;
   Vec3d now;  // [m]
 };
 std::vector<CutPlace> places_cut(const Model& model, const State& state, const Pieces& pieces,
@@ -102,23 +103,25 @@ std::vector<CutPlace> places_cut(const Model& model, const State& state, const P
     const Int3 a = fine_node(f, edge);
     const Vec3d way = lattice_index(f, a + kFamilies[edge.family]) - lattice_index(f, a);
     const Vec3d rest = hadamard(lattice_index(f, a) + way * double(edge.fraction), Vec3d(f.cells.step));
-    found.push_back(
-        {fine_edge_key(f, a, edge.family),
-         {dot(rest - blade.path.skin[n], blade.path.into[n]), place_now(model, state, pieces, edge)}});
+    found.push_back({fine_edge_key(f, a, edge.family),
+                     {dot(rest - blade.path.skin[n], blade.path.into[n]), double(edge.along) - along,
+                      place_now(model, state, pieces, edge)}});
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<double> numbers;
-  for (const auto& [key, at] : found) numbers.insert(numbers.end(), {at.depth, at.now.x, at.now.y, at.now.z});
+  for (const auto& [key, at] : found)
+    numbers.insert(numbers.end(), {at.depth, at.beyond, at.now.x, at.now.y, at.now.z});
   if (others) others->join_numbers(numbers);
   std::vector<CutPlace> places;
-  for (std::size_t i = 0; i + 3 < numbers.size(); i += 4)
-    places.push_back({numbers[i], {numbers[i + 1], numbers[i + 2], numbers[i + 3]}});
+  for (std::size_t i = 0; i + 4 < numbers.size(); i += 5)
+    places.push_back({numbers[i], numbers[i + 1], {numbers[i + 2], numbers[i + 3], numbers[i + 4]}});
   return places;
 }
 
 /// The line that a cut draws from above the skin downwards, now. Empty where nothing is cut at the skin.
-MetLine line_through(const std::vector<CutPlace>& places, const LaidBlade& blade, Vec3d into, Vec3d across,
+MetLine line_through(const std::vector<CutPlace>& places, const LaidBlade& blade, std::size_t n,
                      double step) {
+  const Vec3d into = blade.path.into[n], across = across_at(blade.path, n);
   const Vec3d down = into + across * std::tan(blade.drawn.tilt * std::numbers::pi / 180);
   const auto mean_near = [&](double depth) -> std::optional<Vec3d> {
     Vec3d sum;
@@ -129,15 +132,21 @@ MetLine line_through(const std::vector<CutPlace>& places, const LaidBlade& blade
     return sum / double(count);
   };
   MetLine line{.step = step, .places = {}};
+  double beyond = 0;  // the mean at the skin
+  int count = 0;
+  for (const CutPlace& at : places)
+    if (std::abs(at.depth) <= step) beyond += at.beyond, count++;
   int missing = 0;  // where the body ends, a little further
-  for (int n = 0; n * step <= blade.path.depth + step && missing < 3; n++) {
-    const std::optional<Vec3d> place = mean_near(n * step);
+  for (int k = 0; k * step <= blade.path.depth + step && missing < 3; k++) {
+    const std::optional<Vec3d> place = mean_near(k * step);
     if (!place && line.places.empty()) return line;
     missing += !place;
     line.places.push_back(place.value_or(line.places.back() + down * step));
   }
-  for (int n = 1; n <= MetLine::kAbove && !line.places.empty(); n++)
-    line.places.insert(line.places.begin(), mean_near(-n * step).value_or(line.places.front() - down * step));
+  if (!line.places.empty())
+    line.end = line.places.front() - line_at(blade.path, n) * (beyond / std::max(count, 1));
+  for (int k = 1; k <= MetLine::kAbove && !line.places.empty(); k++)
+    line.places.insert(line.places.begin(), mean_near(-k * step).value_or(line.places.front() - down * step));
   return line;
 }
 
@@ -182,10 +191,10 @@ std::array<MetLine, 2> meet_laid_blades(const Model& model, const State& state,
       if (!along) continue;
       if (!pieces) pieces = make_pieces(model, state);
       const std::size_t n = place_along(blade.path, *along).n;
-      line = line_through(places_cut(model, state, *pieces, blade, *along, others), blade, blade.path.into[n],
-                          across_at(blade.path, n), fine_step(pieces->fine));
+      line = line_through(places_cut(model, state, *pieces, blade, *along, others), blade, n,
+                          fine_step(pieces->fine));
       if (line.places.empty()) continue;
-      bend_start(curve, line.places[MetLine::kAbove] - curve[0]);
+      bend_start(curve, line.end - curve[0]);
       break;
     }
     std::reverse(curve.begin(), curve.end());

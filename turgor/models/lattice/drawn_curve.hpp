@@ -20,7 +20,8 @@ std::vector<Vec3d> drawn_curve(const Model& model, const Incision& incision);
 struct MetLine {
   static constexpr int kAbove = 4;  // places above the skin
   double step = 0;                  // between depths [m]
-  std::vector<Vec3d> places;        // [m]
+  Vec3d end;                        // on the skin, where it was met [m]
+  std::vector<Vec3d> places;        // at an end of the cut a little back, within it [m]
 };
 /// Ends of a curve that were drawn on the curve of a laid blade go where the tissue is that this one cut, or
 /// will cut, there; the curve beside them bends to them. `others` as of Inputs.
