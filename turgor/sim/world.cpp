@@ -128,7 +128,7 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
     Cut& cut = world.cuts[c];
     const double end = (world.frame + 1) * world.dt * (1 + 1e-12);
     LatticeBody& body = world.lattice_bodies[std::size_t(cut.body)];
-    if (const Status status = advance_blade(body, cut, int(c), end); !status) return status.error();
+    if (const Status status = advance_blade(body, world.cuts, int(c), end); !status) return status.error();
   }
   const FrameInput input{from, from + world.dt, measure_residual};
   for_each_body(world, [&](BodyId, auto& body) { step_body(exec, body, world, input, report); });

@@ -45,6 +45,12 @@ BladeSheet sweep_blade(const BladePath& path, double tilt, double margin, double
   return sheet;
 }
 
+void add_strip(BladeSheet& sheet, const std::array<Vec3d, 4>& corner, double along) {
+  const auto& [a, b, c, d] = corner;
+  add_triangle(sheet, {a, b, c}, {along, along, along});
+  add_triangle(sheet, {c, b, d}, {along, along, along});
+}
+
 std::optional<SheetCrossing> cross_sheet(const BladeSheet& sheet, std::span<const int> triangles, Vec3d a,
                                          Vec3d b) {
   constexpr double kSlack = 1e-9;  // of a triangle: a way through a side meets both triangles that have it

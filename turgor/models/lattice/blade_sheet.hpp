@@ -27,6 +27,10 @@ struct BladeSheet {
 /// outside [radians]. A hair aside and a hair larger, so that nothing regular lies in it or ends with it.
 BladeSheet sweep_blade(const BladePath& path, double tilt, double margin, double hair);
 
+/// Adds a strip between two lines: from the first two corners, further on, to the last two, which lie beside
+/// them. `along` is that of all of it [m].
+void add_strip(BladeSheet& sheet, const std::array<Vec3d, 4>& corner, double along);
+
 /// Where the way from `a` to `b` crosses one of the triangles.
 struct SheetCrossing {
   double fraction = 0, along = 0;

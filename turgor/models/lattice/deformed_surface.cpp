@@ -39,11 +39,24 @@ Vec3 area_vector(const std::vector<Vec3>& x, Int3 t) {
   return cross(x[std::size_t(t.y)] - a, x[std::size_t(t.z)] - a);
 }
 
+/// Sums of the area vectors around each vertex. Slivers beside a lip may lie turned over by a hair: a vertex
+/// that has hardly any other triangles takes those around its neighbours as well.
+std::vector<Vec3> area_around(const BodySurface& surface, const std::vector<Vec3>& x, Real step) {
+  const Real sliver = Real(0.04) * step * step;
+  std::vector<Vec3> own(x.size());
+  for (const Int3 t : surface.triangles)
+    for (int corner = 0; corner < 3; corner++) own[std::size_t(t[corner])] += area_vector(x, t);
+  std::vector<Vec3> sums = own;
+  for (const Int3 t : surface.triangles)
+    for (int corner = 0; corner < 3; corner++)
+      if (const auto v = std::size_t(t[corner]); norm(own[v]) < sliver)
+        sums[v] += own[std::size_t(t[(corner + 1) % 3])] + own[std::size_t(t[(corner + 2) % 3])];
+  return sums;
+}
+
 /// Area-weighted; the two lips of a cut that is hardly open share theirs, so that it does not show.
 std::vector<Vec3> smooth_normals(const BodySurface& surface, const std::vector<Vec3>& x, Real step) {
-  std::vector<Vec3> sums(x.size());
-  for (const Int3 t : surface.triangles)
-    for (int corner = 0; corner < 3; corner++) sums[std::size_t(t[corner])] += area_vector(x, t);
+  const std::vector<Vec3> sums = area_around(surface, x, step);
   std::vector<Vec3> normals = sums;
   for (std::size_t v = 0; v < x.size(); v++) {
     if (surface.twin[v] >= 0) {

@@ -112,36 +112,31 @@ struct FineEdges {
     }
     if (!any) return;
     const CutCell* cut = find_cell(pieces, node_slot(l, cell));
-    const int count = cut && cut->piece_count > 1 ? cut->piece_count : 1;
-    for (int p = 0; p < count; p++) add_piece(cell, cut, p);
-  }
-
-  void add_piece(Int3 cell, const CutCell* cut, int piece) {
-    const FineLattice& f = pieces.fine;
-    const int slot = node_slot(f.cells, cell);
-    const auto corners = corners_of(model, pieces, slot, cut ? piece : -1);
-    std::array<Vec3d, 8> x;
-    Box box{};
-    for (std::size_t c = 0; c < 8; c++) {
-      const Int3 corner = cell + Int3{int(c) & 1, int(c) >> 1 & 1, int(c) >> 2};
-      x[c] = Vec3d(rest_position(f.cells, corner)) +
-             Vec3d(corner_displacement(model, state, pieces, corners[c]));
-      box = c == 0 ? box_of(x[c], x[c]) : Box{min(box.low, x[c]), max(box.high, x[c])};
-    }
-    triangles_near(sheet, box, near);
+    triangles_near(sheet, put_places(cell, cut), near);
     if (near.empty()) return;
-    for_places(f, [&](Int3 p) {
-      const auto weight =
-          trilinear(Vec3d{double(p.x) / f.parts.x, double(p.y) / f.parts.y, double(p.z) / f.parts.z});
-      Vec3d& at = place[std::size_t(place_in_cell(f, p))];
-      at = {};
-      for (std::size_t c = 0; c < 8; c++) at += x[c] * weight[c];
-    });
-    for_places(f, [&](Int3 p) { add_edges(cell, cut, piece, p); });
-    add_lines(slot, x, cut, piece);
+    for_places(pieces.fine, [&](Int3 p) { add_edges(cell, cut, p); });
+    const int own = cut && cut->piece_count > 1 ? cut->piece_count : 1;
+    for (int piece = 0; piece < own; piece++) add_lines(cell, cut, piece);
   }
 
-  void add_lines(int slot, const std::array<Vec3d, 8>& x, const CutCell* cut, int piece) {
+  /// Where the corners of a piece of a cell are now, or those of a guest after its own.
+  std::array<Vec3d, 8> corner_places(Int3 cell, const CutCell* cut, int piece) const {
+    const int own = cut && cut->piece_count > 1 ? cut->piece_count : 1;
+    const auto corners =
+        corners_of(model, pieces, node_slot(pieces.fine.cells, cell), cut && piece < own ? piece : -1);
+    std::array<Vec3d, 8> x;
+    for (std::size_t c = 0; c < 8; c++) {
+      const Vec3 u = piece < own
+                         ? corner_displacement(model, state, pieces, corners[c])
+                         : guest_displacement(model, state, pieces, cut->first_guest + piece - own, int(c));
+      x[c] = Vec3d(rest_position(pieces.fine.cells, cell + Int3{int(c) & 1, int(c) >> 1 & 1, int(c) >> 2})) +
+             Vec3d(u);
+    }
+    return x;
+  }
+
+  void add_lines(Int3 cell, const CutCell* cut, int piece) {
+    const std::array<Vec3d, 8> x = corner_places(cell, cut, piece);
     const auto place_of = [&](Vec3d at) {
       const auto weight = trilinear(at);
       Vec3d sum;
@@ -157,16 +152,40 @@ struct FineEdges {
         if (!hit) continue;
         at[axis] = hit->fraction;
         if (cut && piece_at(pieces, state, *cut, Vec3(at)) != piece) continue;
-        lines.push_back({slot, std::uint8_t(axis), std::uint8_t(line), Real(hit->along)});
+        lines.push_back(
+            {node_slot(model.lattice, cell), std::uint8_t(axis), std::uint8_t(line), Real(hit->along)});
       }
   }
 
-  void add_edges(Int3 cell, const CutCell* cut, int piece, Int3 local) {
+  /// Where all places of a cell are now, each in its own piece; returns the box around them.
+  Box put_places(Int3 cell, const CutCell* cut) {
+    const FineLattice& f = pieces.fine;
+    const int own = cut && cut->piece_count > 1 ? cut->piece_count : 1;
+    const int count = own + (cut ? cut->guest_count : 0);
+    Box box{};
+    for (int piece = 0; piece < count; piece++) {
+      const std::array<Vec3d, 8> x = corner_places(cell, cut, piece);
+      for (std::size_t c = 0; c < 8; c++)
+        box = piece == 0 && c == 0 ? box_of(x[c], x[c]) : Box{min(box.low, x[c]), max(box.high, x[c])};
+      for_places(f, [&](Int3 p) {
+        const int at = place_in_cell(f, p);
+        if (count > 1 && piece_of(pieces.label.data(), *cut, at) != piece) return;
+        const auto weight =
+            trilinear(Vec3d{double(p.x) / f.parts.x, double(p.y) / f.parts.y, double(p.z) / f.parts.z});
+        place[std::size_t(at)] = {};
+        for (std::size_t c = 0; c < 8; c++) place[std::size_t(at)] += x[c] * weight[c];
+      });
+    }
+    return box;
+  }
+
+  /// In a cell that a blade entered and did not part, the ends of an edge may be of two pieces: what goes
+  /// through the wound between them cuts it.
+  void add_edges(Int3 cell, const CutCell* cut, Int3 local) {
     const FineLattice& f = pieces.fine;
     const Int3 node = first_of_cell(f, cell) + local;
     if (!(cell_of(f, node) == cell)) return;  // counted to another one
     const int at = place_in_cell(f, local);
-    if (cut && cut->piece_count > 1 && piece_of(pieces.label.data(), *cut, at) != piece) return;
     for (int n = 0; n < kFamilyCount; n++) {
       const Int3 other = local + kFamilies[std::size_t(n)];
       if (!in_cell(f, other) || !is_in_body(local, other)) continue;

@@ -10,6 +10,7 @@
 #include "turgor/geometry/where_is.hpp"
 #include "turgor/models/lattice/blade_sheet.hpp"
 #include "turgor/models/lattice/crossed_lines.hpp"
+#include "turgor/models/lattice/drawn_curve.hpp"
 #include "turgor/models/lattice/fine_lattice.hpp"
 #include "turgor/models/lattice/key_index.hpp"
 #include "turgor/models/lattice/others.hpp"
@@ -26,7 +27,6 @@ Vec3d skin_corner(const Model& model, const State& state, const SkinTriangle& t,
   return Vec3d(position(model, state, slot_node(model.lattice, t.vertex[corner])));
 }
 
-double smallest_step(const Lattice& l) { return std::min({l.step.x, l.step.y, l.step.z}); }
 double largest_step(const Lattice& l) { return std::max({l.step.x, l.step.y, l.step.z}); }
 /// So far around a point skin has a say in which way is into the body [m].
 double reach_of_directions(const Lattice& l) { return std::max(0.01, 3 * largest_step(l)); }
@@ -70,37 +70,6 @@ std::string off_skin(const Model& model, const State& state, const std::string& 
   const Vec3d patient = model.grid.origin + model.grid.axes * point;
   return place + "no skin within " + number_text(kReach) + " m of " + place_text(patient) +
          ": expected a line on the skin; " + where_is(skin_points(model, state), patient);
-}
-
-/// A smooth curve through some points, as points about `step` apart; two make a straight line. The same first
-/// and last point close it. [centripetal: Catmull and Rom 1974; Yuksel, Schaefer and Keyser 2011]
-std::vector<Vec3d> curve_through(const std::vector<Vec3d>& points, double step) {
-  const auto count = points.size();
-  const bool closed = count > 3 && norm(points.front() - points.back()) < 1e-9;
-  const auto at = [&](std::ptrdiff_t n) {
-    const auto last = std::ptrdiff_t(count) - 1;
-    if (n < 0) return closed ? points[std::size_t(last + n)] : points[0] * 2.0 - points[1];
-    if (n > last) return closed ? points[std::size_t(n - last)] : points[count - 1] * 2.0 - points[count - 2];
-    return points[std::size_t(n)];
-  };
-  std::vector<Vec3d> curve{points[0]};
-  for (std::size_t n = 0; n + 1 < count; n++) {
-    const auto m = std::ptrdiff_t(n);
-    const Vec3d p0 = at(m - 1), p1 = at(m), p2 = at(m + 1), p3 = at(m + 2);
-    const double t1 = std::sqrt(norm(p1 - p0)), t2 = t1 + std::sqrt(norm(p2 - p1)),
-                 t3 = t2 + std::sqrt(norm(p3 - p2));
-    const auto between = [](Vec3d a, Vec3d b, double ta, double tb, double t) {
-      return tb > ta ? a * ((tb - t) / (tb - ta)) + b * ((t - ta) / (tb - ta)) : b;
-    };
-    const int parts = std::max(1, int(std::ceil(norm(p2 - p1) / step)));
-    for (int part = 1; part <= parts; part++) {
-      const double t = t1 + (t2 - t1) * part / parts;
-      const Vec3d a = between(p0, p1, 0, t1, t), b = between(p1, p2, t1, t2, t),
-                  c = between(p2, p3, t2, t3, t);
-      curve.push_back(between(between(a, b, 0, t2, t), between(b, c, t1, t3, t), t1, t2, t));
-    }
-  }
-  return curve;
 }
 
 Vec3d tangent(const std::vector<Vec3d>& points, std::size_t n) {
@@ -239,12 +208,9 @@ Vec3d mean_into(const BladePath& path) {
 }
 
 Result<BladePath> lay_blade(const Model& model, const State& state, const Incision& incision,
-                            const Others* others) {
-  const auto local = [&](Vec3d p) { return inverse(model.grid.axes) * (p - model.grid.origin); };
-  std::vector<Vec3d> points;
-  for (const Vec3d p : incision.path) points.push_back(local(p));
-  const bool straight = points.size() < 2;
-  if (straight) points = {local(incision.from), local(incision.to)};
+                            const Others* others, std::span<const LaidBlade> laid) {
+  const std::vector<Vec3d> points = drawn_points(model, incision);
+  const bool straight = points.size() == 2;
   const std::string place = "incision '" + incision.name + "': ";
   for (std::size_t n = 1; n < points.size(); n++)
     if (!(norm(points[n] - points[n - 1]) > 0))
@@ -254,7 +220,9 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   if (!model.params.skin.enabled) return Error{place + "the body has no skin to cut: expected skin to be on"};
 
   const double step = smallest_step(model.lattice);
-  const std::vector<Vec3d> curve = curve_through(points, 0.5 * step);
+  std::vector<Vec3d> curve = drawn_curve(model, incision);
+  std::array<MetLine, 2> met;
+  if (incision.width == 0) met = meet_laid_blades(model, state, laid, others, curve);
   const SkinNow near = skin_near(model, state, curve, others);
   if (near.empty()) return Error{off_skin(model, state, place, curve[0])};
   BladePath path{.skin = curve,
@@ -276,8 +244,10 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   offset = without_stairs(offset);
   for (std::size_t n = 0; n < curve.size(); n++) path.skin[n] += path.into[n] * offset[n];
   const double margin = 2 * largest_step(model.lattice), tilt = incision.tilt * std::numbers::pi / 180;
-  if (incision.width == 0)
-    find_edges(model, state, sweep_blade(path, tilt, margin, 1e-4 * step), others, path);
+  if (incision.width > 0) return path;
+  BladeSheet sheet = sweep_blade(path, tilt, margin, 1e-4 * step);
+  join_sheet(path, met, tilt, sheet);
+  find_edges(model, state, sheet, others, path);
   return path;
 }
 

@@ -2,6 +2,7 @@
 // lattice, that crosses the surface it sweeps is cut. Measures of the wound that opens.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "turgor/models/lattice/lattice.hpp"
@@ -48,9 +49,15 @@ struct BladePath {
   std::vector<LineAhead> lines;
 };
 
+/// A blade that was laid before in the same body. One whose end is drawn on its curve meets it in the tissue.
+struct LaidBlade {
+  const Incision& drawn;
+  const BladePath& path;
+};
+
 /// Lays the path on the skin. Error: no skin there, or an incision without length. `others` as of Inputs.
 Result<BladePath> lay_blade(const Model& model, const State& state, const Incision& incision,
-                            const Others* others = nullptr);
+                            const Others* others = nullptr, std::span<const LaidBlade> laid = {});
 /// Cuts what lies between two fractions of the path's length, and returns how many edges of the lattice it
 /// cut.
 int cut_edges(const Model& model, State& state, const BladePath& path, double begin, double end,

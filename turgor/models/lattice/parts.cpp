@@ -165,7 +165,8 @@ std::vector<int> count_points(const Pieces& pieces, const State& state, const Cu
   std::vector<int> count(std::size_t(cell.piece_count));
   const auto add = [&](Real a, Real b) {
     const Vec3 at = corner[0] + (corner[1] - corner[0]) * a + (corner[2] - corner[0]) * b;
-    if (const int piece = piece_at(pieces, state, cell, at); piece >= 0) count[std::size_t(piece)]++;
+    const int piece = piece_at(pieces, state, cell, at);
+    if (piece >= 0) count[piece < cell.piece_count ? std::size_t(piece) : 0]++;  // skin is the cell's
   };
   const Real part = Real(1) / Real(parts);
   for (int i = 0; i < parts; i++)

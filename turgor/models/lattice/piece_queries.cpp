@@ -34,11 +34,15 @@ Vec3 corner_displacement(const Model& model, const State& state, const Pieces& p
   return corner_displacement(CutBody{model, state}, view(pieces, state), corner);
 }
 
+Vec3 guest_displacement(const Model& model, const State& state, const Pieces& pieces, int guest, int corner) {
+  return guest_displacement(CutBody{model, state}, view(pieces, state), guest, corner);
+}
+
 std::vector<SpecialCell> special_cells(const Model& model, const State& state, const Pieces& pieces) {
   std::vector<SpecialCell> special;
   for (const CutCell& cell : pieces.cells) {
     const auto own = corners_of(model, pieces, cell.slot, -1);
-    if (cell.piece_count != 1 || corners_of(model, pieces, cell.slot, 0) != own)
+    if (cell.piece_count != 1 || cell.guest_count > 0 || corners_of(model, pieces, cell.slot, 0) != own)
       special.push_back({cell.slot, int(&cell - pieces.cells.data())});
   }
   if (state.removed_nodes == 0) return special;

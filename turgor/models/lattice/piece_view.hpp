@@ -16,6 +16,8 @@ struct PieceView {
   const Piece* pieces;
   const NodeCopy* copies;
   const CopySource* sources;
+  const Guest* guests;
+  int first_guest_place;  // of places by slot, then of copies, then of the corners of guests
   const std::int16_t* label;
   KeyTable edge_index;
   const CutEdge* edges;     // State::cut_edges
@@ -29,6 +31,8 @@ inline PieceView view(const Pieces& pieces, const State& state) {
           .pieces = pieces.pieces.data(),
           .copies = pieces.copies.data(),
           .sources = pieces.sources.data(),
+          .guests = pieces.guests.data(),
+          .first_guest_place = slot_count(pieces.fine.cells) + int(pieces.copies.size()),
           .label = pieces.label.data(),
           .edge_index = pieces.edge_index.table(),
           .edges = state.cut_edges.data(),
@@ -72,9 +76,10 @@ TURGOR_HD inline std::array<Real, 4> two_sides(const PieceView& pieces, const st
   return level;
 }
 
-/// Which piece of its cell holds a point, from its coordinates in the cell, 0 to 1; -1 where there is none.
+/// Which piece of its cell, or guest after its own, holds a point, from its coordinates in the cell, 0 to 1;
+/// -1 where there is none.
 TURGOR_HD inline int piece_at(const PieceView& pieces, const CutCell& cell, Vec3 at) {
-  if (cell.piece_count < 2) return cell.piece_count - 1;
+  if (cell.piece_count + cell.guest_count < 2) return cell.piece_count - 1;
   const FineLattice& f = pieces.fine;
   Vec3 in_part;
   Int3 part;
@@ -153,6 +158,32 @@ TURGOR_HD Vec3 corner_displacement(const Body& body, const PieceView& pieces, in
   return sum;
 }
 
+/// guest_displacement, of any body.
+template <class Body>
+TURGOR_HD Vec3 guest_displacement(const Body& body, const PieceView& pieces, int guest, int corner) {
+  const Lattice& l = pieces.fine.cells;
+  const Guest& g = pieces.guests[guest];
+  const CutCell& home = pieces.cells[g.cell];
+  const Int3 at =
+      slot_node(l, g.slot) - slot_node(l, home.slot) + Int3{corner & 1, corner >> 1 & 1, corner >> 2};
+  const std::array<Real, 8> weight = trilinear(Vec3(at));
+  Vec3 sum;
+  for (std::size_t c = 0; c < 8; c++)
+    if (weight[c] != 0)
+      sum +=
+          corner_displacement(body, pieces, pieces.pieces[home.first_piece + g.piece].corner[c]) * weight[c];
+  return sum;
+}
+
+/// Whose places the corners of a piece of a cell are, or of a guest after its own.
+TURGOR_HD inline std::array<int, 8> placed_corners(const PieceView& pieces, const CutCell& cell, int piece) {
+  if (piece < cell.piece_count) return pieces.pieces[cell.first_piece + piece].corner;
+  const int guest = cell.first_guest + piece - cell.piece_count;
+  std::array<int, 8> corners{};
+  for (int c = 0; c < 8; c++) corners[std::size_t(c)] = pieces.first_guest_place + 8 * guest + c;
+  return corners;
+}
+
 /// The slots of a cell's corners.
 TURGOR_HD inline std::array<int, 8> cell_slots(const Lattice& l, int slot, int parity) {
   std::array<int, 8> slots{};
@@ -161,7 +192,7 @@ TURGOR_HD inline std::array<int, 8> cell_slots(const Lattice& l, int slot, int p
   return slots;
 }
 
-/// Which places of the CT lie in a piece of a cell, and are tissue still.
+/// Which places of the CT lie in a piece of a cell, or with a guest, and are tissue still.
 struct TissueOfPiece {
   const PieceView& pieces;
   const std::uint8_t* removed;  // State::removed; null where nothing is

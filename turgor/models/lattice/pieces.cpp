@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "turgor/models/lattice/copy_sources.hpp"
+#include "turgor/models/lattice/crumbs.hpp"
 #include "turgor/models/lattice/node_copies.hpp"
 #include "turgor/models/lattice/tip_cells.hpp"
 
@@ -145,6 +146,42 @@ void label_air(const CellPlaces& places) {
   }
 }
 
+/// Finds the guests of a cell: at places without a piece that lie in other cells, too, then at what is joined
+/// to these.
+void find_guests(Pieces& out, CutCell& cell) {
+  const FineLattice& f = out.fine;
+  const CellPlaces places(out, cell);
+  const Int3 first = first_of_cell(f, slot_node(f.cells, cell.slot));
+  cell.first_guest = int(out.guests.size());
+  std::vector<std::pair<Int3, std::int16_t>> found;
+  for_places(f, [&](Int3 p) {
+    if (places.label[place_in_cell(f, p)] != -1) return;
+    Guest guest{.slot = cell.slot, .cell = -1};
+    for_cells_of_edge(f, first + p, first + p, [&](Int3 beside) {
+      const int other = out.cell_index.find(std::uint64_t(node_slot(f.cells, beside)));
+      if (other < 0 || guest.cell >= 0) return;
+      const std::size_t place = out.cells[std::size_t(other)].places +
+                                std::size_t(place_in_cell(f, first + p - first_of_cell(f, beside)));
+      if (out.label[place] >= 0) guest.cell = other, guest.piece = out.label[place];
+    });
+    if (guest.cell < 0) return;
+    const auto known = std::find_if(out.guests.begin() + cell.first_guest, out.guests.end(),
+                                    [&](Guest g) { return g.cell == guest.cell && g.piece == guest.piece; });
+    found.emplace_back(p, std::int16_t(-2 - (known - out.guests.begin() - cell.first_guest)));
+    if (known == out.guests.end()) out.guests.push_back(guest);
+  });
+  for (const auto& [p, label] : found) places.label[place_in_cell(f, p)] = label;
+  for (std::size_t next = 0; next < found.size(); next++) {
+    const std::int16_t label = found[next].second;
+    places.for_joined(Int3(found[next].first), [&](Int3 beside, int place) {
+      if (places.label[place] != -1) return;
+      places.label[place] = label;
+      found.emplace_back(beside, label);
+    });
+  }
+  cell.guest_count = int(out.guests.size()) - cell.first_guest;
+}
+
 /// Which blade entered a piece of a cell without parting it: that of most edges that are cut between places
 /// of the piece; where such are between corners of the cell; -1: none.
 int blade_in(const State& state, const Pieces& pieces, const EdgesOfCells& edges, const CutCell& cell,
@@ -266,8 +303,11 @@ Pieces make_pieces(const Model& model, const State& state) {
   const EdgesOfCells edges = note_cuts(state, out);
   make_cell_pieces(model, state, edges, out);
   make_copies(out);
+  gather_crumbs(state, out);
   find_sources(model, state, edges, out);
   for (const CutCell& cell : out.cells) label_air(CellPlaces(out, cell));
+  for (CutCell& cell : out.cells)
+    if (cell.is_cut && cell.piece_count > 0) find_guests(out, cell);
   return out;
 }
 

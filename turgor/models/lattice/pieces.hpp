@@ -31,6 +31,7 @@ struct CutCell {
   std::size_t places = 0;            // its first in Pieces::label and Pieces::cut
   bool is_cut = false;               // an edge in it is cut; else it is beside such a cell
   int first_tip = 0, tip_count = 0;  // Pieces::tips
+  int first_guest = 0, guest_count = 0;
 };
 
 /// A plane through what is cut in and around a cell, by least squares; negative on the blades' left side.
@@ -44,6 +45,14 @@ struct Tip {
   TipPlane plane;
   int left = 0, right = 0;    // of the cell's pieces
   std::uint8_t incision = 0;  // of the scene
+};
+
+/// Where the CT's skin lies beyond the lattice's, a cell may have places on a side of a blade where it has no
+/// tissue. They go with the tissue on their side, a piece of a cell beside it, on whose trilinear
+/// displacement goes on into the cell: a guest.
+struct Guest {
+  int slot = 0;             // of the cell's lowest node
+  int cell = 0, piece = 0;  // whose it is: index into Pieces::cells, and which of its pieces
 };
 
 /// A copy of a node. One that bears tissue has a displacement of its own (State::copies). Others go where the
@@ -64,7 +73,8 @@ struct Pieces {
   std::vector<CutCell> cells;  // slots ascend
   KeyIndex cell_index;         // of a slot: index into cells
   std::vector<Piece> pieces;   // cell by cell
-  // By place of a cell: which of its pieces; -1: none on its own side of the blades.
+  std::vector<Guest> guests;   // cell by cell
+  // By place of a cell: which of its pieces; -2 - n: its guest n; -1: nothing on its own side of the blades.
   std::vector<std::int16_t> label;
   std::vector<std::uint8_t> cut;  // by place: bit f = the edge of family f that starts there is cut
   std::vector<NodeCopy> copies;
@@ -89,13 +99,15 @@ struct Crossing {
 };
 Crossing crossing(const Pieces& pieces, const State& state, Int3 a, Int3 b);
 
-/// The piece of a place of a cell, from Pieces::label; the first one where there is none on its own side; -1
-/// in air without any.
+/// The piece of a place of a cell, from Pieces::label, guests after its own; the first one where there is
+/// none on its own side; -1 in air without any.
 TURGOR_HD inline int piece_of(const std::int16_t* label, const CutCell& cell, int place) {
   const int piece = label[cell.places + std::size_t(place)];
+  if (piece < -1) return cell.piece_count - 2 - piece;
   return piece < 0 && cell.piece_count > 0 ? 0 : piece;
 }
-/// Which piece of its cell holds a point, from its coordinates in the cell, 0 to 1; -1 where there is none.
+/// Which piece of its cell, or guest after its own, holds a point, from its coordinates in the cell, 0 to 1;
+/// -1 where there is none.
 int piece_at(const Pieces& pieces, const State& state, const CutCell& cell, Vec3 at);
 
 /// How much tissue a fine node is, by the nodes of the lattice: positive inside, linear between nodes through
@@ -111,6 +123,10 @@ inline bool is_borne(const Model& model, const State& state, const Pieces& piece
 /// [m].
 Vec3 corner_displacement(const Model& model, const State& state, const Pieces& pieces, int corner);
 
+/// Displacement of a corner of the cell that a guest is in, 0 to 7, as that of the guest's own cell goes on
+/// [m].
+Vec3 guest_displacement(const Model& model, const State& state, const Pieces& pieces, int guest, int corner);
+
 /// A cell that is not drawn as a whole: it is in pieces, which do not all go with its own nodes, or nodes of
 /// it left the body.
 struct SpecialCell {
@@ -120,7 +136,7 @@ struct SpecialCell {
 /// Slots ascend.
 std::vector<SpecialCell> special_cells(const Model& model, const State& state, const Pieces& pieces);
 
-/// The corners of a piece of a cell, or of a whole cell when `piece` is -1.
+/// The corners of a piece of a cell that is its own, or of a whole cell when `piece` is -1.
 std::array<int, 8> corners_of(const Model& model, const Pieces& pieces, int slot, int piece);
 
 }  // namespace turgor::lattice

@@ -52,7 +52,7 @@ struct PlaceLayer {
   }
 };
 
-/// Copies may lie beyond the nodes of their row.
+/// Copies and corners of guests may lie beyond the nodes of their row.
 void bound_copies(PlacedBody& body) {
   const int slots = slot_count(body.model.lattice);
   for (const Piece& piece : body.pieces.pieces) {
@@ -62,6 +62,15 @@ void bound_copies(PlacedBody& body) {
     for (const int corner : piece.corner)
       if (const int z = body.place[std::size_t(corner)].z; corner >= slots)
         row.low = std::min(row.low, z), row.high = std::max(row.high, z);
+  }
+  for (std::size_t g = 0; g < body.pieces.guests.size(); g++) {
+    const Int3 cell = slot_node(body.model.lattice, body.pieces.guests[g].slot);
+    PlacedBody::Bounds& row =
+        body.rows[std::size_t(cell.z) * std::size_t(body.model.lattice.size.y - 1) + std::size_t(cell.y)];
+    for (std::size_t c = 0; c < 8; c++) {
+      const int z = body.place[std::size_t(slots) + body.pieces.copies.size() + 8 * g + c].z;
+      row.low = std::min(row.low, z), row.high = std::max(row.high, z);
+    }
   }
 }
 
@@ -101,7 +110,8 @@ PlacedBody place_body(const Exec& exec, const Model& model, const State& state, 
 
   const Lattice& l = model.lattice;
   const std::size_t slots = model.tissue.size();
-  body.place.resize(std::size_t(slot_count(l)) + body.pieces.copies.size());
+  const std::size_t guests = body.pieces.guests.size();
+  body.place.resize(std::size_t(slot_count(l)) + body.pieces.copies.size() + 8 * guests);
   body.cells.resize(slots);
   std::vector<PlacedBody::Bounds> node_rows(std::size_t(l.size.y) * std::size_t(l.size.z));
   parallel_for(exec, std::size_t(l.size.z), PlaceLayer{body, node_rows});
@@ -109,6 +119,13 @@ PlacedBody place_body(const Exec& exec, const Model& model, const State& state, 
     const int corner = slot_count(l) + int(c);
     body.place[std::size_t(corner)] = body.to_voxels(slot_node(l, body.pieces.copies[c].slot),
                                                      corner_displacement(model, state, body.pieces, corner));
+  }
+  Int3* guest_place = body.place.data() + slot_count(l) + body.pieces.copies.size();
+  for (std::size_t n = 0; n < 8 * guests; n++) {
+    const int c = int(n % 8);
+    guest_place[n] =
+        body.to_voxels(slot_node(l, body.pieces.guests[n / 8].slot) + Int3{c & 1, c >> 1 & 1, c >> 2},
+                       guest_displacement(model, state, body.pieces, int(n / 8), c));
   }
   for (const SpecialCell& special : special_cells(model, state, body.pieces))
     if (Cell& cell = body.cells[std::size_t(special.slot)]; cell == Cell::kPlain) cell = Cell::kSpecial;

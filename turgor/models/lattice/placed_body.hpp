@@ -26,7 +26,8 @@ struct PlacedBody {
   Grid out;
   RasterWindow window;  // all of `out`
   ToVoxels to_voxels;
-  std::vector<Int3> place;  // by slot, where there is tissue or tissue beside, then of copies [units]
+  std::vector<Int3>
+      place;  // by slot, where there is tissue or tissue beside, then of copies and guests [units]
   std::vector<Cell> cells;  // by slot of the lower corner
   struct Bounds {
     int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();
@@ -82,7 +83,7 @@ void walk_tet(SlabWalk& walk, Int3 cell, const std::array<int, 8>& slots, const 
   if (solid) walk_placed<Tet>(walk, cell, place, visit, keep);
 }
 
-/// Every piece carries the voxels that lay in it.
+/// Every piece, and every guest, carries the voxels that lay in it.
 template <class Visit>
 void walk_special(SlabWalk& walk, Int3 cell, const std::array<int, 8>& slots, const Visit& visit) {
   const PlacedBody& body = walk.body;
@@ -95,14 +96,16 @@ void walk_special(SlabWalk& walk, Int3 cell, const std::array<int, 8>& slots, co
                      .first = walk.rest.first_node + hadamard(Vec3d(cell), walk.rest.cell_size),
                      .size = walk.rest.cell_size,
                      .slots = slots};
-  const int count = cut ? cut->piece_count : 1;
+  const int count = cut ? cut->piece_count + cut->guest_count : 1;
   for (int piece = 0; piece < count; piece++) {
     keep.piece = piece;
-    const auto corners = corners_of(body.model, body.pieces, slots[0], cut ? piece : -1);
+    const long folds = walk.folds;
+    const auto corners = cut ? placed_corners(pieces, *cut, piece) : slots;
     [&]<std::size_t... T>(std::index_sequence<T...>) {
       (walk_tet<int(T)>(walk, cell, slots, corners, visit, keep), ...);
     }
     (std::make_index_sequence<6>());
+    if (cut && piece >= cut->piece_count) walk.folds = folds;  // no tissue of this cell
   }
 }
 

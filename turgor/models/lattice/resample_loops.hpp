@@ -28,7 +28,7 @@ struct MovedBits {
 /// What cuts made of a body.
 struct ResampleCuts {
   PieceView pieces;
-  int copy_count;
+  int copy_count, guest_count;
   const SpecialCell* special;  // slots ascend
   int special_count;
   std::uint8_t* is_special;     // by slot of a cell's lowest node; null where no cell is
@@ -55,7 +55,7 @@ struct ResampleView {
   ToVoxels to_voxels;
   RasterWindow window;
   RestFrame rest;
-  Int3* place;           // by slot, where there is tissue or tissue beside, then of copies [units]
+  Int3* place;           // by slot, where there is tissue or tissue beside, then of copies and guests [units]
   std::uint32_t* owner;  // by voxel: kNobody, or kClaims · number of the cell + claim, less the earlier; from
                          // kBeside on: fringe_loops.hpp
   Sampler sample;     // of the CT
@@ -152,6 +152,18 @@ struct PlaceCopy {
   }
 };
 
+struct PlaceGuest {
+  ResampleView v;
+
+  TURGOR_HD void operator()(std::size_t n) const {
+    const PieceView& pieces = v.cuts.pieces;
+    const int guest = int(n / 8), c = int(n % 8);
+    v.place[std::size_t(pieces.first_guest_place) + n] =
+        v.to_voxels(slot_node(v.lattice, pieces.guests[guest].slot) + Int3{c & 1, c >> 1 & 1, c >> 2},
+                    guest_displacement(v, pieces, guest, c));
+  }
+};
+
 struct ForgetSpecial {
   ResampleView v;
   TURGOR_HD void operator()(std::size_t slot) const { v.cuts.is_special[slot] = 0; }
@@ -223,13 +235,15 @@ struct WalkSpecial {
                        .first = v.rest.first_node + hadamard(Vec3d(cell), v.rest.cell_size),
                        .size = v.rest.cell_size,
                        .slots = slots};
-    const int count = cut ? cut->piece_count : 1;
+    const int count = cut ? cut->piece_count + cut->guest_count : 1;
     for (int p = 0; p < count; p++) {
       keep.piece = p;
-      const std::array<int, 8>& corners = cut ? pieces.pieces[cut->first_piece + p].corner : slots;
+      const std::uint32_t folds_before = folds;
+      const std::array<int, 8> corners = cut ? placed_corners(pieces, *cut, p) : slots;
       walk<0>(cell, slots, corners, keep), walk<1>(cell, slots, corners, keep);
       walk<2>(cell, slots, corners, keep), walk<3>(cell, slots, corners, keep);
       walk<4>(cell, slots, corners, keep), walk<5>(cell, slots, corners, keep);
+      if (cut && p >= cut->piece_count) folds = folds_before;  // no tissue of this cell
     }
   }
   template <int kTet>
@@ -366,6 +380,7 @@ void resample_with(const Run& run, const ResampleView& v) {
   const auto nodes = std::size_t(node_count(v.lattice));
   run(nodes, PlaceNode{v});
   run(std::size_t(v.cuts.copy_count), PlaceCopy{v});
+  run(std::size_t(8 * v.cuts.guest_count), PlaceGuest{v});
   if (v.cuts.is_special) {
     run(std::size_t(slot_count(v.lattice)), ForgetSpecial{v});
     run(std::size_t(v.cuts.special_count), MarkSpecial{v});

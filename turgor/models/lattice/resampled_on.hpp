@@ -32,6 +32,7 @@ struct PiecesOn {
   List<Piece> pieces;
   List<NodeCopy> copies;
   List<CopySource> sources;
+  List<Guest> guests;
   List<std::int16_t> label;
   List<KeyEntry> edge_index;
   List<CutEdge> edges;
@@ -43,7 +44,7 @@ struct PiecesOn {
     fine = now.fine;
     const std::vector<SpecialCell> cells_now = special_cells(model, cuts, now);
     known = cells.holds(now.cells) && pieces.holds(now.pieces) && copies.holds(now.copies) &&
-            sources.holds(now.sources) && label.holds(now.label) &&
+            sources.holds(now.sources) && guests.holds(now.guests) && label.holds(now.label) &&
             edge_index.holds(now.edge_index.entries()) && edges.holds(cuts.cut_edges) &&
             special.holds(cells_now) && is_special.fits(cells_now.empty() ? 0 : model.tissue.size());
     return known;
@@ -54,11 +55,14 @@ struct PiecesOn {
                        .pieces = pieces.data(),
                        .copies = copies.data(),
                        .sources = sources.data(),
+                       .guests = guests.data(),
+                       .first_guest_place = slot_count(fine.cells) + int(copies.count),
                        .label = label.data(),
                        .edge_index = {edge_index.data(), edge_index.count},
                        .edges = edges.data(),
                        .shifts = body.shift_count == copies.count ? body.shifts : nullptr},
             .copy_count = int(copies.count),
+            .guest_count = int(guests.count),
             .special = special.data(),
             .special_count = int(special.count),
             .is_special = special.count > 0 ? is_special.data() : nullptr,
@@ -130,7 +134,7 @@ class ResampledOn {
       rest_mass_ = rest_mass(exec, model, cuts, ct);
     }
     const bool beside = options.keep_surroundings;
-    if (!fits(model.tissue.size() + pieces_.copies.count, ct, voxels)) return {};
+    if (!fits(model.tissue.size() + pieces_.copies.count + 8 * pieces_.guests.count, ct, voxels)) return {};
     if (beside && !(beside_.put(exec, model, ct) && beside_.fits(voxels))) return {};
     ResampleView view = this->view(model, cuts, body, ct, grid);
     view.conserve_mass = options.conserve_mass;

@@ -65,23 +65,15 @@ std::uint64_t key_of(const Tet& tet, TetPoint p) {
   return ((tet.index[std::size_t(p.i)] * 27 + offset(p.j)) * 27 + offset(p.b)) * 8 + own;
 }
 
-/// What carries points beside a corner of a tetrahedron. Where the CT's skin lies beyond the lattice's, a
-/// cell may have no tissue on the corner's side of a blade: it goes with another cell that it is in.
+/// What carries points beside a corner of a tetrahedron.
 Carrier carrier_of(const Builder& builder, const Tet& tet, std::size_t corner) {
   const CellInHand& c = builder.in_hand;
   if (c.cut == nullptr) return {c.slot, -1};
-  const FineLattice& f = builder.fine();
-  Carrier found{c.slot, builder.pieces.label[c.cut->places + std::size_t(tet.place[corner])]};
-  if (found.piece >= 0) return found;
-  const Int3 node = tet.nodes[corner];
-  for_cells_of_edge(f, node, node, [&](Int3 cell) {
-    const CutCell* other = find_cell(builder.pieces, node_slot(f.cells, cell));
-    if (found.piece >= 0 || other == nullptr) return;
-    const int place = place_in_cell(f, node - first_of_cell(f, cell));
-    found = {other->slot, builder.pieces.label[other->places + std::size_t(place)]};
-  });
-  return found.piece >= 0 ? found
-                          : Carrier{c.slot, piece_of(builder.pieces.label.data(), *c.cut, tet.place[corner])};
+  const Pieces& pieces = builder.pieces;
+  const int piece = piece_of(pieces.label.data(), *c.cut, tet.place[corner]);
+  if (piece < c.cut->piece_count) return {c.slot, piece};
+  const Guest& guest = pieces.guests[std::size_t(c.cut->first_guest + piece - c.cut->piece_count)];
+  return {pieces.cells[std::size_t(guest.cell)].slot, guest.piece};
 }
 
 int point_index(Builder& builder, const Tet& tet, TetPoint p) {

@@ -79,12 +79,17 @@ Result<Cut> load_cut(const IncisionScene& scene, const LatticeBody& body) {
   return cut;
 }
 
-Status advance_blade(LatticeBody& body, Cut& cut, int index, double time, const lattice::Others* others) {
+Status advance_blade(LatticeBody& body, std::span<Cut> cuts, int index, double time,
+                     const lattice::Others* others) {
+  Cut& cut = cuts[std::size_t(index)];
   const double fraction = blade_fraction(cut, time);
   if (fraction <= cut.done) return Done{};
   if (others) others->refresh();
   if (!cut.path) {
-    Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade, others);
+    std::vector<lattice::LaidBlade> laid;
+    for (const Cut& other : cuts)
+      if (other.body == cut.body && other.path) laid.push_back({other.blade, *other.path});
+    Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade, others, laid);
     if (!path) return path.error();
     cut.path = std::move(*path);
     if (cut.blade.width > 0) cut.edges = body.state.cut_region(body.model, *cut.path);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "turgor/core/result.hpp"
@@ -24,9 +25,9 @@ struct Cut {
 /// Tries the blade on the body at rest. Error: it finds no skin; names the scene's place.
 Result<Cut> load_cut(const IncisionScene& scene, const LatticeBody& body);
 
-/// Moves the blade to where it is at a time [s]. `index`: of the cut, which cut edges remember. Error: the
-/// blade found no skin any more. `others` as of lattice::Inputs.
-Status advance_blade(LatticeBody& body, Cut& cut, int index, double time,
+/// Moves the blade of one of a world's cuts to where it is at a time [s]. `index`: which, as cut edges
+/// remember. Error: the blade found no skin any more. `others` as of lattice::Inputs.
+Status advance_blade(LatticeBody& body, std::span<Cut> cuts, int index, double time,
                      const lattice::Others* others = nullptr);
 
 /// Smallest box around the nodes of a body, along the axes of the patient frame [m].
