@@ -67,18 +67,22 @@ Params params_of(TissueLaw law, Vec3d line, const lattice::SolverParams& solver)
   return params;
 }
 
+lattice::Incision cut_of(double step, const Place& place) {
+  const int middle_node = (int(std::lround(place.size * kSide / step)) + 1) / 2;
+  const double angle = place.degrees * std::numbers::pi / 180;
+  const Vec3d middle{(middle_node + place.along) * step, (middle_node + place.across) * step,
+                     place.size * kHeight};
+  const Vec3d half = Vec3d{std::cos(angle), std::sin(angle), 0} * (0.5 * place.size * kLength);
+  return {.from = middle - half, .to = middle + half, .depth = place.size * kDepth};
+}
 Wounded wounded_block(TissueLaw law, double step, const lattice::SolverParams& solver,
                       const Place& place = {}) {
   const int n = int(std::lround(place.size * kSide / step)) + 1,
             layers = int(std::lround(place.size * kHeight / step)) + 1;
   Block block{.size = {n, n, layers}, .step = step, .young = kYoung};
   block.is_fixed = [n](Int3 p) { return p.x == 0 || p.y == 0 || p.z == 0 || p.x == n - 1 || p.y == n - 1; };
-  const double angle = place.degrees * std::numbers::pi / 180;
-  const Vec3d line{std::cos(angle), std::sin(angle), 0};
-  const Vec3d middle{(n / 2 + place.along) * step, (n / 2 + place.across) * step, place.size * kHeight};
-  const Vec3d half = line * (0.5 * place.size * kLength);
-  return {lattice::block_model(block, params_of(law, line, solver)),
-          {.from = middle - half, .to = middle + half, .depth = place.size * kDepth}};
+  const lattice::Incision cut = cut_of(step, place);
+  return {lattice::block_model(block, params_of(law, normalized(cut.to - cut.from), solver)), cut};
 }
 
 /// The same in a block that lies across the lattice.
@@ -168,6 +172,43 @@ void add_rates(const Exec& exec, TissueLaw law, bool quick, std::vector<Figure>&
                     "60 Hz, 20 sweeps", settled_gape(exec, law, 0.004, rate, sweeps), reference, 0.01));
 }
 
+/// Gapes of a T: a cut, and half a second later one that comes up to it from below and ends on it.
+std::array<double, 2> settled_t(const Exec& exec, const Place& place, double rate, int sweeps) {
+  constexpr double kStep = 0.004;
+  const double angle = place.degrees * std::numbers::pi / 180;
+  const Vec3d line{std::cos(angle), std::sin(angle), 0}, up{-line.y, line.x, 0};
+  Wounded body = wounded_block(TissueLaw::kSolid, kStep, {.sweeps = sweeps, .damping = 4}, place);
+  const lattice::Incision first = cut_of(kStep, place);
+  const Vec3d meets = (first.from + first.to) * 0.5;
+  body.run(exec, 0.5, 1 / rate);
+  const lattice::LaidBlade laid{first, body.path};
+  const lattice::Incision second{.from = meets - up * kLength, .to = meets, .depth = kDepth};
+  const lattice::BladePath path = lay_blade(body.model, body.state, second, nullptr, {&laid, 1}).value();
+  cut_edges(body.model, body.state, path, 0, 1, 1);
+  body.run(exec, 3, 1 / rate);
+  return {body.gape(), measure_wound(body.model, body.state, path, 1).gape_max};
+}
+
+/// Blades that cross: where the first wound is decides to a hair which way the second one takes.
+void add_ts(const Exec& exec, bool quick, std::vector<Figure>& figures) {
+  std::vector<Place> places = {{.along = 0, .across = 0}};
+  if (!quick)
+    places.insert(places.end(),
+                  {{.along = 0.3, .across = 0.2}, {.along = 0.1, .across = 0.4, .degrees = 30}});
+  for (const Place& place : places) {
+    const auto reference = settled_t(exec, place, 60, 20);
+    for (const auto& [rate, sweeps] : {std::pair{60.0, 3}, {60.0, 5}, {30.0, 5}, {120.0, 5}}) {
+      const auto found = settled_t(exec, place, rate, sweeps);
+      for (const std::size_t cut : {std::size_t(0), std::size_t(1)})
+        figures.push_back(near_figure(
+            fmt::format(
+                "the {} of a T, {:.1f} and {:.1f} steps beside nodes, {:.0f} degrees, {:.0f} Hz, {} sweeps",
+                cut ? "stem" : "bar", place.along, place.across, place.degrees, rate, sweeps),
+            "60 Hz, 20 sweeps", found[cut], reference[cut], 0.01));
+    }
+  }
+}
+
 /// On its way, not at rest: the farthest that the gape is from a converged way, of the gape at rest. What is
 /// converged is left to sweeps alone.
 Figure motion(const Exec& exec, TissueLaw law, double step, int sweeps, const Place& place) {
@@ -240,6 +281,7 @@ double press_layer(const Exec& exec, double poisson, int layers, double step, do
 void add_wounds(const Exec& exec, bool quick, std::vector<Figure>& figures) {
   add_steps(exec, quick, figures);
   for (const TissueLaw law : {TissueLaw::kSolid, TissueLaw::kSprings}) add_rates(exec, law, quick, figures);
+  add_ts(exec, quick, figures);
   add_motion(exec, quick, figures);
 }
 
