@@ -141,7 +141,7 @@ MetLine line_through(const std::vector<CutPlace>& places, const LaidBlade& blade
     const std::optional<Vec3d> place = mean_near(k * step);
     if (!place && line.places.empty()) return line;
     missing += !place;
-    line.places.push_back(place.value_or(line.places.back() + down * step));
+    line.places.push_back(place ? *place : line.places.back() + down * step);
   }
   if (!line.places.empty())
     line.end = line.places.front() - line_at(blade.path, n) * (beyond / std::max(count, 1));
