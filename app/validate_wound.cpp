@@ -175,11 +175,10 @@ void add_rates(const Exec& exec, TissueLaw law, bool quick, std::vector<Figure>&
 /// Gapes of a T: a cut, and half a second later one that comes up to it from below and ends on it.
 std::array<double, 2> settled_t(const Exec& exec, const Place& place, double rate, int sweeps) {
   constexpr double kStep = 0.004;
-  const double angle = place.degrees * std::numbers::pi / 180;
-  const Vec3d line{std::cos(angle), std::sin(angle), 0}, up{-line.y, line.x, 0};
   Wounded body = wounded_block(TissueLaw::kSolid, kStep, {.sweeps = sweeps, .damping = 4}, place);
   const lattice::Incision first = cut_of(kStep, place);
-  const Vec3d meets = (first.from + first.to) * 0.5;
+  const Vec3d meets = (first.from + first.to) * 0.5, line = normalized(first.to - first.from),
+              up{-line.y, line.x, 0};
   body.run(exec, 0.5, 1 / rate);
   const lattice::LaidBlade laid{first, body.path};
   const lattice::Incision second{.from = meets - up * kLength, .to = meets, .depth = kDepth};

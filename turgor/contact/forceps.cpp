@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "turgor/core/disjoint_sets.hpp"
 #include "turgor/core/number_text.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
 
@@ -39,16 +40,12 @@ double highest(const TriMesh& mesh) {
 std::vector<int> loose_parts(const TriMesh& mesh) {
   std::vector<int> root(mesh.vertices.size());
   std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int v) {
-    while (root[std::size_t(v)] != v) v = root[std::size_t(v)] = root[std::size_t(root[std::size_t(v)])];
-    return v;
-  };
   for (const Int3 t : mesh.triangles)
-    for (const int v : {t.y, t.z}) root[std::size_t(find(v))] = find(t.x);
+    for (const int v : {t.y, t.z}) join_sets(root, t.x, v);
   std::vector<int> number(root.size(), -1), part(root.size());
   int count = 0;
   for (std::size_t v = 0; v < root.size(); v++) {
-    int& n = number[std::size_t(find(int(v)))];
+    int& n = number[std::size_t(root_of(root, int(v)))];
     if (n < 0) n = count++;
     part[v] = n;
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "turgor/core/disjoint_sets.hpp"
 #include "turgor/geometry/quadratic.hpp"
 
 namespace turgor {
@@ -84,12 +85,6 @@ std::vector<Int3> face_triangles(const SolidMesh& mesh, const std::array<int, 4>
   return {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}};
 }
 
-int root(std::vector<int>& parent, int e) {
-  while (parent[std::size_t(e)] != e)
-    e = parent[std::size_t(e)] = parent[std::size_t(parent[std::size_t(e)])];
-  return e;
-}
-
 }  // namespace
 
 double volume(const SolidMesh& mesh, std::size_t e) {
@@ -157,20 +152,17 @@ std::vector<int> connected_parts(const SolidMesh& mesh) {
   const std::vector<int> neighbours = face_neighbours(mesh);
   const std::size_t faces = element_faces(mesh).size();
   for (std::size_t i = 0; i < neighbours.size(); i++)
-    if (neighbours[i] >= 0) {
-      const int a = root(parent, int(i / faces)), b = root(parent, neighbours[i]);
-      parent[std::size_t(std::max(a, b))] = std::min(a, b);
-    }
+    if (neighbours[i] >= 0) join_sets(parent, int(i / faces), neighbours[i]);
   // Number the parts by size; equal sizes by their first element.
   std::vector<int> size(count, 0), roots;
-  for (std::size_t e = 0; e < count; e++) size[std::size_t(root(parent, int(e)))]++;
+  for (std::size_t e = 0; e < count; e++) size[std::size_t(root_of(parent, int(e)))]++;
   for (std::size_t e = 0; e < count; e++)
     if (size[e] > 0) roots.push_back(int(e));
   std::stable_sort(roots.begin(), roots.end(),
                    [&](int a, int b) { return size[std::size_t(a)] > size[std::size_t(b)]; });
   std::vector<int> number(count, -1), part(count);
   for (std::size_t i = 0; i < roots.size(); i++) number[std::size_t(roots[i])] = int(i);
-  for (std::size_t e = 0; e < count; e++) part[e] = number[std::size_t(root(parent, int(e)))];
+  for (std::size_t e = 0; e < count; e++) part[e] = number[std::size_t(root_of(parent, int(e)))];
   return part;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "turgor/core/disjoint_sets.hpp"
 #include "turgor/core/number_text.hpp"
 #include "turgor/geometry/signed_distance.hpp"
 #include "turgor/geometry/solid_mesh.hpp"
@@ -70,17 +71,12 @@ double enclosed_volume(const TriMesh& surface, const std::vector<Int3>& triangle
 std::vector<std::vector<Int3>> connected_triangles(const TriMesh& surface) {
   std::vector<int> parent(surface.triangles.size());
   std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int t) {
-    while (parent[std::size_t(t)] != t)
-      t = parent[std::size_t(t)] = parent[std::size_t(parent[std::size_t(t)])];
-    return t;
-  };
   for_each_edge(sorted_edges(surface.triangles), [&](std::span<const EdgeUse> uses) {
-    const int a = root(uses[0].triangle), b = root(uses[1].triangle);
-    parent[std::size_t(std::max(a, b))] = std::min(a, b);
+    join_sets(parent, uses[0].triangle, uses[1].triangle);
   });
   std::map<int, std::vector<Int3>> parts;
-  for (std::size_t t = 0; t < parent.size(); t++) parts[root(int(t))].push_back(surface.triangles[t]);
+  for (std::size_t t = 0; t < parent.size(); t++)
+    parts[root_of(parent, int(t))].push_back(surface.triangles[t]);
   std::vector<std::vector<Int3>> result;
   for (auto& [first, part] : parts) result.push_back(std::move(part));
   return result;

@@ -5,31 +5,12 @@
 #include <numeric>
 #include <tuple>
 
+#include "turgor/core/disjoint_sets.hpp"
 #include "turgor/models/lattice/cells.hpp"
 
 namespace turgor::lattice {
 
 namespace {
-
-/// Sets that join: each is known by its lowest member.
-struct Sets {
-  std::vector<int> parent;
-
-  explicit Sets(std::size_t count = 0) : parent(count) { std::iota(parent.begin(), parent.end(), 0); }
-  int add() {
-    parent.push_back(int(parent.size()));
-    return parent.back();
-  }
-  int root(int a) {
-    while (parent[std::size_t(a)] != a)
-      a = parent[std::size_t(a)] = parent[std::size_t(parent[std::size_t(a)])];
-    return a;
-  }
-  void join(int a, int b) {
-    a = root(a), b = root(b);
-    parent[std::size_t(std::max(a, b))] = std::min(a, b);
-  }
-};
 
 Int3 halved(Int3 a) { return {a.x / 2, a.y / 2, a.z / 2}; }
 
@@ -46,18 +27,20 @@ struct BlockGrains {
   const CoarseLevel& fine;
   std::vector<int> stamp, local;  // by node of the finer level
   std::vector<int> nodes;         // of the block
-  Sets sets;
+  std::vector<int> sets;          // of them (disjoint_sets.hpp)
 
   explicit BlockGrains(const CoarseLevel& level) : fine(level), stamp(level.place.size(), -1), local(stamp) {}
 
   void gather(std::span<const int> grains, int block) {
-    nodes.clear(), sets.parent.clear();
+    nodes.clear(), sets.clear();
     for (const int g : grains) {
       const Grain& grain = fine.grains[std::size_t(g)];
       for (const int n : grain.corner) {
-        if (stamp[std::size_t(n)] != block)
-          stamp[std::size_t(n)] = block, local[std::size_t(n)] = sets.add(), nodes.push_back(n);
-        sets.join(local[std::size_t(n)], local[std::size_t(grain.corner[0])]);
+        if (stamp[std::size_t(n)] != block) {
+          stamp[std::size_t(n)] = block, local[std::size_t(n)] = int(nodes.size());
+          sets.push_back(int(nodes.size())), nodes.push_back(n);
+        }
+        join_sets(sets, local[std::size_t(n)], local[std::size_t(grain.corner[0])]);
       }
     }
   }
@@ -80,7 +63,7 @@ std::vector<std::pair<int, int>> join_grains(CoarseLevel& fine, CoarseLevel& coa
     block.gather(std::span(order).subspan(begin, end - begin), int(begin));
     grain_of_root.assign(block.nodes.size(), -1), grain_of.clear();
     for (std::size_t n = 0; n < block.nodes.size(); n++) {
-      int& grain = grain_of_root[std::size_t(block.sets.root(int(n)))];
+      int& grain = grain_of_root[std::size_t(root_of(block.sets, int(n)))];
       if (grain < 0) {
         grain = int(coarse.grains.size());
         coarse.grains.push_back({.low = halved(fine.grains[std::size_t(order[begin])].low)});
@@ -101,7 +84,8 @@ std::vector<std::pair<int, int>> join_grains(CoarseLevel& fine, CoarseLevel& coa
 /// Corners of neighbouring grains are one where they share a node that is a mean of them.
 void join_corners(const CoarseLevel& fine, std::span<const std::pair<int, int>> lies_in,
                   CoarseLevel& coarse) {
-  Sets corners(8 * coarse.grains.size());
+  std::vector<int> corners(8 * coarse.grains.size());
+  std::iota(corners.begin(), corners.end(), 0);
   for (std::size_t n = 1; n < lies_in.size(); n++) {
     if (lies_in[n].first != lies_in[n - 1].first) continue;
     const int a = lies_in[n - 1].second, b = lies_in[n].second;
@@ -110,11 +94,11 @@ void join_corners(const CoarseLevel& fine, std::span<const std::pair<int, int>> 
     for (int p = 0; p < 8; p++)
       for (int q = 0; q < 8; q++)
         if (is_of_corner(at - low_a * 2, p) && low_a + cell_corner(p) == low_b + cell_corner(q))
-          corners.join(8 * a + p, 8 * b + q);
+          join_sets(corners, 8 * a + p, 8 * b + q);
   }
   std::vector<int> number(8 * coarse.grains.size(), -1);
   for (std::size_t c = 0; c < number.size(); c++) {
-    const auto root = std::size_t(corners.root(int(c)));
+    const auto root = std::size_t(root_of(corners, int(c)));
     if (number[root] < 0) {
       number[root] = int(coarse.place.size());
       coarse.place.push_back(coarse.grains[root / 8].low + cell_corner(int(root % 8)));

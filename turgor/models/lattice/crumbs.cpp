@@ -4,6 +4,7 @@
 #include <map>
 #include <numeric>
 
+#include "turgor/core/disjoint_sets.hpp"
 #include "turgor/models/lattice/piece_view.hpp"
 
 namespace turgor::lattice {
@@ -14,20 +15,14 @@ namespace {
 std::vector<int> parts_of(const Pieces& pieces) {
   std::vector<int> part(pieces.pieces.size());
   std::iota(part.begin(), part.end(), 0);
-  const auto root = [&](int p) {
-    while (part[std::size_t(p)] != p) p = part[std::size_t(p)] = part[std::size_t(part[std::size_t(p)])];
-    return p;
-  };
   std::vector<std::pair<int, int>> of_corner;  // corner, piece
   for (int p = 0; p < int(part.size()); p++)
     for (const int corner : pieces.pieces[std::size_t(p)].corner) of_corner.emplace_back(corner, p);
   std::sort(of_corner.begin(), of_corner.end());
-  for (std::size_t n = 1; n < of_corner.size(); n++) {
-    if (of_corner[n].first != of_corner[n - 1].first) continue;
-    const int a = root(of_corner[n - 1].second), b = root(of_corner[n].second);
-    part[std::size_t(std::max(a, b))] = std::min(a, b);
-  }
-  for (int p = 0; p < int(part.size()); p++) part[std::size_t(p)] = root(p);
+  for (std::size_t n = 1; n < of_corner.size(); n++)
+    if (of_corner[n].first == of_corner[n - 1].first)
+      join_sets(part, of_corner[n - 1].second, of_corner[n].second);
+  for (int p = 0; p < int(part.size()); p++) part[std::size_t(p)] = root_of(part, p);
   return part;
 }
 
@@ -43,7 +38,7 @@ struct CellLabels {
     for_places(pieces.fine, [&](Int3 p) {
       if (!in_cell(pieces.fine, p + Int3{1, 1, 1}) || at(p) < 0) return;
       for (int n = 0; n < 8; n++) {
-        const Int3 q = p + Int3{n & 1, n >> 1 & 1, n >> 2};
+        const Int3 q = p + cell_corner(n);
         if (at(q) != at(p) || cut[place_in_cell(pieces.fine, q)] & edges_from(n)) return;
       }
       whole[std::size_t(cell.first_piece + at(p))]++;

@@ -63,16 +63,15 @@ std::optional<double> drawn_along(const Model& model, const LaidBlade& blade, Ve
   return {};
 }
 
-/// Where the tissue beside a cut edge is: between its two sides, as the edge was cut [m].
-Vec3d place_now(const Model& model, const State& state, const Pieces& pieces, const CutEdge& edge) {
+/// Where the tissue at a place on a cut edge is: between its two sides, as the edge was cut [m].
+Vec3d place_now(const Model& model, const State& state, const Pieces& pieces, const CutEdge& edge,
+                Vec3d rest) {
   const FineLattice& f = pieces.fine;
-  const Int3 cell = slot_node(f.cells, edge.slot), a = fine_node(f, edge), local = a - first_of_cell(f, cell);
+  const Int3 local = fine_node(f, edge) - first_of_cell(f, slot_node(f.cells, edge.slot));
   const Vec3d at = Vec3d(local) + Vec3d(kFamilies[edge.family]) * double(edge.fraction);
   const auto weight = trilinear(Vec3d{at.x / f.parts.x, at.y / f.parts.y, at.z / f.parts.z});
   const CutCell* cut = find_cell(pieces, edge.slot);
-  Vec3d sum = hadamard(lattice_index(f, a) + Vec3d{(at.x - local.x) / f.parts.x, (at.y - local.y) / f.parts.y,
-                                                   (at.z - local.z) / f.parts.z},
-                       Vec3d(f.cells.step));
+  Vec3d sum = rest;
   for (const Int3 end : {local, local + kFamilies[edge.family]}) {
     const int piece =
         cut && in_cell(f, end) ? piece_of(pieces.label.data(), *cut, place_in_cell(f, end)) : -1;
@@ -105,7 +104,7 @@ std::vector<CutPlace> places_cut(const Model& model, const State& state, const P
     const Vec3d rest = hadamard(lattice_index(f, a) + way * double(edge.fraction), Vec3d(f.cells.step));
     found.push_back({fine_edge_key(f, a, edge.family),
                      {dot(rest - blade.path.skin[n], blade.path.into[n]), double(edge.along) - along,
-                      place_now(model, state, pieces, edge)}});
+                      place_now(model, state, pieces, edge, rest)}});
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<double> numbers;

@@ -115,13 +115,16 @@ struct FineEdges {
     triangles_near(sheet, put_places(cell, cut), near);
     if (near.empty()) return;
     for_places(pieces.fine, [&](Int3 p) { add_edges(cell, cut, p); });
-    const int own = cut && cut->piece_count > 1 ? cut->piece_count : 1;
+    const int own = own_pieces(cut);
     for (int piece = 0; piece < own; piece++) add_lines(cell, cut, piece);
   }
 
+  /// A cell that is not near a cut is a piece, too.
+  static int own_pieces(const CutCell* cut) { return cut ? std::max(cut->piece_count, 1) : 1; }
+
   /// Where the corners of a piece of a cell are now, or those of a guest after its own.
   std::array<Vec3d, 8> corner_places(Int3 cell, const CutCell* cut, int piece) const {
-    const int own = cut && cut->piece_count > 1 ? cut->piece_count : 1;
+    const int own = own_pieces(cut);
     const auto corners =
         corners_of(model, pieces, node_slot(pieces.fine.cells, cell), cut && piece < own ? piece : -1);
     std::array<Vec3d, 8> x;
@@ -160,7 +163,7 @@ struct FineEdges {
   /// Where all places of a cell are now, each in its own piece; returns the box around them.
   Box put_places(Int3 cell, const CutCell* cut) {
     const FineLattice& f = pieces.fine;
-    const int own = cut && cut->piece_count > 1 ? cut->piece_count : 1;
+    const int own = own_pieces(cut);
     const int count = own + (cut ? cut->guest_count : 0);
     Box box{};
     for (int piece = 0; piece < count; piece++) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "turgor/core/disjoint_sets.hpp"
+
 namespace turgor::lattice {
 
 namespace {
@@ -15,7 +17,7 @@ struct AroundNode {
   Int3 node;
   const CutCell* cell[8] = {};  // corner c of cell c is the node
   int first[9] = {};            // of its pieces, among those around the node
-  std::vector<int> group;
+  std::vector<int> group;       // of each piece
 
   AroundNode(Pieces& p, Int3 n) : pieces(p), node(n) {
     for (int c = 0; c < 8; c++) {
@@ -34,14 +36,6 @@ struct AroundNode {
         }
   }
 
-  int root(int n) const {
-    while (group[std::size_t(n)] != n) n = group[std::size_t(n)];
-    return n;
-  }
-  void join(int a, int b) {
-    a = root(a), b = root(b);
-    group[std::size_t(std::max(a, b))] = std::min(a, b);
-  }
   bool has_thin(int c) const {
     for (int p = 0; p < cell[c]->piece_count; p++)
       if (is_thin(c, p)) return true;
@@ -82,7 +76,7 @@ struct AroundNode {
         alike += same;
         cut = cut || (!same && is_cut(a, corners[c], corners[d]));
       }
-      if (alike >= 3 || cut) join(first[a] + in_a[c], first[b] + in_b[c]);
+      if (alike >= 3 || cut) join_sets(group, first[a] + in_a[c], first[b] + in_b[c]);
     }
   }
   /// Is the edge between two fine nodes of a cell cut? False where there is no edge.
@@ -101,7 +95,7 @@ struct AroundNode {
       for (int j = low.y; j <= high.y; j++)
         for (int i = low.x; i <= high.x; i++)
           if (const int la = label(a, {i, j, k}), lb = label(b, {i, j, k}); la >= 0 && lb >= 0)
-            if (is_thin(a, la) || is_thin(b, lb)) join(first[a] + la, first[b] + lb);
+            if (is_thin(a, la) || is_thin(b, lb)) join_sets(group, first[a] + la, first[b] + lb);
   }
   /// The fine nodes that two cells share: lowest and highest.
   std::pair<Int3, Int3> shared_places(int a, int b) const {
@@ -115,10 +109,11 @@ struct AroundNode {
     return {low, high};
   }
   /// The group that the node itself belongs to, -1 when it is air.
-  int own_group() const {
+  int own_group() {
     for (int c = 0; c < 8; c++)
       if (cell[c])
-        if (const int l = label(c, first_of_cell(pieces.fine, node)); l >= 0) return root(first[c] + l);
+        if (const int l = label(c, first_of_cell(pieces.fine, node)); l >= 0)
+          return root_of(group, first[c] + l);
     return -1;
   }
 };
@@ -126,12 +121,12 @@ struct AroundNode {
 /// Gives each group of pieces around a node that the node does not lie in a copy of it. Air has no group of
 /// its own.
 void copy_node(Pieces& out, Int3 node) {
-  const AroundNode around(out, node);
+  AroundNode around(out, node);
   const int own = around.own_group();
   std::vector<int> copy_of(std::size_t(around.first[8]), -1);
   for (int c = 0; c < 8; c++)
     for (int n = around.first[c]; n < around.first[c + 1]; n++) {
-      const int group = around.root(n);
+      const int group = root_of(around.group, n);
       if (group == own) continue;
       int& copy = copy_of[std::size_t(group)];
       if (copy < 0) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "turgor/models/lattice/cells.hpp"
@@ -92,6 +93,7 @@ double bridge(double crossed) {
 /// How a cell's tissue is parted, measured along the axis that crosses the blades most.
 struct Shares {
   std::vector<Real> of;       // of each piece, in the cell
+  std::vector<Real> parted;   // of each piece: what is not bridged
   std::vector<Real> bridges;  // of each tip, in both its pieces
 };
 Shares shares_of(const Pieces& pieces, const State& state, const CutCell& cell) {
@@ -104,22 +106,29 @@ Shares shares_of(const Pieces& pieces, const State& state, const CutCell& cell) 
   for (double& length : best.of) length = std::max(length, kLeast), sum += length;
   Shares shares;
   for (const double length : best.of) shares.of.push_back(Real(length / sum));
+  shares.parted.assign(best.of.size(), 1);
   for (int t = cell.first_tip; t < cell.first_tip + cell.tip_count; t++) {
-    const double crossed = share_crossed(state, pieces, cell, pieces.tips[std::size_t(t)]);
+    const Tip& tip = pieces.tips[std::size_t(t)];
+    const double crossed = share_crossed(state, pieces, cell, tip);
     shares.bridges.push_back(Real(std::min(1 - kLeast, bridge(crossed))));
+    for (const int piece : {tip.left, tip.right})
+      shares.parted[std::size_t(piece)] = 1 - shares.bridges.back();
   }
   return shares;
 }
-/// The share of each piece that is not bridged.
-std::vector<Real> parted_shares(const Pieces& pieces, const CutCell& cell, const Shares& shares) {
-  std::vector<Real> parted(std::size_t(cell.piece_count), 1);
-  for (int t = 0; t < cell.tip_count; t++) {
-    const Tip& tip = pieces.tips[std::size_t(cell.first_tip + t)];
-    for (const int piece : {tip.left, tip.right})
-      parted[std::size_t(piece)] = 1 - shares.bridges[std::size_t(t)];
+/// Of the cells that are asked for, once each.
+struct KnownShares {
+  const Pieces& pieces;
+  const State& state;
+  std::vector<std::optional<Shares>> known;
+
+  KnownShares(const Pieces& p, const State& s) : pieces(p), state(s), known(p.cells.size()) {}
+  const Shares& operator()(const CutCell& cell) {
+    std::optional<Shares>& found = known[std::size_t(&cell - pieces.cells.data())];
+    if (!found) found = shares_of(pieces, state, cell);
+    return *found;
   }
-  return parted;
-}
+};
 
 /// What a bridge holds: of each corner of the cell the one on the side of the plane that it lies on. Where
 /// one of its pieces hangs on nothing, the nodes.
@@ -139,14 +148,13 @@ std::array<int, 8> corners_of_bridge(const Model& model, const State& state, con
   return corners;
 }
 
-void add_cells(const Model& model, State& state, const Pieces& pieces) {
+void add_cells(const Model& model, State& state, const Pieces& pieces, KnownShares& shares_in) {
   int last = -1;
-  Shares shares;
-  std::vector<Real> parted;
   for_bearing(model, state, pieces, [&](const CutCell& cell, int piece) {
     const Real young = model.cell_young[std::size_t(cell.slot)];
+    const Shares& shares = shares_in(cell);
     if (cell.slot != last) {
-      last = cell.slot, shares = shares_of(pieces, state, cell), parted = parted_shares(pieces, cell, shares);
+      last = cell.slot;
       state.cut[std::size_t(cell.slot)] |= kParted;
       mark_rows(model, state, cell.slot);
       for (int t = 0; t < cell.tip_count; t++) {
@@ -157,8 +165,8 @@ void add_cells(const Model& model, State& state, const Pieces& pieces) {
       }
     }
     const auto p = std::size_t(piece);
-    state.parts.cells.push_back(
-        {pieces.pieces[std::size_t(cell.first_piece + piece)].corner, young * parted[p] * shares.of[p]});
+    state.parts.cells.push_back({pieces.pieces[std::size_t(cell.first_piece + piece)].corner,
+                                 young * shares.parted[p] * shares.of[p]});
   });
 }
 
@@ -180,7 +188,7 @@ std::vector<int> count_points(const Pieces& pieces, const State& state, const Cu
   return count;
 }
 
-void part_triangle(const Model& model, State& state, const Pieces& pieces, int t) {
+void part_triangle(const Model& model, State& state, const Pieces& pieces, KnownShares& shares_in, int t) {
   constexpr int kParts = 8;
   const Lattice& l = model.lattice;
   Int3 node[3], low = l.size - Int3{2, 2, 2};
@@ -192,8 +200,7 @@ void part_triangle(const Model& model, State& state, const Pieces& pieces, int t
   if (cell == nullptr) return;
   const Vec3 places[3] = {Vec3(node[0] - low), Vec3(node[1] - low), Vec3(node[2] - low)};
   const std::vector<int> count = count_points(pieces, state, *cell, places, kParts);
-  const Shares shares = shares_of(pieces, state, *cell);
-  const std::vector<Real> parted = parted_shares(pieces, *cell, shares);
+  const Shares& shares = shares_in(*cell);
   const auto add = [&](const std::array<int, 8>& corners, Real share) {
     SkinPart part{.triangle = t, .corner = {}, .share = share};
     bool borne = part.share > 0;
@@ -211,7 +218,7 @@ void part_triangle(const Model& model, State& state, const Pieces& pieces, int t
         shares.bridges[std::size_t(b)] * (share(tip.left) + share(tip.right)));
   }
   for (int p = 0; p < cell->piece_count; p++)
-    add(pieces.pieces[std::size_t(cell->first_piece + p)].corner, parted[std::size_t(p)] * share(p));
+    add(pieces.pieces[std::size_t(cell->first_piece + p)].corner, shares.parted[std::size_t(p)] * share(p));
 }
 
 /// Copies of a node of skin take their share of its pull with them, by area.
@@ -310,9 +317,10 @@ void part_cells(const Model& model, State& state) {
   place_copies(model, state, pieces);
   PartsOfCells& parts = state.parts;
   parts = {.places = std::move(parts.places)};
-  add_cells(model, state, pieces);
+  KnownShares shares_in(pieces, state);
+  add_cells(model, state, pieces, shares_in);
   for (std::size_t t = 0; t < state.skin_cut.size(); t++)
-    if (state.skin_cut[t]) part_triangle(model, state, pieces, int(t));
+    if (state.skin_cut[t]) part_triangle(model, state, pieces, shares_in, int(t));
   add_nodes(model, pieces, parts);
   if (!model.skin.pull.empty()) share_pull(model, parts);
 }

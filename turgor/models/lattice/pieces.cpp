@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "turgor/models/lattice/cells.hpp"
 #include "turgor/models/lattice/copy_sources.hpp"
 #include "turgor/models/lattice/crumbs.hpp"
 #include "turgor/models/lattice/node_copies.hpp"
@@ -193,8 +194,8 @@ int blade_in(const State& state, const Pieces& pieces, const EdgesOfCells& edges
   const int parity = slot_node(f.cells, cell.slot).x & 1;
   for (int c = 0; c < 8; c++)
     for (int n = 0; n < kFamilyCount; n++) {
-      const Int3 low{c & 1, c >> 1 & 1, c >> 2}, high = low + kFamilies[std::size_t(n)];
-      if (high.x > 1 || high.y > 1 || high.z > 1) continue;
+      if (!(edges_from_corner(c) >> n & 1)) continue;
+      const Int3 low = cell_corner(c), high = low + kFamilies[std::size_t(n)];
       if (!has(hadamard(low, f.parts)) || !has(hadamard(high, f.parts))) continue;
       between_corners |=
           (state.cut[std::size_t(cell.slot + slot_offset(f.cells, low, parity))] >> n & 1) != 0;
