@@ -18,6 +18,16 @@ __global__ void call_kernel(std::size_t count, const Kernel kernel) {
   const std::size_t n = std::size_t(blockIdx.x) * blockDim.x + threadIdx.x;
   if (n < count) kernel(n);
 }
+/// What the runtime knows that by.
+template <class Kernel>
+const void* function_of() {
+#ifdef __CUDACC__
+  return reinterpret_cast<const void*>(&call_kernel<Kernel>);
+#else  // C++ over a runtime that tests pretend
+  return &pretended_kernel<Kernel, call_kernel<Kernel>>;
+#endif
+}
+inline void check_cuda(cudaError_t error) { TURGOR_ASSERT(error == cudaSuccess, cudaGetErrorString(error)); }
 
 /// Loops that were written down to go over together, one after the other: a graph, which a GPU replays without
 /// being told of each anew. It is renewed when a loop, how far it goes or a number in it is another than the
@@ -49,7 +59,7 @@ class LoopGraph {
     if (loops_.empty()) return;
     if (has_changed_) renew();
     has_changed_ = false;
-    check(cudaGraphLaunch(graph_, nullptr));
+    check_cuda(cudaGraphLaunch(graph_, nullptr));
   }
 
   bool is_open = false;
@@ -62,12 +72,10 @@ class LoopGraph {
     std::vector<std::byte> kernel;
   };
 
-  static void check(cudaError_t error) { TURGOR_ASSERT(error == cudaSuccess, cudaGetErrorString(error)); }
-
   /// A graph of as many kernels takes their new arguments; else it is made anew.
   void renew() {
     cudaGraph_t chain = nullptr;
-    check(cudaGraphCreate(&chain, 0));
+    check_cuda(cudaGraphCreate(&chain, 0));
     cudaGraphNode_t last = nullptr;
     for (Loop& loop : loops_) {
       void* arguments[] = {&loop.count, loop.kernel.data()};
@@ -76,15 +84,15 @@ class LoopGraph {
       node.gridDim = loop.blocks, node.blockDim = loop.threads;
       node.kernelParams = arguments;
       const cudaGraphNode_t before = last;
-      check(cudaGraphAddKernelNode(&last, chain, before ? &before : nullptr, before ? 1 : 0, &node));
+      check_cuda(cudaGraphAddKernelNode(&last, chain, before ? &before : nullptr, before ? 1 : 0, &node));
     }
     cudaGraphExecUpdateResultInfo updated{};
     if (!graph_ || cudaGraphExecUpdate(graph_, chain, &updated) != cudaSuccess) {
       cudaGetLastError();  // that it is another graph is no error
       if (graph_) cudaGraphExecDestroy(graph_);
-      check(cudaGraphInstantiate(&graph_, chain, 0));
+      check_cuda(cudaGraphInstantiate(&graph_, chain, 0));
     }
-    check(cudaGraphDestroy(chain));
+    check_cuda(cudaGraphDestroy(chain));
   }
 
   std::vector<Loop> loops_;
@@ -106,10 +114,9 @@ struct GpuRun {
     const auto blocks = unsigned((count + kThreads - 1) / kThreads);
     if (count == 0) return;
     if (together->is_open)
-      together->add(reinterpret_cast<const void*>(&call_kernel<Kernel>), blocks, kThreads, count, &kernel,
-                    sizeof(Kernel));
-    else
-      call_kernel<<<blocks, kThreads>>>(count, kernel);
+      return together->add(function_of<Kernel>(), blocks, kThreads, count, &kernel, sizeof(Kernel));
+    void* arguments[] = {&count, const_cast<Kernel*>(&kernel)};
+    check_cuda(cudaLaunchKernel(function_of<Kernel>(), blocks, kThreads, arguments, 0, nullptr));
   }
 };
 /// run_together (run.hpp), as a graph.

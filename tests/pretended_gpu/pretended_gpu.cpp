@@ -1,0 +1,270 @@
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "cuda_runtime.h"
+#include "turgor/core/exec.hpp"
+#include "turgor/core/flush_denormals.hpp"
+
+struct PretendedNode {
+  const turgor::PretendedKernel* kernel;
+  dim3 blocks, threads;
+  std::size_t count;
+  std::vector<std::max_align_t> argument;
+};
+struct PretendedGraph {
+  std::vector<std::unique_ptr<PretendedNode>> nodes;
+};
+struct PretendedExec {
+  std::vector<PretendedNode> nodes;
+};
+
+namespace {
+
+using turgor::PretendedCounts;
+using turgor::PretendedKernel;
+
+/// Whole pages, the last of which nobody may touch; arrays end where it begins.
+struct Pages {
+  std::byte* begin;
+  std::size_t bytes, room;
+};
+struct Memory {
+  std::mutex mutex;
+  std::map<void*, Pages> arrays;
+  std::size_t free = std::size_t(8) << 30;
+  int open = 0;
+};
+Memory& memory() {
+  static Memory* all = new Memory;  // outlives whoever frees arrays at the end of the program
+  return *all;
+}
+std::atomic<long> kernels = 0, launches = 0, graphs = 0;
+std::atomic<std::size_t> over = 0, back = 0;
+thread_local cudaError_t last_error = cudaSuccess;
+
+cudaError_t say(cudaError_t error) {
+  if (error != cudaSuccess) last_error = error;
+  return error;
+}
+
+void protect(const Pages& pages, int how) { mprotect(pages.begin, pages.bytes, how); }
+
+/// While one lives, memory there can be touched.
+struct Open {
+  Open() {
+    const std::lock_guard lock(memory().mutex);
+    if (memory().open++ == 0)
+      for (const auto& [array, pages] : memory().arrays) protect(pages, PROT_READ | PROT_WRITE);
+  }
+  Open(const Open&) = delete;
+  Open& operator=(const Open&) = delete;
+  ~Open() {
+    const std::lock_guard lock(memory().mutex);
+    if (--memory().open == 0)
+      for (const auto& [array, pages] : memory().arrays) protect(pages, PROT_NONE);
+  }
+};
+
+bool is_mapped(std::uintptr_t address) {
+  const auto page = std::uintptr_t(sysconf(_SC_PAGESIZE));
+  if (address < page || address >> 47 != 0) return false;
+  return msync(reinterpret_cast<void*>(address / page * page), page, MS_ASYNC) == 0;  // NOLINT
+}
+bool is_there(std::uintptr_t address) {
+  const std::lock_guard lock(memory().mutex);
+  const auto behind = memory().arrays.upper_bound(reinterpret_cast<void*>(address));  // NOLINT
+  if (behind == memory().arrays.begin()) return false;
+  const auto& [array, pages] = *std::prev(behind);
+  return address <= std::uintptr_t(pages.begin) + pages.bytes;
+}
+
+using Argument = std::vector<std::max_align_t>;
+Argument copy_of(const PretendedKernel& kernel, const void* argument) {
+  Argument copy(kernel.argument_bytes / sizeof(std::max_align_t) + 1);
+  std::memcpy(copy.data(), argument, kernel.argument_bytes);
+  return copy;
+}
+/// What is between an argument's numbers may look like a pointer, and is left out where the compiler can.
+void refuse_pointers_to_host(const PretendedKernel& kernel, const void* argument) {
+  if (kernel.clear_padding == nullptr) return;
+  Argument words = copy_of(kernel, argument);
+  kernel.clear_padding(words.data());
+  for (std::size_t at = 0; at + sizeof(std::uintptr_t) <= kernel.argument_bytes;
+       at += sizeof(std::uintptr_t)) {
+    std::uintptr_t word;
+    std::memcpy(&word, reinterpret_cast<const std::byte*>(words.data()) + at, sizeof word);
+    if (!is_mapped(word) || is_there(word)) continue;
+    std::fprintf(stderr, "a kernel has a pointer to the host's memory, %zu bytes from its begin\n", at);
+    std::abort();
+  }
+}
+
+/// Four threads go through the blocks; of a block, the last thread comes first.
+void run(const PretendedKernel& kernel, dim3 blocks, dim3 threads, std::size_t count, const void* argument) {
+  static const turgor::Exec exec(4);
+  kernels++;
+  turgor::parallel_for(exec, blocks.x, [&](std::size_t block) {
+    const turgor::FlushDenormals flush;  // as GPUs do
+    blockIdx.x = unsigned(block), blockDim = threads;
+    for (unsigned t = threads.x; t-- > 0;) threadIdx.x = t, kernel.call(count, argument);
+  });
+}
+
+bool is_a_launch(dim3 blocks, dim3 threads) {
+  return blocks.x > 0 && blocks.x <= 0x7fffffffu && threads.x > 0 && threads.x <= 1024;
+}
+
+}  // namespace
+
+const char* cudaGetErrorString(cudaError_t error) {
+  return error == cudaSuccess                 ? "no error"
+         : error == cudaErrorMemoryAllocation ? "out of memory"
+                                              : "an error of a pretended GPU";
+}
+cudaError_t cudaGetLastError() { return std::exchange(last_error, cudaSuccess); }
+cudaError_t cudaGetDeviceCount(int* count) {
+  *count = 1;
+  return cudaSuccess;
+}
+cudaError_t cudaSetDevice(int device) { return say(device == 0 ? cudaSuccess : 101); }
+cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int) {
+  std::strcpy(properties->name, "a pretended GPU");
+  return cudaSuccess;
+}
+cudaError_t cudaMemGetInfo(std::size_t* free, std::size_t* all) {
+  const std::lock_guard lock(memory().mutex);
+  *free = memory().free, *all = std::size_t(8) << 30;
+  return cudaSuccess;
+}
+cudaError_t cudaDeviceSynchronize() { return cudaSuccess; }
+
+cudaError_t cudaMalloc(void** to, std::size_t bytes) {
+  constexpr std::size_t kAlignment = 16;
+  *to = nullptr;
+  if (bytes == 0) return cudaSuccess;
+  const auto page = std::size_t(sysconf(_SC_PAGESIZE));
+  const std::size_t used = (bytes + page - 1) / page * page;
+  const std::lock_guard lock(memory().mutex);
+  if (bytes > memory().free) return say(cudaErrorMemoryAllocation);
+  void* begin = mmap(nullptr, used + page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (begin == MAP_FAILED) return say(cudaErrorMemoryAllocation);
+  const Pages pages{static_cast<std::byte*>(begin), used, bytes};
+  mprotect(begin, used, PROT_READ | PROT_WRITE);
+  std::memset(begin, 0xab, used);  // what nobody wrote is no zero
+  if (memory().open == 0) protect(pages, PROT_NONE);
+  *to = pages.begin + (used - bytes) / kAlignment * kAlignment;
+  memory().arrays.emplace(*to, pages);
+  memory().free -= bytes;
+  return cudaSuccess;
+}
+cudaError_t cudaFree(void* array) {
+  if (array == nullptr) return cudaSuccess;
+  const std::lock_guard lock(memory().mutex);
+  const auto found = memory().arrays.find(array);
+  if (found == memory().arrays.end()) return say(1);
+  const Pages pages = found->second;
+  munmap(pages.begin, pages.bytes + std::size_t(sysconf(_SC_PAGESIZE)));
+  memory().free += pages.room;
+  memory().arrays.erase(found);
+  return cudaSuccess;
+}
+cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind) {
+  const std::byte* there = static_cast<const std::byte*>(kind == cudaMemcpyHostToDevice ? to : from);
+  {
+    const std::lock_guard lock(memory().mutex);
+    const auto behind = memory().arrays.upper_bound(const_cast<std::byte*>(there));
+    if (behind == memory().arrays.begin()) return say(1);
+    const auto& [array, pages] = *std::prev(behind);
+    if (there + bytes > static_cast<const std::byte*>(array) + pages.room) return say(1);
+  }
+  const Open open;
+  std::memcpy(to, from, bytes);
+  (kind == cudaMemcpyHostToDevice ? over : back) += bytes;
+  return cudaSuccess;
+}
+
+cudaError_t cudaLaunchKernel(const void* function, dim3 blocks, dim3 threads, void** arguments, std::size_t,
+                             cudaStream_t) {
+  if (!is_a_launch(blocks, threads)) return say(9);
+  const auto& kernel = *static_cast<const PretendedKernel*>(function);
+  refuse_pointers_to_host(kernel, arguments[1]);
+  const Open open;
+  run(kernel, blocks, threads, *static_cast<const std::size_t*>(arguments[0]), arguments[1]);
+  return cudaSuccess;
+}
+
+cudaError_t cudaGraphCreate(cudaGraph_t* graph, unsigned) {
+  *graph = new PretendedGraph;
+  return cudaSuccess;
+}
+cudaError_t cudaGraphAddKernelNode(cudaGraphNode_t* node, cudaGraph_t graph, const cudaGraphNode_t* before,
+                                   std::size_t before_count, const cudaKernelNodeParams* params) {
+  if (!is_a_launch(params->gridDim, params->blockDim)) return say(9);
+  const bool is_chain =
+      graph->nodes.empty() ? before_count == 0 : before_count == 1 && *before == graph->nodes.back().get();
+  if (!is_chain) return say(1);
+  const auto* kernel = static_cast<const PretendedKernel*>(params->func);
+  refuse_pointers_to_host(*kernel, params->kernelParams[1]);
+  auto made = std::make_unique<PretendedNode>(PretendedNode{
+      kernel, params->gridDim, params->blockDim, *static_cast<const std::size_t*>(params->kernelParams[0]),
+      copy_of(*kernel, params->kernelParams[1])});
+  *node = made.get();
+  graph->nodes.push_back(std::move(made));
+  return cudaSuccess;
+}
+namespace {
+
+void take(PretendedExec& exec, PretendedGraph& graph) {
+  exec.nodes.clear();
+  for (const auto& node : graph.nodes) exec.nodes.push_back(std::move(*node));
+}
+
+}  // namespace
+cudaError_t cudaGraphInstantiate(cudaGraphExec_t* exec, cudaGraph_t graph, unsigned long long) {
+  *exec = new PretendedExec;
+  take(**exec, *graph);
+  graphs++;
+  return cudaSuccess;
+}
+cudaError_t cudaGraphExecUpdate(cudaGraphExec_t exec, cudaGraph_t graph, cudaGraphExecUpdateResultInfo*) {
+  if (exec->nodes.size() != graph->nodes.size()) return say(cudaErrorGraphExecUpdateFailure);
+  take(*exec, *graph);
+  return cudaSuccess;
+}
+cudaError_t cudaGraphLaunch(cudaGraphExec_t exec, cudaStream_t) {
+  const Open open;
+  for (const PretendedNode& node : exec->nodes)
+    run(*node.kernel, node.blocks, node.threads, node.count, node.argument.data());
+  launches++;
+  return cudaSuccess;
+}
+cudaError_t cudaGraphExecDestroy(cudaGraphExec_t exec) {
+  delete exec;
+  return cudaSuccess;
+}
+cudaError_t cudaGraphDestroy(cudaGraph_t graph) {
+  delete graph;
+  return cudaSuccess;
+}
+
+namespace turgor {
+
+void pretend_memory(std::size_t bytes) {
+  const std::lock_guard lock(memory().mutex);
+  memory().free = bytes;
+}
+PretendedCounts pretended_counts() { return {kernels, launches, graphs, over, back}; }
+
+}  // namespace turgor
