@@ -126,9 +126,9 @@ TEST(gpu_lattice, what_runs_there_is_known_before) {
   params.tissue.law = TissueLaw::kSolid;
   EXPECT_TRUE(runs_on_gpu(params)) << "its coarse space does too";
   params.solver.sleep = 1e-3;
-  EXPECT_FALSE(runs_on_gpu(params)) << "rows do not sleep there";
+  EXPECT_TRUE(runs_on_gpu(params)) << "rows may sleep, and need not";
   params.solver.method = Method::kPbd;
-  EXPECT_TRUE(runs_on_gpu(params)) << "nor do they in pbd";
+  EXPECT_TRUE(runs_on_gpu(params));
   params.solver.schedule = Schedule::kSlabs;
   EXPECT_FALSE(runs_on_gpu(params));
 }

@@ -1,9 +1,11 @@
 // Where a state is between steps, and what goes over the bus for it.
+#include <limits>
 #include <thread>
 
 #include "cut_block.hpp"
 #include "host_side.hpp"
 #include "turgor/models/lattice/kept_state.hpp"
+#include "turgor/models/lattice/surface.hpp"
 
 namespace turgor::lattice {
 namespace {
@@ -160,6 +162,96 @@ TEST(lattice_kept_state, without_another_side_it_is_a_state_that_steps_here) {
   KeptState kept = block.state;
   kept.step(kOne, block.model, {}, kDt), step(kOne, block.model, block.state, {}, kDt);
   EXPECT_EQ(state_hash(block.model, kept), state_hash(block.model, block.state));
+}
+
+/// A wound, some frames after which nobody has looked.
+struct AwayWound : Away {
+  BladePath path;
+
+  explicit AwayWound(TissueLaw law) : Away(law) {
+    step();
+    path = lay_blade(model, state, {.from = {0.012, 0.016, 0.032}, .to = {0.03, 0.016, 0.032}}).value();
+    EXPECT_GT(state.cut_edges(model, path, 0, 1, 1), 10);
+    for (int n = 0; n < 5; n++) step();
+  }
+};
+
+TEST(lattice_kept_state, a_wound_is_measured_and_its_surface_shown_by_the_nodes_behind_it) {
+  for (const TissueLaw law : {TissueLaw::kSprings, TissueLaw::kSolid}) {
+    AwayWound there(law);
+    const BodySurface surface = build_surface(there.model, there.state.without_places());
+    const std::vector<int> beside = nodes_beside(there.model, there.state.without_places(), surface,
+                                                 there.path, 1),
+                           behind = nodes_behind(there.model, there.state.without_places(), surface);
+    EXPECT_GT(beside.size(), 10u);
+    EXPECT_LT(beside.size(), behind.size() / 2);
+    Bus::over = Bus::back = 0;
+    const Wound found = there.state.look_at_wounds(beside, [&](const State& state) {
+      return measure_wound(there.model, state, surface, there.path, 1);
+    });
+    const std::size_t copies = there.state.without_places().copies.size() * sizeof(CopyShift);
+    EXPECT_EQ(Bus::back, beside.size() * sizeof(NodeNow) + copies);
+    EXPECT_EQ(Bus::over, beside.size() * sizeof(int));
+    const TriMesh shown = there.state.look_at_wounds(behind, [&](const State& state) {
+      return deformed_surface(there.model, state, surface, Shown::kStretch);
+    });
+    EXPECT_TRUE(there.state.is_away());
+    const State& all = there.state.here();
+    const Wound right = measure_wound(there.model, all, surface, there.path, 1);
+    EXPECT_GT(right.gape_max, 1e-4) << "m";
+    EXPECT_EQ(found.gape_max, right.gape_max);
+    EXPECT_EQ(found.edge_displacement, right.edge_displacement);
+    EXPECT_EQ(found.opening_area, right.opening_area);
+    const TriMesh now = deformed_surface(there.model, all, surface, Shown::kStretch);
+    EXPECT_TRUE(shown.vertices == now.vertices && shown.normals == now.normals &&
+                shown.scalars == now.scalars);
+  }
+}
+
+TEST(lattice_kept_state, no_other_node_is_looked_at_by_measures_and_pictures) {
+  AwayWound there(TissueLaw::kSolid);
+  State state = there.state.here();
+  const BodySurface surface = build_surface(there.model, state);
+  const auto beside = nodes_beside(there.model, state, surface, there.path, 1);
+  const auto behind = nodes_behind(there.model, state, surface);
+  const Wound wound = measure_wound(there.model, state, surface, there.path, 1);
+  const TriMesh shown = deformed_surface(there.model, state, surface, Shown::kDisplacement);
+  const auto forget_all_but = [&](const std::vector<int>& nodes) {
+    State some = state;
+    const Real lost = std::numeric_limits<Real>::quiet_NaN();
+    for (std::size_t s = 0; s < state.u.x.size(); s++)
+      if (!std::binary_search(nodes.begin(), nodes.end(), int(s))) some.u.set(s, {lost, lost, lost});
+    return some;
+  };
+  EXPECT_EQ(measure_wound(there.model, forget_all_but(beside), surface, there.path, 1).gape_max,
+            wound.gape_max);
+  EXPECT_EQ(deformed_surface(there.model, forget_all_but(behind), surface, Shown::kDisplacement).scalars,
+            shown.scalars);
+}
+
+TEST(lattice_kept_state, places_in_balls_are_found_there_as_by_going_through_all_of_them) {
+  Away there;
+  const Vec3 h = there.model.lattice.step;
+  std::vector<SurfacePlace> places;
+  for (int s = 0; s < slot_count(there.model.lattice); s += 3)
+    if (is_body(there.model.tissue[std::size_t(s)])) {
+      const Vec3d rest(rest_position(there.model.lattice, slot_node(there.model.lattice, s)));
+      places.push_back({s, rest + Vec3d{0.3 * double(h.x), 0, 0}, false, s % 2 == 0 ? s + 1 : -1});
+    }
+  std::vector<Ball> balls;
+  for (int b = 0; b < 19; b++)  // more than go at once, and some over each other
+    balls.push_back({places[std::size_t(b * 7) % places.size()].rest, double(h.x) * (0.5 + 0.1 * b)});
+  for (int n = 0; n < 3; n++) {
+    there.step();
+    std::vector<SurfacePlace> some(places.begin(), places.end() - n * 11);
+    const std::vector<int> found = there.state.places_in(some, std::uint64_t(n + 1), balls);
+    ASSERT_TRUE(there.state.is_away());
+    EXPECT_GT(found.size(), 19u);
+    EXPECT_LT(found.size(), some.size());
+    EXPECT_EQ(found, places_in(some, there.state.here(), balls));
+    EXPECT_EQ(found, there.state.places_in(some, std::uint64_t(n + 1), balls)) << "here";
+    EXPECT_TRUE(there.state.places_in(some, std::uint64_t(n + 1), {}).empty());
+  }
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // In place of CUDA's own header, for tests: what turgor's .cu files need of it, so that they are C++ and run on
 // a machine without a GPU (pretended_gpu.cpp). A kernel's threads are many here too. Memory "there" can be
-// touched by kernels and copies alone: whoever reads it from here, or behind its end, is stopped at once; so is
-// a kernel that is given a pointer to memory of the host.
+// touched by kernels and copies alone: whoever reads it from here, or behind its end, is stopped at once.
+// That kernels touch no memory of the host it cannot see.
 #pragma once
 
 #include <cmath>
@@ -67,22 +67,12 @@ namespace turgor {
 struct PretendedKernel {
   std::size_t argument_bytes;
   void (*call)(std::size_t count, const void* argument);  // for the thread that threadIdx says
-  void (*clear_padding)(void* argument);                  // null where the compiler cannot
 };
-#if __has_builtin(__builtin_clear_padding)
-template <class Argument>
-constexpr void (*kClearPadding)(void*) = [](void* argument) {
-  __builtin_clear_padding(static_cast<Argument*>(argument));
-};
-#else
-template <class Argument>
-constexpr void (*kClearPadding)(void*) = nullptr;
-#endif
 template <class Argument, void (*kKernel)(std::size_t, Argument)>
 inline const PretendedKernel pretended_kernel{
-    sizeof(Argument),
-    [](std::size_t count, const void* argument) { kKernel(count, *static_cast<const Argument*>(argument)); },
-    kClearPadding<Argument>};
+    sizeof(Argument), [](std::size_t count, const void* argument) {
+      kKernel(count, *static_cast<const Argument*>(argument));
+    }};
 
 /// From now on so much memory is free there; less than what is asked for is an error of the runtime.
 void pretend_memory(std::size_t bytes);

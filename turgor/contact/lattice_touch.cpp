@@ -1,6 +1,7 @@
 #include "turgor/contact/lattice_touch.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <tuple>
 #include <utility>
 
@@ -122,6 +123,36 @@ ToolPose in_lattice(const Grid& grid, const ToolPose& pose) {
   return local;
 }
 
+std::vector<ToolPose> in_lattice(const Grid& grid, std::span<const ToolPose> poses) {
+  std::vector<ToolPose> local;
+  for (const ToolPose& pose : poses) local.push_back(in_lattice(grid, pose));
+  return local;
+}
+
+/// Of contacts beyond a tool [m].
+double contact_reach(const lattice::Model& model) {
+  const Vec3 h = model.lattice.step;
+  return std::max({h.x, h.y, h.z});
+}
+/// What each tool may come to on its way from its last pose to that one [lattice frame].
+std::vector<lattice::Ball> balls_around(const lattice::Model& model, const LatticeTouch& touch,
+                                        std::span<const Tool> tools, std::span<const ToolPose> to) {
+  TURGOR_ASSERT(tools.size() == to.size() && tools.size() == touch.poses.size(), "one pose a tool");
+  std::vector<lattice::Ball> balls;
+  for (std::size_t t = 0; t < tools.size(); t++) {
+    const double way = norm(to[t].pose.position - touch.poses[t].pose.position);
+    balls.push_back({to[t].pose.position, bounding_radius(tools[t].shape) + contact_reach(model) + way});
+  }
+  return balls;
+}
+
+std::vector<int> with_touched(const LatticeTouch& touch, std::vector<int> near) {
+  for (const LatticeContact& contact : touch.contacts) near.push_back(contact.place);
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  return near;
+}
+
 bool comes_before(const LatticeContact& a, const LatticeContact& b) {
   return a.place != b.place ? a.place < b.place : a.tool < b.tool;
 }
@@ -130,7 +161,7 @@ bool comes_before(const LatticeContact& a, const LatticeContact& b) {
 struct ToolStep {
   const Tool& tool;
   const ToolPose &from, &to;
-  double near = 0;  // no place farther from the tool's origin can come into contact [m]
+  lattice::Ball around;  // no place beyond it can come into contact
 };
 
 /// The places near the tools as contacts for a step: on planes where the tool will be, as seen from where a
@@ -165,19 +196,17 @@ struct FindContacts {
     touch.contacts.push_back(contact);
   }
 
-  void operator()(std::span<const ToolStep> steps) const {
+  void operator()(std::span<const ToolStep> steps, std::span<const int> near) const {
     const std::vector<LatticeContact> before = std::move(touch.contacts);
     auto known = before.begin();
     touch.contacts.clear(), touch.nodes.clear();
-    for (std::size_t p = 0; p < touch.places.size(); p++) {
-      const Vec3d x = place_now(state, touch.places[p]);
+    for (const int p : near) {
+      const Vec3d x = place_now(state, touch.places[std::size_t(p)]);
       for (std::size_t t = 0; t < steps.size(); t++) {
-        LatticeContact contact{.place = int(p), .tool = int(t)};
+        LatticeContact contact{.place = p, .tool = int(t)};
         while (known != before.end() && comes_before(*known, contact)) ++known;
         const bool was = known != before.end() && !comes_before(contact, *known);
-        const Vec3d apart = x - steps[t].to.pose.position;
-        if (was || dot(apart, apart) < steps[t].near * steps[t].near)
-          add(int(p), int(t), steps[t], was ? *known : contact);
+        if (was || contains(steps[t].around, x)) add(p, int(t), steps[t], was ? *known : contact);
       }
     }
   }
@@ -196,6 +225,8 @@ LatticeTouch make_lattice_touch(const lattice::Model& model, const lattice::Stat
 
 void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattice::State& state,
                   const lattice::BodySurface& surface) {
+  static std::atomic<std::uint64_t> versions = 0;
+  touch.version = ++versions;
   const std::vector<LatticePlace> before = touch.places;
   std::erase_if(touch.places, [&](const LatticePlace& p) { return p.wall || is_gone(model, state, p); });
   add_wall_places(model, surface, touch.places);
@@ -213,20 +244,38 @@ void put_tool(LatticeTouch& touch, const lattice::Model& model, int tool, const 
   std::erase_if(touch.contacts, [tool](const LatticeContact& contact) { return contact.tool == tool; });
 }
 
+std::vector<int> places_near(const lattice::Model& model, const lattice::KeptState& state,
+                             const LatticeTouch& touch, std::span<const Tool> tools,
+                             std::span<const ToolPose> poses) {
+  const std::vector<lattice::Ball> balls = balls_around(model, touch, tools, in_lattice(model.grid, poses));
+  return with_touched(touch, state.places_in(touch.places, touch.version, balls));
+}
+std::vector<int> places_near(const lattice::Model& model, const lattice::State& state,
+                             const LatticeTouch& touch, std::span<const Tool> tools,
+                             std::span<const ToolPose> poses) {
+  const std::vector<lattice::Ball> balls = balls_around(model, touch, tools, in_lattice(model.grid, poses));
+  return with_touched(touch, places_in(touch.places, state, balls));
+}
+
+std::vector<int> nodes_of(const LatticeTouch& touch, std::span<const int> places) {
+  std::vector<int> nodes;
+  for (const int p : places) {
+    const LatticePlace& place = touch.places[std::size_t(p)];
+    nodes.push_back(place.slot);
+    if (place.other >= 0) nodes.push_back(place.other);
+  }
+  return nodes;
+}
+
 std::span<lattice::NodeContact> find_contacts(const lattice::Model& model, const lattice::State& state,
                                               LatticeTouch& touch, std::span<const Tool> tools,
-                                              std::span<const ToolPose> poses, double dt) {
-  TURGOR_ASSERT(tools.size() == poses.size() && tools.size() == touch.poses.size(), "one pose a tool");
-  const Vec3 h = model.lattice.step;
-  const double reach = std::max({h.x, h.y, h.z});
-  std::vector<ToolPose> to;
+                                              std::span<const ToolPose> poses, double dt,
+                                              std::span<const int> near) {
+  std::vector<ToolPose> to = in_lattice(model.grid, poses);
+  const std::vector<lattice::Ball> balls = balls_around(model, touch, tools, to);
   std::vector<ToolStep> steps;
-  for (const ToolPose& pose : poses) to.push_back(in_lattice(model.grid, pose));
-  for (std::size_t t = 0; t < tools.size(); t++) {
-    const double way = norm(to[t].pose.position - touch.poses[t].pose.position);
-    steps.push_back({tools[t], touch.poses[t], to[t], bounding_radius(tools[t].shape) + reach + way});
-  }
-  FindContacts{model, state, touch, reach, dt}(steps);
+  for (std::size_t t = 0; t < tools.size(); t++) steps.push_back({tools[t], touch.poses[t], to[t], balls[t]});
+  FindContacts{model, state, touch, contact_reach(model), dt}(steps, near);
   touch.poses = std::move(to);
   return touch.nodes;
 }
@@ -260,7 +309,8 @@ void read_forces(const lattice::Model& model, const lattice::State& state, Latti
 lattice::StepReport step(const Exec& exec, const lattice::Model& model, lattice::State& state,
                          LatticeTouch& touch, std::span<const Tool> tools, std::span<const ToolPose> poses,
                          lattice::Inputs inputs, double dt, std::span<ToolForce> forces) {
-  inputs.contacts = find_contacts(model, state, touch, tools, poses, dt);
+  const std::vector<int> near = places_near(model, state, touch, tools, poses);
+  inputs.contacts = find_contacts(model, state, touch, tools, poses, dt, near);
   const lattice::StepReport report = lattice::step(exec, model, state, inputs, dt);
   read_forces(model, state, touch, tools, forces);
   return report;

@@ -8,18 +8,12 @@
 #include <vector>
 
 #include "turgor/contact/touch.hpp"
-#include "turgor/models/lattice/lattice.hpp"
+#include "turgor/models/lattice/kept_state.hpp"
 #include "turgor/models/lattice/surface.hpp"
 
 namespace turgor::contact {
 
-/// A place of the surface.
-struct LatticePlace {
-  int slot = 0;       // of the node that carries it
-  Vec3d rest;         // as in the CT, lattice frame [m]
-  bool wall = false;  // of a cut
-  int other = -1;     // of a neighbour that carries it as well, and has a place of its own there
-};
+using LatticePlace = lattice::SurfacePlace;
 
 /// A place near a tool, between steps.
 struct LatticeContact {
@@ -31,6 +25,7 @@ struct LatticeContact {
 
 struct LatticeTouch {
   std::vector<LatticePlace> places;         // by slot, wall and other
+  std::uint64_t version = 0;                // of the places, another one for every list of them
   std::vector<LatticeContact> contacts;     // by place, then by tool
   std::vector<ToolPose> poses;              // of the end of the last step, lattice frame
   std::vector<lattice::NodeContact> nodes;  // of the last step, one a contact
@@ -38,8 +33,7 @@ struct LatticeTouch {
 
 /// Of a field, at a place.
 inline Vec3d mean_of(const lattice::VecField& field, const LatticePlace& place) {
-  const Vec3d own(field[std::size_t(place.slot)]);
-  return place.other < 0 ? own : (own + Vec3d(field[std::size_t(place.other)])) * 0.5;
+  return mean_at(place, [&](int slot) { return field[std::size_t(slot)]; });
 }
 /// Where a place is now, lattice frame [m].
 inline Vec3d place_now(const lattice::State& state, const LatticePlace& place) {
@@ -56,11 +50,22 @@ void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattic
 /// A tool is elsewhere [patient frame], without a way there: it lets go of all that it touched.
 void put_tool(LatticeTouch& touch, const lattice::Model& model, int tool, const ToolPose& pose);
 
+/// The places that tools may come to on their way to `poses` [patient frame] or have hold of, ascending.
+std::vector<int> places_near(const lattice::Model& model, const lattice::KeptState& state,
+                             const LatticeTouch& touch, std::span<const Tool> tools,
+                             std::span<const ToolPose> poses);
+std::vector<int> places_near(const lattice::Model& model, const lattice::State& state,
+                             const LatticeTouch& touch, std::span<const Tool> tools,
+                             std::span<const ToolPose> poses);
+/// The nodes that carry them.
+std::vector<int> nodes_of(const LatticeTouch& touch, std::span<const int> places);
+
 /// The contacts of a step in which the tools go to `poses` [patient frame], for lattice::Inputs; valid until
-/// they are found for the next one.
+/// they are found for the next one. `near`: places_near.
 std::span<lattice::NodeContact> find_contacts(const lattice::Model& model, const lattice::State& state,
                                               LatticeTouch& touch, std::span<const Tool> tools,
-                                              std::span<const ToolPose> poses, double dt);
+                                              std::span<const ToolPose> poses, double dt,
+                                              std::span<const int> near);
 /// What they became in the step: one force a tool; its area stays 0.
 void read_forces(const lattice::Model& model, const lattice::State& state, LatticeTouch& touch,
                  std::span<const Tool> tools, std::span<ToolForce> forces);

@@ -11,6 +11,7 @@
 #include "turgor/models/lattice/coarse_on.hpp"
 #include "turgor/models/lattice/descent_loops.hpp"
 #include "turgor/models/lattice/kept_state.hpp"
+#include "turgor/models/lattice/looked_at_on.hpp"
 #include "turgor/models/lattice/pbd_loops.hpp"
 #include "turgor/models/lattice/resampled_on.hpp"
 
@@ -208,8 +209,19 @@ class BodyOn final : public BodyThere {
     nodes_.u.download(state.u), nodes_.u_before.download(state.u_before), nodes_.v.download(state.v);
     if (!descent_) return;
     state.copies_before.resize(descent_->shifts_before.count);
-    descent_->shifts.room.download(state.copies);
+    get_copies(state);
     descent_->shifts_before.room.download(state.copies_before);
+  }
+
+  void get_nodes(std::span<const int> slots, State& state) override {
+    looked_at_.get(run_, nodes_.view(), slots, state);
+  }
+  void get_copies(State& state) const override {
+    if (descent_) descent_->shifts.room.download(state.copies);
+  }
+  std::vector<int> find_places(std::span<const SurfacePlace> places, std::uint64_t version,
+                               std::span<const Ball> balls) override {
+    return looked_at_.find(run_, nodes_.view().nodes, places, version, balls);
   }
 
   StepReport step(const Model& model, const State& known, bool smooth, const Inputs& inputs,
@@ -306,6 +318,7 @@ class BodyOn final : public BodyThere {
   std::optional<DescentOn<Side>> descent_;
   std::optional<CoarseOn<Side>> coarse_;
   ListOn<Side, NodeLoad> loads_;
+  LookedAtOn<Side> looked_at_;
   ResampledOn<Side> resampled_;
 };
 

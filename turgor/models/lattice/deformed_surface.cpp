@@ -8,29 +8,38 @@ namespace turgor::lattice {
 
 namespace {
 
-/// Displacement of every vertex, lattice frame [m]. Corners are asked for once each.
-std::vector<Vec3> displacements(const Model& model, const State& state, const BodySurface& surface) {
-  const Pieces& pieces = surface.pieces;
-  std::vector<int> known(std::size_t(slot_count(model.lattice)) + pieces.copies.size(), -1);
-  std::vector<Vec3> corner_u;
-  std::vector<Vec3> result(surface.rest.size());
+/// see(vertex, corner, weight), for the corners that a vertex goes with.
+template <class See>
+void for_corners(const Model& model, const BodySurface& surface, const See& see) {
   const Vec3 h = model.lattice.step;
-  for (std::size_t v = 0; v < result.size(); v++) {
+  for (std::size_t v = 0; v < surface.rest.size(); v++) {
     const Carrier& carrier = surface.carrier[v];
-    const auto corners = corners_of(model, pieces, carrier.cell, carrier.piece);
+    const auto corners = corners_of(model, surface.pieces, carrier.cell, carrier.piece);
     const Vec3 at = surface.rest[v];
     const auto weight =
         trilinear(Vec3{at.x / h.x, at.y / h.y, at.z / h.z} - Vec3(slot_node(model.lattice, carrier.cell)));
-    for (std::size_t c = 0; c < 8; c++) {
-      if (weight[c] == 0) continue;
-      int& index = known[std::size_t(corners[c])];
-      if (index < 0) {
-        index = int(corner_u.size());
-        corner_u.push_back(corner_displacement(model, state, pieces, corners[c]));
-      }
-      result[v] += corner_u[std::size_t(index)] * weight[c];
-    }
+    for (std::size_t c = 0; c < 8; c++)
+      if (weight[c] != 0) see(v, corners[c], weight[c]);
   }
+}
+/// None of them is known yet.
+std::vector<int> corner_table(const Model& model, const BodySurface& surface) {
+  return std::vector<int>(std::size_t(slot_count(model.lattice)) + surface.pieces.copies.size(), -1);
+}
+
+/// Displacement of every vertex, lattice frame [m]. Corners are asked for once each.
+std::vector<Vec3> displacements(const Model& model, const State& state, const BodySurface& surface) {
+  std::vector<int> known = corner_table(model, surface);
+  std::vector<Vec3> corner_u;
+  std::vector<Vec3> result(surface.rest.size());
+  for_corners(model, surface, [&](std::size_t v, int corner, Real weight) {
+    int& index = known[std::size_t(corner)];
+    if (index < 0) {
+      index = int(corner_u.size());
+      corner_u.push_back(corner_displacement(model, state, surface.pieces, corner));
+    }
+    result[v] += corner_u[std::size_t(index)] * weight;
+  });
   return result;
 }
 
@@ -86,6 +95,19 @@ std::vector<float> stretches(const BodySurface& surface, const std::vector<Vec3>
 }
 
 }  // namespace
+
+std::vector<int> nodes_behind(const Model& model, const State& state, const BodySurface& surface) {
+  std::vector<int> known = corner_table(model, surface), nodes;
+  for_corners(model, surface, [&](std::size_t, int corner, Real) {
+    if (int& seen = known[std::size_t(corner)]; seen < 0) {
+      seen = 1;
+      add_nodes_behind(model, state, surface.pieces, corner, nodes);
+    }
+  });
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
 
 TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown) {
   const std::vector<Vec3> u = displacements(model, state, surface);

@@ -1,5 +1,5 @@
 // A lattice on a GPU: either solver by colours, with skin, volumes or solid cells, cuts, loads and contacts,
-// and the coarse space; nobody sleeps.
+// and the coarse space. Nobody sleeps there, whatever solver.sleep allows.
 #pragma once
 
 #include <memory>
@@ -10,11 +10,7 @@
 namespace turgor::lattice {
 
 /// Can a GPU step this?
-inline bool runs_on_gpu(const Params& params) {
-  const SolverParams& solver = params.solver;
-  if (solver.schedule != Schedule::kColours) return false;
-  return solver.method == Method::kPbd || solver.sleep == 0;
-}
+inline bool runs_on_gpu(const Params& params) { return params.solver.schedule == Schedule::kColours; }
 /// Are the kernels of a frame told to the GPU as one graph, or one by one? The latter is for comparison.
 enum class Frames { kAsGraphs, kOneByOne };
 /// Copies the model over, for KeptState::step_on. Error: the memory that it needs and that there is.

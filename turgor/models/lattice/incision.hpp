@@ -96,5 +96,8 @@ Wound measure_wound(const Model& model, const State& state, const BodySurface& s
                     int incision);
 /// The same for a surface of its own.
 Wound measure_wound(const Model& model, const State& state, const BladePath& path, int incision);
+/// The nodes whose displacements it looks at, ascending: they follow from the cuts.
+std::vector<int> nodes_beside(const Model& model, const State& state, const BodySurface& surface,
+                              const BladePath& path, int incision);
 
 }  // namespace turgor::lattice

@@ -26,6 +26,14 @@ bool is_there(const std::shared_ptr<StateAndPlace>& kept) {
 
 std::size_t KeptState::cuts() const { return cut_version(kept_->state); }
 
+std::vector<int> KeptState::places_in(std::span<const SurfacePlace> places, std::uint64_t version,
+                                      std::span<const Ball> balls) const {
+  if (!kept_->there) return lattice::places_in(places, kept_->state, balls);
+  const std::lock_guard lock(kept_->there->in_use);
+  return kept_->away ? kept_->there->find_places(places, version, balls)
+                     : lattice::places_in(places, kept_->state, balls);
+}
+
 StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& inputs, double dt) {
   if (!kept_->there) return lattice::step(exec, model, kept_->state, inputs, dt);
   const std::lock_guard lock(kept_->there->in_use);

@@ -7,6 +7,7 @@
 #include "turgor/core/kept.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/resample.hpp"
+#include "turgor/models/lattice/surface_place.hpp"
 
 namespace turgor::lattice {
 
@@ -36,6 +37,13 @@ struct BodyThere : HolderOf<StateAndPlace> {
   virtual void put_cuts(const Model& model, const State& state) = 0;
   /// Places and velocities.
   virtual void get_state(State& state) const = 0;
+  /// Places and velocities of these nodes.
+  virtual void get_nodes(std::span<const int> slots, State& state) = 0;
+  /// State::copies.
+  virtual void get_copies(State& state) const = 0;
+  /// places_in. `version`: another one with other places.
+  virtual std::vector<int> find_places(std::span<const SurfacePlace> places, std::uint64_t version,
+                                       std::span<const Ball> balls) = 0;
   /// Of the state that is there; a step whose numbers are not finite is undone. The model is the one that was
   /// put; its sweeps, damping and skin may be others since. `known`: the state that is there, without places
   /// and velocities. `smooth`: is its coarse space to be used (prepare_coarse_space)?
@@ -57,6 +65,24 @@ class KeptState : public KeptStateOf<StateAndPlace> {
 
   /// cut_version, wherever it is.
   std::size_t cuts() const;
+  /// What blades did to it, wherever it is: it may be without places and velocities.
+  const State& without_places() const { return kept_->state; }
+  /// Are places and velocities elsewhere at the moment?
+  bool is_away() const { return kept_->away; }
+  /// Of a state that is elsewhere, these nodes alone come back, and for look(state) alone, which asks for no
+  /// others: they would be old.
+  template <class Look>
+  auto look_at(std::span<const int> nodes, const Look& look) const {
+    return look_at(nodes, false, look);
+  }
+  /// The same with the copies of nodes beside blades, for what is drawn or measured of wounds.
+  template <class Look>
+  auto look_at_wounds(std::span<const int> nodes, const Look& look) const {
+    return look_at(nodes, true, look);
+  }
+  /// places_in, wherever it is. `version`: another one with other places.
+  std::vector<int> places_in(std::span<const SurfacePlace> places, std::uint64_t version,
+                             std::span<const Ball> balls) const;
 
   StepReport step(const Exec& exec, const Model& model, const Inputs& inputs, double dt);
 
@@ -73,6 +99,29 @@ class KeptState : public KeptStateOf<StateAndPlace> {
                       const std::function<void(const std::int16_t* there)>& show) const;
 
  private:
+  /// Some nodes of a state that is away, for as long as this lives.
+  struct Borrowed {
+    StateAndPlace& kept;
+    Borrowed(StateAndPlace& whose, std::span<const int> nodes, bool copies) : kept(whose) {
+      if (!kept.away) return;
+      kept.room.swap(kept.state);
+      kept.there->get_nodes(nodes, kept.state);
+      if (copies) kept.there->get_copies(kept.state);
+    }
+    Borrowed(const Borrowed&) = delete;
+    Borrowed& operator=(const Borrowed&) = delete;
+    ~Borrowed() {
+      if (kept.away) kept.room.swap(kept.state);
+    }
+  };
+
+  template <class Look>
+  auto look_at(std::span<const int> nodes, bool copies, const Look& look) const {
+    if (!kept_->there) return look(std::as_const(kept_->state));
+    const std::lock_guard lock(kept_->there->in_use);
+    const Borrowed some(*kept_, nodes, copies);
+    return look(std::as_const(kept_->state));
+  }
   template <class Cut>
   int cut_with(const Cut& cut);
 };

@@ -20,6 +20,16 @@ struct CutBody {
   }
 };
 
+/// The same body, which writes down whose displacement is asked for.
+struct AskedBody : CutBody {
+  std::vector<int>& asked;
+
+  Vec3 u(int slot) const {
+    asked.push_back(slot);
+    return {};
+  }
+};
+
 }  // namespace
 
 Crossing crossing(const Pieces& pieces, const State& state, Int3 a, Int3 b) {
@@ -32,6 +42,11 @@ int piece_at(const Pieces& pieces, const State& state, const CutCell& cell, Vec3
 
 Vec3 corner_displacement(const Model& model, const State& state, const Pieces& pieces, int corner) {
   return corner_displacement(CutBody{model, state}, view(pieces, state), corner);
+}
+
+void add_nodes_behind(const Model& model, const State& state, const Pieces& pieces, int corner,
+                      std::vector<int>& nodes) {
+  corner_displacement(AskedBody{{model, state}, nodes}, view(pieces, state), corner);
 }
 
 Vec3 guest_displacement(const Model& model, const State& state, const Pieces& pieces, int guest, int corner) {

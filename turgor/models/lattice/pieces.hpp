@@ -123,6 +123,10 @@ inline bool is_borne(const Model& model, const State& state, const Pieces& piece
 /// [m].
 Vec3 corner_displacement(const Model& model, const State& state, const Pieces& pieces, int corner);
 
+/// The nodes that it is found from, added to a list.
+void add_nodes_behind(const Model& model, const State& state, const Pieces& pieces, int corner,
+                      std::vector<int>& nodes);
+
 /// Displacement of a corner of the cell that a guest is in, 0 to 7, as that of the guest's own cell goes on
 /// [m].
 Vec3 guest_displacement(const Model& model, const State& state, const Pieces& pieces, int guest, int corner);

@@ -53,8 +53,13 @@ BodySurface build_surface(const Model& model, const State& state, const CtVolume
 /// The surface where the body is now, in the patient frame [m], with smooth normals (walls, caps and skin
 /// apart) and a scalar a vertex: displacement [m], or the skin's area ratio A / A_CT − 1.
 TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown);
+/// The nodes whose displacements it looks at, ascending: they follow from the cuts.
+std::vector<int> nodes_behind(const Model& model, const State& state, const BodySurface& surface);
 /// Displacement of one vertex, lattice frame [m].
 Vec3 vertex_displacement(const Model& model, const State& state, const BodySurface& surface, int vertex);
+/// The nodes that it is found from, added to a list.
+void add_nodes_behind(const Model& model, const State& state, const BodySurface& surface, int vertex,
+                      std::vector<int>& nodes);
 /// Where the CT shows what each vertex is made of, patient frame [m].
 std::vector<Vec3d> rest_points(const Model& model, const BodySurface& surface);
 

@@ -175,4 +175,11 @@ Vec3 vertex_displacement(const Model& model, const State& state, const BodySurfa
   return sum;
 }
 
+void add_nodes_behind(const Model& model, const State& state, const BodySurface& surface, int vertex,
+                      std::vector<int>& nodes) {
+  const Carrier& carrier = surface.carrier[std::size_t(vertex)];
+  for (const int corner : corners_of(model, surface.pieces, carrier.cell, carrier.piece))
+    add_nodes_behind(model, state, surface.pieces, corner, nodes);
+}
+
 }  // namespace turgor::lattice

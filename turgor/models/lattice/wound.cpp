@@ -39,7 +39,7 @@ std::vector<LipPair> drawn_lips(const Model& model, const State& state, const Bo
 /// A node of skin beside a removed region, as the region's path sees it.
 struct Beside {
   double along, across;
-  Vec3d u;
+  int slot;
 };
 std::vector<Beside> skin_beside(const Model& model, const State& state, const BladePath& path) {
   const Vec3d line = normalized(path.skin.back() - path.skin.front()), across = across_at(path, 0);
@@ -56,7 +56,7 @@ std::vector<Beside> skin_beside(const Model& model, const State& state, const Bl
                   state.removed[std::size_t(node_slot(model.lattice, node + way))] != 0;
     if (!beside) continue;
     const Vec3d away = Vec3d(rest_position(model.lattice, node)) - path.skin.front();
-    const Beside lip{dot(away, line), dot(away, across), Vec3d(state.u[std::size_t(slot)])};
+    const Beside lip{dot(away, line), dot(away, across), slot};
     if (lip.along > -2 * step && lip.along < length + 2 * step &&
         std::abs(lip.across) < path.width / 2 + 2 * step)
       found.push_back(lip);
@@ -70,6 +70,7 @@ std::vector<LipPair> region_lips(const Model& model, const State& state, const B
   std::vector<Beside> sides[2];
   for (const Beside& lip : skin_beside(model, state, path)) sides[lip.across >= 0].push_back(lip);
   std::vector<LipPair> pairs;
+  const auto u = [&](const Beside& lip) { return Vec3d(state.u[std::size_t(lip.slot)]); };
   for (const Beside& lip : sides[1]) {
     const auto nearest =
         std::min_element(sides[0].begin(), sides[0].end(), [&](const Beside& a, const Beside& b) {
@@ -77,8 +78,8 @@ std::vector<LipPair> region_lips(const Model& model, const State& state, const B
         });
     if (nearest == sides[0].end()) continue;
     pairs.push_back({.along = lip.along,
-                     .gape = dot(lip.u - nearest->u, across_at(path, 0)),
-                     .moved = std::max(norm(lip.u), norm(nearest->u))});
+                     .gape = dot(u(lip) - u(*nearest), across_at(path, 0)),
+                     .moved = std::max(norm(u(lip)), norm(u(*nearest)))});
   }
   return pairs;
 }
@@ -126,6 +127,20 @@ Wound measure_wound(const Model& model, const State& state, const BodySurface& s
                     int incision) {
   return wound_of(model, path.width > 0 ? region_lips(model, state, path)
                                         : drawn_lips(model, state, surface, path, incision));
+}
+
+std::vector<int> nodes_beside(const Model& model, const State& state, const BodySurface& surface,
+                              const BladePath& path, int incision) {
+  std::vector<int> nodes;
+  if (path.width > 0)
+    for (const Beside& lip : skin_beside(model, state, path)) nodes.push_back(lip.slot);
+  else
+    for (const Lip& lip : surface.lips)
+      if (lip.incision == incision)
+        for (const int v : {lip.left, lip.right}) add_nodes_behind(model, state, surface, v, nodes);
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
 }
 
 Wound measure_wound(const Model& model, const State& state, const BladePath& path, int incision) {

@@ -102,9 +102,14 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
     m.edges = cut.edges;
     measures.near_cuts.resize(world.lattice_bodies.size());
     lattice::BodySurface& near = measures.near_cuts[std::size_t(cut.body)];
+    const lattice::State& cuts = body.state.without_places();
     if (near.pieces.version != body.state.cuts())
-      near = build_surface(body.model, body.state, &body.ct, lattice::Extent::kCuts);
-    m.wound = lattice::measure_wound(body.model, body.state, near, *cut.path, int(c));
+      near = build_surface(body.model, cuts, &body.ct, lattice::Extent::kCuts);
+    std::vector<int> nodes;
+    if (body.state.is_away()) nodes = nodes_beside(body.model, cuts, near, *cut.path, int(c));
+    m.wound = body.state.look_at_wounds(nodes, [&](const lattice::State& state) {
+      return lattice::measure_wound(body.model, state, near, *cut.path, int(c));
+    });
     m.series.push_back(sample_of(m.wound, time_of(world)));
   }
   if (!snapshot) return;

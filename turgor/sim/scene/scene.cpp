@@ -130,7 +130,8 @@ void read_world(SceneTable world, Scene& scene) {
   world.read_choice<Device>(
       "device", scene.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
       "where lattices and cloth step and Green's functions are computed; `\"gpu\"`, of NVIDIA: lattices need "
-      "`solver.schedule = \"colours\"`, cloth is solved by sweeps");
+      "`solver.schedule = \"colours\"`, which they have unless it is said otherwise, cloth is solved by "
+      "sweeps");
   world.finish();
 }
 

@@ -195,14 +195,14 @@ void read_solver(SceneTable& body, lattice::SolverParams& solver) {
   table.read_choice<Schedule>(
       "schedule", solver.schedule, {{"slabs", Schedule::kSlabs}, {"colours", Schedule::kColours}},
       "the order of a sweep: `\"slabs\"` of layers, fastest on a CPU, or eight `\"colours\"`, parities of a "
-      "node's place, each at once, as a GPU needs it; where descent comes to rest does not depend on it, "
-      "what pbd shows does");
+      "node's place, each at once, as a GPU needs it and has it unless it is said otherwise; where descent "
+      "comes to rest does not depend on it, what pbd shows does");
   table.read("sweeps", solver.sweeps, within(1, 1000), "a frame");
   table.read("damping", solver.damping, not_negative("1/s"), "velocities lose exp(−damping · t)");
   table.read(
       "sleep", solver.sleep, not_negative("m/s"),
       "descent only: rows of the lattice near which nothing is faster for eight frames are not swept until "
-      "something near them moves, is cut, touched or loaded; 0: all are");
+      "something near them moves, is cut, touched or loaded; 0: all are, and on a GPU");
   table.read("pbd_stiffness", solver.pbd_stiffness, within(0, 1),
              "pbd only: scales the density-based stiffness");
   table.read("pbd_volume", solver.pbd_volume, "pbd only: keep the volumes of tetrahedra");
@@ -226,11 +226,8 @@ void check_solid(SceneTable& body, const lattice::Params& params) {
 void check_gpu(SceneTable& body, const lattice::SolverParams& solver) {
   if (solver.schedule != Schedule::kColours)
     body.fail("solver",
-              "world.device = \"gpu\" sweeps by solver.schedule = \"colours\" alone; set it, or "
-              "world.device = \"cpu\"");
-  if (solver.method == Method::kDescent && solver.sleep > 0)
-    body.fail("solver",
-              "on world.device = \"gpu\" no row sleeps; set solver.sleep = 0, or world.device = \"cpu\"");
+              "world.device = \"gpu\" sweeps by solver.schedule = \"colours\" alone; leave schedule away, or "
+              "set world.device = \"cpu\"");
 }
 
 }  // namespace
@@ -250,6 +247,7 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
   read_fixed(body, scene.params, scene.held);
   body.read("gravity", scene.has_gravity,
             "`false`: the CT shows it as gravity has shaped it already; it feels what lies on it alone");
+  if (device == Device::kGpu) scene.params.solver.schedule = Schedule::kColours;
   read_solver(body, scene.params.solver);
   const bool projects = scene.params.solver.method == Method::kPbd;
   scene.params.tissue.law = projects ? TissueLaw::kSprings : TissueLaw::kSolid;

@@ -116,7 +116,10 @@ Status put_on_gpu(LatticeBody& body) {
   Result<std::shared_ptr<lattice::BodyThere>> there = put(*gpu, body.model);
   if (!there) return Error{"world.device = \"gpu\": " + there.error().message};
   body.state.step_on(std::move(*there));
-  body.notes.push_back("steps on " + gpu->name);
+  const lattice::SolverParams& solver = body.model.params.solver;
+  const bool may_sleep = solver.method == lattice::Method::kDescent && solver.sleep > 0;
+  body.notes.push_back("steps on " + gpu->name +
+                       (may_sleep ? "; no row sleeps there, whatever solver.sleep" : ""));
   return Done{};
 }
 
@@ -179,7 +182,7 @@ void record_step(const LatticeBody& body, std::vector<TouchingTool>& tools, doub
 }
 
 void make_surface(LatticeBody& body) {
-  body.surface = lattice::build_surface(body.model, body.state, &body.ct);
+  body.surface = lattice::build_surface(body.model, body.state.without_places(), &body.ct);
   body.rest = lattice::rest_points(body.model, body.surface);
   body.surface_cuts = body.state.cuts();
 }
@@ -207,7 +210,8 @@ void keep_surface(LatticeBody& body) {
   const bool made = !body.rest.empty();
   if (made && body.state.cuts() == body.surface_cuts) return;
   make_surface(body);
-  if (made && !body.tools.empty()) contact::take_surface(body.touch, body.model, body.state, body.surface);
+  if (made && !body.tools.empty())
+    contact::take_surface(body.touch, body.model, body.state.without_places(), body.surface);
 }
 
 Status begin_body(const Exec&, LatticeBody& body, const LatticeScene&, const World& world) {
@@ -217,18 +221,28 @@ Status begin_body(const Exec&, LatticeBody& body, const LatticeScene&, const Wor
   body.poses.resize(body.tools.size());
   body.forces.resize(body.tools.size());
   set_poses(body, tools, 0);
-  body.touch = contact::make_lattice_touch(body.model, body.state, body.surface, body.poses);
+  body.touch = contact::make_lattice_touch(body.model, body.state.without_places(), body.surface, body.poses);
   return Done{};
 }
 
 namespace {
 
+/// What carries the places of the last step's contacts.
+std::vector<int> touched_nodes(const LatticeBody& body) {
+  std::vector<int> places;
+  for (const contact::LatticeContact& contact : body.touch.contacts) places.push_back(contact.place);
+  return nodes_of(body.touch, places);
+}
+
 /// What ticks feel until the next frame.
 void leave_planes(LatticeBody& body) {
-  for (std::size_t t = 0; t < body.felt.size(); t++)
-    leave_plane(body, t,
-                contact::local_contact(body.model, body.state, body.touch, int(t), body.tools[t],
-                                       body.poses[t], body.felt[t].memory));
+  if (body.felt.empty()) return;
+  body.state.look_at(touched_nodes(body), [&](const lattice::State& state) {
+    for (std::size_t t = 0; t < body.felt.size(); t++)
+      leave_plane(body, t,
+                  contact::local_contact(body.model, state, body.touch, int(t), body.tools[t], body.poses[t],
+                                         body.felt[t].memory));
+  });
 }
 
 /// From one time to another [s].
@@ -243,9 +257,16 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
   for (int part = 1; part <= parts && report.finite; part++) {
     set_poses(body, tools, from + (to - from) * part / parts);
     const double dt = (to - from) / parts;
-    inputs.contacts = contact::find_contacts(body.model, body.state, body.touch, body.tools, body.poses, dt);
+    const std::vector<int> near =
+        contact::places_near(body.model, body.state, body.touch, body.tools, body.poses);
+    body.state.look_at(nodes_of(body.touch, near), [&](const lattice::State& state) {
+      inputs.contacts =
+          contact::find_contacts(body.model, state, body.touch, body.tools, body.poses, dt, near);
+    });
     report = body.state.step(exec, body.model, inputs, dt);
-    contact::read_forces(body.model, body.state, body.touch, body.tools, body.forces);
+    body.state.look_at(touched_nodes(body), [&](const lattice::State& state) {
+      contact::read_forces(body.model, state, body.touch, body.tools, body.forces);
+    });
   }
   record_step(body, tools, to, timer.seconds());
   return report;
