@@ -1,8 +1,8 @@
-// Frames by colours of bodies as large as the paper's and larger ones, on a GPU where there is one, and of
-// the smallest on this processor: what of a machine's two
-// limits, measured here, they reach. A line of JSON each, which scripts/roofline draws. Bytes are those of
-// the arrays that each loop goes over, where nothing stays in a cache from one loop to the next; operations
-// are those of single precision in what nvcc makes of a node (-ptx), a fused one as two.
+// Frames by colours of bodies as large as the paper's and larger ones, up to a node a voxel, on a GPU where
+// there is one, and of the smallest on this processor: what of a machine's two limits, measured here, they
+// reach. A line of JSON each, which scripts/roofline draws. Bytes are those of the arrays that each loop goes
+// over, where nothing stays in a cache from one loop to the next; operations are those of single precision in
+// what nvcc makes of a node (-ptx), a fused one as two.
 #include <cstdio>
 
 #include "app/machine.hpp"
@@ -49,12 +49,14 @@ struct Kind {
 struct Body {
   const char* name;
   PhantomKind phantom;
-  int block;  // voxels a step
+  int block;               // voxels a step
+  bool pbd_alone = false;  // as the paper steps it
 };
 constexpr Body kBodies[] = {{"A abdomen", PhantomKind::kTorso, 4},
                             {"B head", PhantomKind::kHead, 4},
                             {"C leg", PhantomKind::kLeg, 4},
-                            {"A in steps of 2 voxels", PhantomKind::kTorso, 2}};
+                            {"A in steps of 2 voxels", PhantomKind::kTorso, 2},
+                            {"A, a node a voxel", PhantomKind::kTorso, 1, true}};
 constexpr Kind kKinds[] = {{"pbd", Method::kPbd, TissueLaw::kSprings},
                            {"descent, springs", Method::kDescent, TissueLaw::kSprings},
                            {"descent, solid", Method::kDescent, TissueLaw::kSolid}};
@@ -121,6 +123,7 @@ int main() {
     if (!is_small && !gpu) continue;
     const CtVolume ct = make_phantom(exec, default_phantom(body.phantom));
     for (const Kind& kind : kKinds) {
+      if (body.pbd_alone && kind.method != Method::kPbd) continue;
       const Model model = model_of(exec, ct, kind, body.block);
       if (is_small)
         print_frame("cpu", body, kind, model, frame_ms(exec, model, make_state(model), kFrames / 3), 0, copy);

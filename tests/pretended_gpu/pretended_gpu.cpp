@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -80,14 +81,34 @@ Argument copy_of(const PretendedKernel& kernel, const void* argument) {
   std::memcpy(copy.data(), argument, kernel.argument_bytes);
   return copy;
 }
-/// Four threads go through the blocks; of a block, the last thread comes first.
-void run(const PretendedKernel& kernel, dim3 blocks, dim3 threads, std::size_t count, const void* argument) {
+/// A pool gives a short loop to one thread; ThreadSanitizer is to see two.
+template <class Part>
+void for_parts(std::size_t count, const Part& part) {
+#ifdef __SANITIZE_THREAD__
+  std::thread odd([&] {
+    for (std::size_t n = 1; n < count; n += 2) part(n);
+  });
+  for (std::size_t n = 0; n < count; n += 2) part(n);
+  odd.join();
+#else
   static const turgor::Exec exec(4);
+  turgor::parallel_for(exec, count, part);
+#endif
+}
+
+/// Threads that are neighbours there are on different threads here; the last ones come first.
+void run(const PretendedKernel& kernel, dim3 blocks, dim3 threads, std::size_t count, const void* argument) {
+  constexpr std::size_t kParts = 7;
   kernels++;
-  turgor::parallel_for(exec, blocks.x, [&](std::size_t block) {
+  const std::size_t all = std::size_t(blocks.x) * threads.x;
+  for_parts(std::min(all, kParts), [&](std::size_t first) {
     const turgor::FlushDenormals flush;  // as GPUs do
-    blockIdx.x = unsigned(block), blockDim = threads;
-    for (unsigned t = threads.x; t-- > 0;) threadIdx.x = t, kernel.call(count, argument);
+    blockDim = threads;
+    for (std::size_t n = first + (all - 1 - first) / kParts * kParts;; n -= kParts) {
+      blockIdx.x = unsigned(n / threads.x), threadIdx.x = unsigned(n % threads.x);
+      kernel.call(count, argument);
+      if (n == first) break;
+    }
   });
 }
 
