@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -256,6 +257,57 @@ TEST(lattice_resample_loops, of_fields_what_was_asked_for_alone_comes_back) {
   EXPECT_EQ(state.resample_displacement(kExec, ball.model, ball.ct.grid).samples,
             resample_displacement(kExec, ball.model, state, ball.ct.grid).samples)
       << "only here";
+}
+
+/// A side whose arrays may have so many bytes each.
+struct FullSide {
+  static inline std::size_t room = 0;
+  template <class T>
+  struct Array : CountedArray<T> {
+    Array() = default;
+    explicit Array(std::size_t count)
+        : CountedArray<T>(count * sizeof(T) <= room ? count : 0), wanted(count) {}
+    bool is_there() const { return wanted * sizeof(T) <= room; }
+    std::size_t wanted = 0;
+  };
+  using Run = SeededRun<1>;
+};
+
+TEST(lattice_resample_loops, without_room_for_one_leave_it_to_the_cpu) {
+  const CutBall ball({});
+  FullSide::room = 1000000000;
+  Rooms<FullSide> rooms;
+  KeptState state = ball.state;
+  state.step_on(std::make_shared<BodyOn<FullSide>>(ball.model, rooms));
+  EXPECT_TRUE(state.step(kExec, ball.model, {}, 1e-3).finite);
+  const Grid& grid = ball.ct.grid;
+  const std::size_t voxels = sample_count(grid);
+  const CtVolume ct = resample_ct(kExec, ball.model, state, ball.ct, grid).ct;
+  const VectorVolume u = resample_displacement(kExec, ball.model, state, grid);
+  const ScalarVolume ratio = resample_jacobian(kExec, ball.model, state, grid);
+  for (const auto& [room, u_back, ratio_back, ct_back] :
+       {std::tuple(100 * voxels, 12 * voxels, 4 * voxels, 2 * voxels),
+        {8 * voxels, 0, 4 * voxels, 2 * voxels},
+        {std::size_t(100), 0, 0, 0},
+        {100 * voxels, 12 * voxels, 4 * voxels, 2 * voxels}}) {
+    FullSide::room = room;
+    const auto back_of = [&](const auto& make) {
+      Bus::back = 0;
+      make();
+      return Bus::back - Bus::back % voxels;  // less what is told
+    };
+    std::vector<Vec3> u_now;
+    std::vector<float> ratio_now;
+    std::vector<std::int16_t> ct_now;
+    EXPECT_EQ(back_of([&] { u_now = state.resample_displacement(kExec, ball.model, grid).samples; }), u_back);
+    EXPECT_EQ(back_of([&] { ratio_now = state.resample_jacobian(kExec, ball.model, grid).samples; }),
+              ratio_back);
+    EXPECT_EQ(back_of([&] { ct_now = state.resample(kExec, ball.model, ball.ct, grid).ct.samples; }),
+              ct_back);
+    EXPECT_TRUE(u_back > 0 || u_now == u.samples);
+    EXPECT_TRUE(ratio_back > 0 || ratio_now == ratio.samples);
+    EXPECT_TRUE(ct_back > 0 || ct_now == ct.samples);
+  }
 }
 
 TEST(lattice_resample_loops, make_sections_across_a_wound_that_are_one_voxel_thick) {

@@ -1,19 +1,27 @@
 #include "turgor/pictures/deformed_volume.hpp"
 
-#include "turgor/view/pictures_there.hpp"
+#include <limits>
+
 #include "turgor/view/volume_view.hpp"
 
 namespace turgor {
 
+Result<Image> draw_deformed(const Exec& exec, const DeformedCt& ct, PicturesThere& pictures,
+                            const std::string& preset, const Camera& camera, int width, int height) {
+  if (ct.there) return pictures.draw(*ct.there, preset, camera, width, height);
+  return draw_volume(exec, ct.ct, preset, camera, width, height);
+}
+
 Image draw_deformed_volume(const Exec& exec, const LatticeBody& body, const std::string& preset,
                            const Camera& camera, int width, int height) {
-  constexpr lattice::ResampleOptions kAlone{.keep_surroundings = false};
-  const Grid& grid = body.ct.grid;
-  if (const auto there = body.state.resample_there(exec, body.model, body.ct, grid, kAlone))
-    if (Result<Image> image = PicturesThere().draw(*there, preset, camera, width, height))
-      return std::move(*image);
-  return draw_volume(exec, body.state.resample(exec, body.model, body.ct, grid, kAlone).ct, preset, camera,
-                     width, height);
+  const auto draw = [&](CtWish wish) {
+    constexpr int kAll = std::numeric_limits<int>::max();
+    PicturesThere pictures;
+    return draw_deformed(exec, make_deformed_ct(exec, body, 0, wish, kAll), pictures, preset, camera, width,
+                         height);
+  };
+  if (Result<Image> image = draw({.here = false, .there = true})) return std::move(*image);
+  return draw({.here = true, .there = false}).value();
 }
 
 }  // namespace turgor

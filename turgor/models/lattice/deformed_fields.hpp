@@ -10,7 +10,7 @@ namespace turgor::lattice {
 struct DisplacementOfVoxel {
   Grid nodes, out;
 
-  static constexpr Vec3 kOutside{0, 0, 0};
+  TURGOR_HD static Vec3 outside() { return {0, 0, 0}; }
   /// `at`: its place in the CT [nodes].
   TURGOR_HD Vec3 operator()(Int3 voxel, Vec3 at, float) const {
     return Vec3(point_at(nodes, Vec3d(at)) - point_at(out, Vec3d(voxel)));
@@ -19,7 +19,7 @@ struct DisplacementOfVoxel {
 
 /// Volume now over volume in the CT.
 struct JacobianOfVoxel {
-  static constexpr float kOutside = 1;
+  TURGOR_HD static float outside() { return 1; }
   TURGOR_HD float operator()(Int3, Vec3, float ratio) const { return ratio; }
 };
 

@@ -100,10 +100,10 @@ void fill_rest(const Exec& exec, const Model& model, const CtVolume& ct, const R
   parallel_for(exec, rim.size(), [&](std::size_t s) { fill_beside_body(inputs, int(s), out); });
 }
 
-template <class Of, class Sample>
+template <class Sample, class Of>
 std::vector<Sample> resample_field(const Exec& exec, const Model& model, const State& state, const Grid& out,
-                                   const Of& of, Sample outside) {
-  std::vector<Sample> samples(sample_count(out), outside);
+                                   const Of& of) {
+  std::vector<Sample> samples(sample_count(out), Of::outside());
   resample_with(exec, place_body(exec, model, state, out), kInNodes, FieldWriter<Of, Sample>{of, samples});
   return samples;
 }
@@ -149,12 +149,11 @@ ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state
 VectorVolume resample_displacement(const Exec& exec, const Model& model, const State& state,
                                    const Grid& out) {
   const DisplacementOfVoxel of{model.grid, out};
-  return {.grid = out, .samples = resample_field(exec, model, state, out, of, of.kOutside)};
+  return {.grid = out, .samples = resample_field<Vec3>(exec, model, state, out, of)};
 }
 
 ScalarVolume resample_jacobian(const Exec& exec, const Model& model, const State& state, const Grid& out) {
-  const JacobianOfVoxel of;
-  return {.grid = out, .samples = resample_field(exec, model, state, out, of, of.kOutside)};
+  return {.grid = out, .samples = resample_field<float>(exec, model, state, out, JacobianOfVoxel{})};
 }
 
 }  // namespace turgor::lattice

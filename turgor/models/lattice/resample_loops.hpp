@@ -367,11 +367,11 @@ struct FillField {
 
   TURGOR_HD void operator()(std::size_t n) const {
     const std::uint32_t owner = v.owner[n];
-    field[n] = Of::kOutside;
-    if (owner >= ResampleView::kBeside) return;
-    const Int3 voxel = v.voxel(n);
+    field[n] = owner >= ResampleView::kBeside ? Of::outside() : value(owner, v.voxel(n));
+  }
+  TURGOR_HD Sample value(std::uint32_t owner, Int3 voxel) const {
     const TissueAt tissue = FindTissue{v}(owner, voxel);
-    field[n] = of(voxel, tissue.place, tissue.ratio);
+    return of(voxel, tissue.place, tissue.ratio);
   }
 };
 
