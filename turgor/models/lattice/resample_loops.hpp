@@ -360,9 +360,8 @@ struct FillVoxel {
 
 /// One of deformed_fields.hpp.
 template <class Of, class Sample>
-struct FillField {
+struct FillField : Of {
   ResampleView v;
-  Of of;
   Sample* field;  // by voxel
 
   TURGOR_HD void operator()(std::size_t n) const {
@@ -371,7 +370,7 @@ struct FillField {
   }
   TURGOR_HD Sample value(std::uint32_t owner, Int3 voxel) const {
     const TissueAt tissue = FindTissue{v}(owner, voxel);
-    return of(voxel, tissue.place, tissue.ratio);
+    return Of::operator()(voxel, tissue.place, tissue.ratio);
   }
 };
 

@@ -159,7 +159,7 @@ class ResampledOn {
     if (!fits(model, cuts, grid) || !field.fits(samples.size())) return false;
     const ResampleView view = this->view(run, model, cuts, body, grid);
     claim_with(run, view);
-    run(view.voxel_count(), FillField<Of, Sample>{view, of, field.data()});
+    run(view.voxel_count(), FillField<Of, Sample>{of, view, field.data()});
     field.room.download(samples);
     return true;
   }
