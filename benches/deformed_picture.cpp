@@ -65,7 +65,7 @@ void bench_gpu(benchmark::State& state) {
     const auto now = (*body)->resample(Exec(1), s.model, s.state, s.ct, s.ct.grid, kAlone);
     if (!now) return state.SkipWithError("no room for the deformed CT");
     if (!state.range(0)) continue;  // the CT alone
-    if (const Status shown = volume->show(now->samples, s.ct.grid); !shown)
+    if (const Status shown = volume->show(now->samples->data(), s.ct.grid); !shown)
       return state.SkipWithError(shown.error().message.c_str());
     benchmark::DoNotOptimize(volume->draw("skin", s.camera, pixels, pixels).value().pixels.data());
   }

@@ -87,8 +87,7 @@ long other_voxels(const Gpu& gpu, const Model& model, const State& state, const 
   const std::shared_ptr<BodyThere> body = put(gpu, model).value();
   body->put_state(model, state);
   CtVolume there = ct;
-  EXPECT_TRUE(body->resample(kOne, model, state, ct, ct.grid, {}));
-  body->get_resampled(there.samples);
+  body->resample(kOne, model, state, ct, ct.grid, {}).value().samples->get(there.samples);
   const CtVolume here = resample_ct(kOne, model, state, ct, ct.grid).ct;
   long other = 0;
   for (std::size_t v = 0; v < here.samples.size(); v++) other += there.samples[v] != here.samples[v];
@@ -117,6 +116,25 @@ TEST(gpu_lattice, the_deformed_ct_of_a_wound_made_there_is_the_one_made_here) {
     ASSERT_GT(cut_region(ball.model, ball.state, ball.path({-6, -5, 0}, {6, -4, 0}, 0, 0.003)), 5);
     EXPECT_LE(other_voxels(*gpu, ball.model, ball.state, ball.ct), long(ball.ct.samples.size()) / 1000);
   }
+}
+
+TEST(gpu_lattice, the_fields_of_a_wound_made_there_are_those_made_here) {
+  const Result<Gpu> gpu = open_gpu();
+  if (!gpu) GTEST_SKIP() << gpu.error().message;
+  const CutBall ball({}, TissueLaw::kSolid);
+  const Grid& grid = ball.ct.grid;
+  const std::shared_ptr<BodyThere> body = put(*gpu, ball.model).value();
+  body->put_state(ball.model, ball.state);
+  const VectorVolume u = resample_displacement(kOne, ball.model, ball.state, grid);
+  const ScalarVolume ratio = resample_jacobian(kOne, ball.model, ball.state, grid);
+  std::vector<Vec3> u_there(u.samples.size());
+  std::vector<float> ratio_there(u.samples.size());
+  ASSERT_TRUE(body->get_displacement(ball.model, ball.state, grid, u_there));
+  ASSERT_TRUE(body->get_jacobian(ball.model, ball.state, grid, ratio_there));
+  long other = 0;
+  for (std::size_t v = 0; v < u_there.size(); v++)
+    other += norm(u_there[v] - u.samples[v]) > 1e-7f || std::abs(ratio_there[v] - ratio.samples[v]) > 1e-5f;
+  EXPECT_LE(other, long(u_there.size()) / 1000) << "fused multiply-adds round otherwise";
 }
 
 TEST(gpu_lattice, what_runs_there_is_known_before) {

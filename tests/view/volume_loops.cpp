@@ -5,6 +5,7 @@
 
 #include "models/ct_body.hpp"
 #include "models/host_side.hpp"
+#include "turgor/view/pictures_there.hpp"
 #include "turgor/view/smooth.hpp"
 #include "turgor/view/volume_on.hpp"
 #include "turgor/view/volume_view.hpp"
@@ -117,20 +118,18 @@ TEST(volume_loops, draw_a_deformed_ct_that_stays_where_it_was_made) {
   State moved = make_state(model);
   move(model, moved, [](Vec3d x) { return wobble(x, 0.003, 0.04, 0.2); });
   KeptState state = moved;
-  VolumeOn<HostSide<SeededRun<1>>> pictures;
+  PicturesThere pictures(
+      [] { return Result(std::unique_ptr<VolumeThere>(new VolumeOn<HostSide<SeededRun<1>>>)); });
   const Vec3d middle = point_at(ct.grid, {19.5, 19.5, 19.5});
   const Camera camera{.eye = middle + Vec3d{0.03, -0.12, 0.05}, .target = middle};
-  Image there;
-  const auto draw = [&](const std::int16_t* samples) {
-    ASSERT_TRUE(pictures.show(samples, ct.grid));
-    there = pictures.draw("skin", camera, test::kWidth, test::kHeight).value();
-  };
   const ResampleOptions alone{.keep_surroundings = false};
-  EXPECT_FALSE(state.show_resampled(Exec(1), model, ct, ct.grid, alone, draw)) << "it is here";
+  EXPECT_FALSE(state.resample_there(Exec(1), model, ct, ct.grid, alone)) << "it is here";
   state.step_on(put_on_host<SeededRun<1>>(model));
   EXPECT_TRUE(state.step(Exec(1), model, {}, 1e-4).finite);
   Bus::back = 0;
-  ASSERT_TRUE(state.show_resampled(Exec(1), model, ct, ct.grid, alone, draw));
+  const auto made = state.resample_there(Exec(1), model, ct, ct.grid, alone);
+  ASSERT_TRUE(made);
+  const Image there = pictures.draw(*made, "skin", camera, test::kWidth, test::kHeight).value();
   EXPECT_EQ(Bus::back,
             there.pixels.size() * sizeof(Rgb) + sizeof(MovedBits) + kCountParts * sizeof(ResampleCounts))
       << "the picture, and what is told of the CT";

@@ -217,7 +217,7 @@ TEST_F(WindowTest, a_volume_is_cast_coarsely_while_the_camera_moves_and_finely_a
   VolumeWish wish{ct, "bone", window_->viewer().camera, 320, 240};
   const auto until = [&](int width) {
     for (const Timer timer; timer.seconds() < 20; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
-      renew(wish, picture);
+      EXPECT_TRUE(renew(wish, picture));
       if (picture.image.width == width) return true;
     }
     return false;
@@ -227,7 +227,7 @@ TEST_F(WindowTest, a_volume_is_cast_coarsely_while_the_camera_moves_and_finely_a
   EXPECT_TRUE(until(320)) << "and as fine as the window";
   for (int n = 0; n < 20; n++) {  // a camera that moves faster than rays are cast
     wish.camera = orbited(wish.camera, 0.05, 0);
-    renew(wish, picture);
+    EXPECT_TRUE(renew(wish, picture));
     EXPECT_TRUE(picture.image.width == 320 || picture.image.width == 80) << picture.image.width;
     if (picture.coming.valid()) picture.coming.wait();
   }

@@ -82,7 +82,7 @@ Status add_close_sections(const LatticeBody& body, const Cut& cut, Window window
   {
     const AddTime time(outputs.facts.drawing_seconds);
     images.push_back(draw_section(sampled(body.ct, grid), plane, at, window, kHeight));
-    const CtVolume now = lattice::resample_ct(*outputs.exec, body.model, body.state, body.ct, grid).ct;
+    const CtVolume now = body.state.resample(*outputs.exec, body.model, body.ct, grid).ct;
     images.push_back(draw_section(now, plane, at, window, kHeight));
   }
   const std::string name = cut.blade.name;
@@ -152,13 +152,13 @@ Status write_fields(const LatticeBody& body, const Grid& grid, Outputs& outputs)
   const OutputScene& output = outputs.scene->output;
   if (!output.displacement.empty()) {
     const std::string file = file_of(outputs, body, output.displacement);
-    const VectorVolume field = lattice::resample_displacement(*outputs.exec, body.model, body.state, grid);
+    const VectorVolume field = body.state.resample_displacement(*outputs.exec, body.model, grid);
     if (const Status status = write_displacement(outputs.folder / file, field); !status) return status;
     outputs.facts.files.push_back(file);
   }
   if (!output.jacobian.empty()) {
     const std::string file = file_of(outputs, body, output.jacobian);
-    const ScalarVolume field = lattice::resample_jacobian(*outputs.exec, body.model, body.state, grid);
+    const ScalarVolume field = body.state.resample_jacobian(*outputs.exec, body.model, grid);
     if (const Status status = write_scalars(outputs.folder / file, field); !status) return status;
     outputs.facts.files.push_back(file);
   }

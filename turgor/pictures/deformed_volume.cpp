@@ -1,25 +1,27 @@
 #include "turgor/pictures/deformed_volume.hpp"
 
-#include "turgor/view/gpu_volume.hpp"
+#include <limits>
+
 #include "turgor/view/volume_view.hpp"
 
 namespace turgor {
 
+Result<Image> draw_deformed(const Exec& exec, const DeformedCt& ct, PicturesThere& pictures,
+                            const std::string& preset, const Camera& camera, int width, int height) {
+  if (ct.there) return pictures.draw(*ct.there, preset, camera, width, height);
+  return draw_volume(exec, ct.ct, preset, camera, width, height);
+}
+
 Image draw_deformed_volume(const Exec& exec, const LatticeBody& body, const std::string& preset,
                            const Camera& camera, int width, int height) {
-  constexpr lattice::ResampleOptions kAlone{.keep_surroundings = false};
-  const Grid& grid = body.ct.grid;
-  std::optional<Image> there;
-  body.state.show_resampled(exec, body.model, body.ct, grid, kAlone, [&](const std::int16_t* samples) {
-    const Result<Gpu> gpu = open_gpu();
-    if (!gpu) return;
-    const std::unique_ptr<VolumeThere> volume = volume_on(*gpu);
-    if (!volume->show(samples, grid)) return;
-    if (Result<Image> image = volume->draw(preset, camera, width, height)) there = std::move(*image);
-  });
-  if (there) return std::move(*there);
-  return draw_volume(exec, body.state.resample(exec, body.model, body.ct, grid, kAlone).ct, preset, camera,
-                     width, height);
+  const auto draw = [&](CtWish wish) {
+    constexpr int kAll = std::numeric_limits<int>::max();
+    PicturesThere pictures;
+    return draw_deformed(exec, make_deformed_ct(exec, body, 0, wish, kAll), pictures, preset, camera, width,
+                         height);
+  };
+  if (Result<Image> image = draw({.here = false, .there = true})) return std::move(*image);
+  return draw({.here = true, .there = false}).value();
 }
 
 }  // namespace turgor

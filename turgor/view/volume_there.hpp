@@ -1,5 +1,5 @@
 // A volume on the other side of a bus, where it is drawn: the deformed CT that a body made there
-// (KeptState::visit_resampled) needs not come here for its picture.
+// (KeptState::resample_there) needs not come here for its picture.
 #pragma once
 
 #include "turgor/core/result.hpp"

@@ -2,22 +2,21 @@
 
 #include <chrono>
 
-#include "turgor/view/volume_view.hpp"
-
 namespace turgor {
 
 namespace {
 
-bool is_ready(const std::future<Image>& image) {
+bool is_ready(const std::future<Result<Image>>& image) {
   return image.valid() && image.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
 void begin(const VolumeWish& wish, int coarseness, VolumePicture& picture) {
   picture.wish = wish, picture.coarseness = coarseness;
-  picture.coming = std::async(std::launch::async, [wish, coarseness, exec = picture.exec] {
-    return draw_volume(exec, wish.ct->ct, wish.preset, wish.camera, std::max(1, wish.width / coarseness),
-                       std::max(1, wish.height / coarseness));
-  });
+  picture.coming =
+      std::async(std::launch::async, [wish, coarseness, exec = picture.exec, &pictures = picture.pictures] {
+        return draw_deformed(exec, *wish.ct, pictures, wish.preset, wish.camera,
+                             std::max(1, wish.width / coarseness), std::max(1, wish.height / coarseness));
+      });
 }
 
 }  // namespace
@@ -35,17 +34,23 @@ void ShownImage::show(const Image& image) {
   width = image.width, height = image.height;
 }
 
-void renew(const VolumeWish& wish, VolumePicture& picture) {
-  constexpr int kCoarse = 4;
+Status renew(const VolumeWish& wish, VolumePicture& picture) {
+  const int first = wish.ct->there ? 1 : 4;
+  Status status = Done{};
   if (is_ready(picture.coming)) {
-    picture.image.show(picture.coming.get());
+    const Result<Image> image = picture.coming.get();
     picture.made = picture.wish, picture.shown_coarseness = picture.coarseness;
+    if (image)
+      picture.image.show(*image);
+    else
+      status = image.error();
   }
-  if (picture.coming.valid()) return;
+  if (picture.coming.valid()) return status;
   if (!(wish == picture.made))
-    begin(wish, kCoarse, picture);
+    begin(wish, first, picture);
   else if (picture.shown_coarseness > 1)
     begin(wish, picture.shown_coarseness / 2, picture);
+  return status;
 }
 
 void renew(const std::shared_ptr<const DeformedCt>& ct, Vec3d point, const std::string& window,

@@ -1,5 +1,6 @@
 // The CT as it would be scanned now, in a window: ray-cast by threads of its own, coarsely while the camera
-// or the body moves and finely at rest; and in three sections through a point.
+// or the body moves and finely at rest, or by the GPU that the body steps on, finely; and in three sections
+// through a point.
 #pragma once
 
 #include <future>
@@ -7,6 +8,7 @@
 #include <optional>
 
 #include "turgor/core/exec.hpp"
+#include "turgor/pictures/deformed_volume.hpp"
 #include "turgor/sim/live/session.hpp"
 #include "turgor/view/camera.hpp"
 #include "turgor/view/gl.hpp"
@@ -40,11 +42,12 @@ struct VolumePicture {
   VolumeWish wish, made;  // what is being made, and what the image shows
   int coarseness = 4;     // of what is being made: pixels a ray
   int shown_coarseness = 0;
-  std::future<Image> coming;
+  PicturesThere pictures;
+  std::future<Result<Image>> coming;
   ShownImage image;
 };
-/// Never waits: takes a picture that is ready, and begins the next one.
-void renew(const VolumeWish& wish, VolumePicture& picture);
+/// Never waits: takes a picture that is ready, and begins the next one. Error: a GPU has no room for it.
+Status renew(const VolumeWish& wish, VolumePicture& picture);
 
 /// Axial, coronal, sagittal.
 struct Sections {

@@ -33,7 +33,7 @@ void show_ct(Viewer& viewer, Sections& sections) {
   choose("tissue", volume_presets(), viewer.display.preset);
   ImGui::SetNextItemWidth(140);
   choose("window", known_windows(), viewer.display.window);
-  if (now.ct) {
+  if (now.ct && !now.ct->ct.samples.empty()) {
     const Box box = bounding_box(now.ct->ct.grid);
     const Vec3d point = viewer.touched.value_or((box.low + box.high) * 0.5);
     renew(now.ct, point, viewer.display.window, sections);

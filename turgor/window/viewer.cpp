@@ -10,6 +10,7 @@ namespace turgor {
 
 void meet_world(Viewer& viewer) {
   viewer.touching.reset(), viewer.touched.reset(), viewer.cut.reset(), viewer.wind.reset();
+  viewer.draws_there = true;
   const Scene& scene = *viewer.now->scene;
   const Box box = box_of(viewer.now->shown);
   const bool first = viewer.framed_file != scene.file;

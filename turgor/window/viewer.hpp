@@ -75,6 +75,9 @@ struct Viewer {
   std::string saved;                               // SessionNow::saved, as it was told last
   double drawn_per_second = 0;                     // of pictures [1/s]
   std::chrono::steady_clock::time_point asked_ct;  // latest
+  int ct_frame = -1;                               // that was shown then
+  CtWish ct_wish;                                  // of that
+  bool draws_there = true;                         // a GPU had room for a volume's picture
 };
 
 /// Mouse and keyboard. `place` is that of the cursor; keys are those of GLFW.

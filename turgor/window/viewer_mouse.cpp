@@ -129,15 +129,24 @@ bool begin_on_body(Viewer& viewer, bool shift) {
   return begin_line(viewer, *picked, BodyKind::kCloth, viewer.wind);
 }
 
-/// Where it is looked at, some times a second; an answer costs frames, not ticks.
+/// An answer costs frames, not ticks: some times a second from the processor; from a GPU as often as a screen
+/// shows, or an eighth of its time.
+std::chrono::duration<double> pause_between(const DeformedCt* ct) {
+  const double seconds = !ct || !ct->there ? 0.7 : std::max(0.03, 8 * ct->there->report.seconds);
+  return std::chrono::duration<double>(seconds);
+}
+
+/// Where it is looked at.
 void ask_for_ct(Viewer& viewer) {
-  constexpr std::chrono::milliseconds kPause(700);
   const SessionNow& now = *viewer.now;
-  const bool is_wanted = (viewer.display.volume || viewer.panels.ct) && !now.scene->lattice_bodies.empty();
-  if (!is_wanted || (now.ct && now.ct->frame == now.shown.frame) || Clock::now() < viewer.asked_ct + kPause)
-    return;
-  viewer.asked_ct = Clock::now();
-  viewer.session.ask(AskCt{});
+  const bool volume = viewer.display.volume;
+  if (!(volume || viewer.panels.ct) || now.scene->lattice_bodies.empty()) return;
+  const CtWish wish{.here = viewer.panels.ct || !viewer.draws_there, .there = volume && viewer.draws_there};
+  const int frame = now.shown.frame;
+  if (now.ct && now.ct->answers(wish) && (now.ct->frame == frame || viewer.ct_frame == frame)) return;
+  if (wish == viewer.ct_wish && Clock::now() < viewer.asked_ct + pause_between(now.ct.get())) return;
+  viewer.asked_ct = Clock::now(), viewer.ct_wish = wish, viewer.ct_frame = frame;
+  viewer.session.ask(AskCt{wish});
 }
 
 constexpr MouseHelp kMouse[] = {

@@ -213,7 +213,10 @@ void SceneWindow::Parts::draw_picture() {
   const bool is_there = now.phase == SessionNow::Phase::kReady && !now.shown.bodies.empty();
   const bool shows_volume = is_there && viewer->display.volume && now.ct;
   if (is_there && !shows_volume) draw_surfaces(width, height);
-  if (shows_volume) renew({now.ct, viewer->display.preset, viewer->camera, width, height}, *volume);
+  if (shows_volume && (viewer->draws_there || !now.ct->there)) {
+    const Status status = renew({now.ct, viewer->display.preset, viewer->camera, width, height}, *volume);
+    if (!status) viewer->message = status.error().message, viewer->draws_there = false;
+  }
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   glClearColor(0.03f, 0.04f, 0.05f, 1);
   glClear(GL_COLOR_BUFFER_BIT);

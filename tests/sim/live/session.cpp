@@ -220,6 +220,29 @@ TEST(Session, more_tension_leaves_whole_skin_where_it_is_and_opens_a_wound_wider
   EXPECT_GT(largest(cut.now()), 1.4 * before);
 }
 
+TEST(Session, the_ct_of_a_body_at_rest_is_made_once) {
+  const fs::path folder = fresh_folder();
+  ASSERT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  const fs::path file = written(folder, "block.toml", test::block_scene_text("block.nii"));
+  Session session(file, {"incision.cut.start=0.3", "world.duration=0.5"}, kOneThread);
+  const auto ask_until = [&](const std::function<bool(const SessionNow&)>& is_so) {
+    return wait_until(session, [&](const SessionNow& now) {
+      if (now.phase == Phase::kReady) session.ask(AskCt{});
+      return now.ct && is_so(now);
+    });
+  };
+  ASSERT_TRUE(wait_for_world(session)) << session.now().error;
+  ASSERT_TRUE(ask_until([](const SessionNow&) { return true; }));
+  const std::shared_ptr<const DeformedCt> first = session.now().ct;
+  ASSERT_TRUE(ask_until([](const SessionNow& now) { return now.shown.time > 0.25; }));
+  EXPECT_EQ(session.now().ct, first) << "frames go on, and nothing moves";
+  ASSERT_TRUE(ask_until([&](const SessionNow& now) { return now.shown.time > 0.35; }));
+  EXPECT_NE(session.now().ct, first) << "it was cut";
+  const int frame = session.now().ct->frame;
+  ASSERT_TRUE(ask_until([&](const SessionNow& now) { return now.ct->frame > frame + 5; })) << "it opens";
+  EXPECT_EQ(session.now().ct->there.has_value(), false);
+}
+
 /// A pad under a finger on a path.
 fs::path pad_file(const std::string& path, const std::string& young = "5e3", const std::string& mu = "0.3") {
   return written(fresh_folder(), "pad.toml", R"([world]

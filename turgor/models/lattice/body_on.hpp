@@ -248,15 +248,33 @@ class BodyOn final : public BodyThere {
   std::optional<ResampledThere> resample(const Exec& exec, const Model& model, const State& cuts,
                                          const CtVolume& ct, const Grid& grid,
                                          const ResampleOptions& options) override {
-    BodyToResample body{nodes_.view().nodes, nodes_.removed.data(), nullptr, 0};
-    if (descent_) body.shifts = descent_->shifts.data(), body.shift_count = descent_->shifts.count;
-    std::optional<ResampledThere> now = resampled_.make(run_, exec, model, cuts, body, ct, grid, options);
+    std::optional<ResampledThere> now =
+        resampled_.make(run_, exec, model, cuts, to_resample(), ct, grid, options);
     if (!now) resampled_ = {};
     return now;
   }
-  void get_resampled(std::span<std::int16_t> samples) const override { resampled_.get(samples); }
+  bool get_displacement(const Model& model, const State& cuts, const Grid& grid,
+                        std::span<Vec3> samples) override {
+    return get_field(model, cuts, grid, DisplacementOfVoxel{model.grid, grid}, samples);
+  }
+  bool get_jacobian(const Model& model, const State& cuts, const Grid& grid,
+                    std::span<float> samples) override {
+    return get_field(model, cuts, grid, JacobianOfVoxel{}, samples);
+  }
 
  private:
+  BodyToResample to_resample() const {
+    BodyToResample body{nodes_.view().nodes, nodes_.removed.data(), nullptr, 0};
+    if (descent_) body.shifts = descent_->shifts.data(), body.shift_count = descent_->shifts.count;
+    return body;
+  }
+  template <class Of, class Sample>
+  bool get_field(const Model& model, const State& cuts, const Grid& grid, const Of& of,
+                 std::span<Sample> samples) {
+    const bool made = resampled_.get_field(run_, model, cuts, to_resample(), grid, of, samples);
+    if (!made) resampled_ = {};
+    return made;
+  }
   void put_loads(std::span<const NodeLoad> loads) {
     std::vector<NodeLoad> by_slot(loads.begin(), loads.end());
     std::stable_sort(by_slot.begin(), by_slot.end(),

@@ -4,6 +4,7 @@
 
 #include "turgor/core/timing.hpp"
 #include "turgor/models/lattice/coarse.hpp"
+#include "turgor/models/lattice/step_loops.hpp"
 
 namespace turgor::lattice {
 
@@ -34,6 +35,10 @@ std::vector<int> KeptState::places_in(std::span<const SurfacePlace> places, std:
                      : lattice::places_in(places, kept_->state, balls);
 }
 
+double KeptState::last_way(const Model& model, double dt) const {
+  return double(kept_->state.fastest) / double(speed_scale(model.params.solver, dt));
+}
+
 StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& inputs, double dt) {
   if (!kept_->there) return lattice::step(exec, model, kept_->state, inputs, dt);
   const std::lock_guard lock(kept_->there->in_use);
@@ -48,32 +53,52 @@ StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& i
   return report;
 }
 
-ResampledCt KeptState::resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
-                                const ResampleOptions& options) const {
-  if (kept_->there) {
-    const Timer timer;
-    const std::lock_guard lock(kept_->there->in_use);
-    if (is_there(kept_))
-      if (const auto made = kept_->there->resample(exec, model, kept_->state, ct, grid, options)) {
-        ResampledCt now{.ct = {.grid = grid, .samples = {}}, .report = made->report};
-        now.ct.samples.resize(sample_count(grid));
-        kept_->there->get_resampled(now.ct.samples);
-        now.report.seconds = timer.seconds();
-        return now;
-      }
-  }
-  return resample_ct(exec, model, here(), ct, grid, options);
+std::optional<ResampledThere> KeptState::resample_there(const Exec& exec, const Model& model,
+                                                        const CtVolume& ct, const Grid& grid,
+                                                        const ResampleOptions& options) const {
+  if (!kept_->there) return {};
+  const Timer timer;
+  const std::lock_guard lock(kept_->there->in_use);
+  if (!is_there(kept_)) return {};
+  std::optional<ResampledThere> now = kept_->there->resample(exec, model, kept_->state, ct, grid, options);
+  if (now) now->report.seconds = timer.seconds();
+  return now;
 }
 
-bool KeptState::show_resampled(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
-                               const ResampleOptions& options,
-                               const std::function<void(const std::int16_t*)>& show) const {
+ResampledCt KeptState::resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
+                                const ResampleOptions& options) const {
+  const Timer timer;
+  const auto there = resample_there(exec, model, ct, grid, options);
+  if (!there) return resample_ct(exec, model, here(), ct, grid, options);
+  ResampledCt now{.ct = {.grid = there->grid, .samples = {}}, .report = there->report};
+  now.ct.samples.resize(sample_count(grid));
+  there->samples->get(now.ct.samples);
+  now.report.seconds = timer.seconds();
+  return now;
+}
+
+/// False: it is here, or there is no room there.
+template <class Get>
+bool KeptState::get_from_there(const Get& get) const {
   if (!kept_->there) return false;
   const std::lock_guard lock(kept_->there->in_use);
-  if (!is_there(kept_)) return false;
-  const auto made = kept_->there->resample(exec, model, kept_->state, ct, grid, options);
-  if (made) show(made->samples);
-  return made.has_value();
+  return is_there(kept_) && get(*kept_->there);
+}
+
+VectorVolume KeptState::resample_displacement(const Exec& exec, const Model& model, const Grid& grid) const {
+  VectorVolume field{.grid = grid, .samples = std::vector<Vec3>(sample_count(grid))};
+  if (get_from_there(
+          [&](BodyThere& there) { return there.get_displacement(model, kept_->state, grid, field.samples); }))
+    return field;
+  return lattice::resample_displacement(exec, model, here(), grid);
+}
+
+ScalarVolume KeptState::resample_jacobian(const Exec& exec, const Model& model, const Grid& grid) const {
+  ScalarVolume field{.grid = grid, .samples = std::vector<float>(sample_count(grid))};
+  if (get_from_there(
+          [&](BodyThere& there) { return there.get_jacobian(model, kept_->state, grid, field.samples); }))
+    return field;
+  return lattice::resample_jacobian(exec, model, here(), grid);
 }
 
 template <class Cut>

@@ -1,8 +1,9 @@
 // A State and where it is (core/kept.hpp): while it steps on a GPU its places and velocities here are empty.
 #pragma once
 
-#include <functional>
+#include <memory>
 #include <optional>
+#include <span>
 
 #include "turgor/core/kept.hpp"
 #include "turgor/models/lattice/incision.hpp"
@@ -22,9 +23,17 @@ struct AwayRoom {
 struct BodyThere;
 using StateAndPlace = Kept<State, BodyThere, AwayRoom>;
 
-/// A deformed CT on the other side of a bus.
+/// Samples on the other side of a bus, as long as somebody holds them. Nothing changes them.
+struct SamplesThere {
+  virtual ~SamplesThere() = default;
+  virtual const std::int16_t* data() const = 0;  // there
+  /// Brings all of them here.
+  virtual void get(std::span<std::int16_t> samples) const = 0;
+};
+/// A deformed CT there [HU].
 struct ResampledThere {
-  const std::int16_t* samples;  // there [HU]
+  Grid grid;
+  std::shared_ptr<const SamplesThere> samples;
   ResampleReport report;
 };
 
@@ -49,14 +58,16 @@ struct BodyThere : HolderOf<StateAndPlace> {
   /// and velocities. `smooth`: is its coarse space to be used (prepare_coarse_space)?
   virtual StepReport step(const Model& model, const State& known, bool smooth, const Inputs& inputs,
                           double dt) = 0;
-  /// What resample_ct makes, left there until the next; nothing where there is no room for it. `cuts`: the
-  /// state that is there, of which only what blades did to it is looked at. `ct` is the one that the body was
-  /// built from.
+  /// What resample_ct makes, left there; nothing where there is no room for it. `cuts`: the state that is
+  /// there, of which only what blades did to it is looked at. `ct` is the one that the body was built from.
   virtual std::optional<ResampledThere> resample(const Exec& exec, const Model& model, const State& cuts,
                                                  const CtVolume& ct, const Grid& grid,
                                                  const ResampleOptions& options) = 0;
-  /// The samples of that one.
-  virtual void get_resampled(std::span<std::int16_t> samples) const = 0;
+  /// What resample_displacement and resample_jacobian make. False: there is no room for it.
+  virtual bool get_displacement(const Model& model, const State& cuts, const Grid& grid,
+                                std::span<Vec3> samples) = 0;
+  virtual bool get_jacobian(const Model& model, const State& cuts, const Grid& grid,
+                            std::span<float> samples) = 0;
 };
 
 class KeptState : public KeptStateOf<StateAndPlace> {
@@ -83,20 +94,23 @@ class KeptState : public KeptStateOf<StateAndPlace> {
   /// places_in, wherever it is. `version`: another one with other places.
   std::vector<int> places_in(std::span<const SurfacePlace> places, std::uint64_t version,
                              std::span<const Ball> balls) const;
+  /// How far any node went in the last step, which was of `dt` [m].
+  double last_way(const Model& model, double dt) const;
 
   StepReport step(const Exec& exec, const Model& model, const Inputs& inputs, double dt);
 
   /// What the functions of these names do (incision.hpp).
   int cut_edges(const Model& model, const BladePath& path, double begin, double end, int incision);
   int cut_region(const Model& model, const BladePath& path);
-  /// resample_ct, where the state is.
+  /// resample_ct, and what the functions of these names make (resample.hpp), where the state is.
   ResampledCt resample(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
                        const ResampleOptions& options = {}) const;
-  /// The same where the state is elsewhere, for pictures that are drawn there: shows the samples, which last
-  /// as long as that. False: it is here, or there is no room, and nothing was shown.
-  bool show_resampled(const Exec& exec, const Model& model, const CtVolume& ct, const Grid& grid,
-                      const ResampleOptions& options,
-                      const std::function<void(const std::int16_t* there)>& show) const;
+  VectorVolume resample_displacement(const Exec& exec, const Model& model, const Grid& grid) const;
+  ScalarVolume resample_jacobian(const Exec& exec, const Model& model, const Grid& grid) const;
+  /// The deformed CT where the state is elsewhere, for pictures that are drawn there. Nothing: it is here, or
+  /// there is no room.
+  std::optional<ResampledThere> resample_there(const Exec& exec, const Model& model, const CtVolume& ct,
+                                               const Grid& grid, const ResampleOptions& options) const;
 
  private:
   /// Some nodes of a state that is away, for as long as this lives.
@@ -124,6 +138,8 @@ class KeptState : public KeptStateOf<StateAndPlace> {
   }
   template <class Cut>
   int cut_with(const Cut& cut);
+  template <class Get>
+  bool get_from_there(const Get& get) const;
 };
 
 }  // namespace turgor::lattice

@@ -96,6 +96,8 @@ TURGOR_HD constexpr Halfspace halfspace(Vec3d inward) {
 struct RestFrame {
   Vec3d first_node, cell_size;
 };
+/// In nodes of the lattice.
+constexpr RestFrame kInNodes{.first_node = {0, 0, 0}, .cell_size = {1, 1, 1}};
 
 /// Where in the CT a voxel inside a tetrahedron of a cell comes from.
 struct PlaceOfVoxel {

@@ -6,6 +6,7 @@
 
 #include "turgor/core/timing.hpp"
 #include "turgor/models/lattice/ct_sampler.hpp"
+#include "turgor/models/lattice/deformed_fields.hpp"
 #include "turgor/models/lattice/fringe.hpp"
 #include "turgor/models/lattice/placed_body.hpp"
 #include "turgor/models/lattice/rest_mass.hpp"
@@ -32,19 +33,13 @@ struct CtWriter {
   }
 };
 
-struct DisplacementWriter {
-  const Grid& nodes;
-  VectorVolume& out;
+/// `Of`: of deformed_fields.hpp.
+template <class Of, class Sample>
+struct FieldWriter {
+  Of of;
+  std::vector<Sample>& out;
 
-  void tissue(Int3, std::size_t voxel, Int3 p, Vec3 at, float) {
-    out.samples[voxel] = Vec3(point_at(nodes, Vec3d(at)) - point_at(out.grid, Vec3d(p)));
-  }
-};
-
-struct JacobianWriter {
-  ScalarVolume& out;
-
-  void tissue(Int3, std::size_t voxel, Int3, Vec3, float ratio) { out.samples[voxel] = ratio; }
+  void tissue(Int3, std::size_t voxel, Int3 p, Vec3 at, float ratio) { out[voxel] = of(p, at, ratio); }
 };
 
 struct Counts {
@@ -105,6 +100,14 @@ void fill_rest(const Exec& exec, const Model& model, const CtVolume& ct, const R
   parallel_for(exec, rim.size(), [&](std::size_t s) { fill_beside_body(inputs, int(s), out); });
 }
 
+template <class Sample, class Of>
+std::vector<Sample> resample_field(const Exec& exec, const Model& model, const State& state, const Grid& out,
+                                   const Of& of) {
+  std::vector<Sample> samples(sample_count(out), Of::outside());
+  resample_with(exec, place_body(exec, model, state, out), kInNodes, FieldWriter<Of, Sample>{of, samples});
+  return samples;
+}
+
 }  // namespace
 
 Grid resized(const Grid& grid, Int3 size) {
@@ -145,17 +148,12 @@ ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state
 
 VectorVolume resample_displacement(const Exec& exec, const Model& model, const State& state,
                                    const Grid& out) {
-  VectorVolume result{.grid = out, .samples = std::vector<Vec3>(sample_count(out))};
-  resample_with(exec, place_body(exec, model, state, out), {.first_node = {0, 0, 0}, .cell_size = {1, 1, 1}},
-                DisplacementWriter{model.grid, result});
-  return result;
+  const DisplacementOfVoxel of{model.grid, out};
+  return {.grid = out, .samples = resample_field<Vec3>(exec, model, state, out, of)};
 }
 
 ScalarVolume resample_jacobian(const Exec& exec, const Model& model, const State& state, const Grid& out) {
-  ScalarVolume result{.grid = out, .samples = std::vector<float>(sample_count(out), 1)};
-  resample_with(exec, place_body(exec, model, state, out), {.first_node = {0, 0, 0}, .cell_size = {1, 1, 1}},
-                JacobianWriter{result});
-  return result;
+  return {.grid = out, .samples = resample_field<float>(exec, model, state, out, JacobianOfVoxel{})};
 }
 
 }  // namespace turgor::lattice

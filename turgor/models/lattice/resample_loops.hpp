@@ -1,7 +1,8 @@
 // The deformed body as a CT, as loops over plain pointers: a thread a node, a cell, a voxel. A voxel
 // that several tetrahedra claim belongs to the first in lattice order, whichever comes first here: the same
 // numbers as resample_ct. The same source runs on a CPU (CpuRun, ShuffledRun) and on a GPU; on a CPU
-// resample_ct is faster. What lies beside the body is in fringe_loops.hpp.
+// resample_ct is faster. So it is with the fields of deformed_fields.hpp. What lies beside the body is in
+// fringe_loops.hpp.
 #pragma once
 
 #include <utility>
@@ -357,6 +358,22 @@ struct FillVoxel {
   }
 };
 
+/// One of deformed_fields.hpp.
+template <class Of, class Sample>
+struct FillField : Of {
+  ResampleView v;
+  Sample* field;  // by voxel
+
+  TURGOR_HD void operator()(std::size_t n) const {
+    const std::uint32_t owner = v.owner[n];
+    field[n] = owner >= ResampleView::kBeside ? Of::outside() : value(owner, v.voxel(n));
+  }
+  TURGOR_HD Sample value(std::uint32_t owner, Int3 voxel) const {
+    const TissueAt tissue = FindTissue{v}(owner, voxel);
+    return Of::operator()(voxel, tissue.place, tissue.ratio);
+  }
+};
+
 /// One row of voxels.
 struct CountTissue {
   ResampleView v;
@@ -374,9 +391,10 @@ struct CountTissue {
   }
 };
 
-/// From nodes to voxels; FindMoved has gone before, and what it found has chosen the fixed point.
+/// From nodes to the owners of voxels; FindMoved has gone before, and what it found has chosen the fixed
+/// point.
 template <class Run>
-void resample_with(const Run& run, const ResampleView& v) {
+void claim_with(const Run& run, const ResampleView& v) {
   const auto nodes = std::size_t(node_count(v.lattice));
   run(nodes, PlaceNode{v});
   run(std::size_t(v.cuts.copy_count), PlaceCopy{v});
@@ -388,6 +406,11 @@ void resample_with(const Run& run, const ResampleView& v) {
   run(v.voxel_count(), ForgetOwner{v});
   run(nodes, ClaimVoxels{v});
   run(std::size_t(v.cuts.special_count), ClaimSpecial{v});
+}
+/// And from there to HU.
+template <class Run>
+void resample_with(const Run& run, const ResampleView& v) {
+  claim_with(run, v);
   run(v.voxel_count(), FillVoxel{v});
   run(v.voxel_count() / std::size_t(v.window.high.x), CountTissue{v});
 }

@@ -1,10 +1,12 @@
-// The deformed CT on one side of the bus (body_on.hpp): what it needs there beside the body, from when it is
-// first asked for.
+// The deformed CT and its fields on one side of the bus (body_on.hpp): what they need there beside the body,
+// from when they are first asked for.
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "turgor/core/arrays_on.hpp"
+#include "turgor/models/lattice/deformed_fields.hpp"
 #include "turgor/models/lattice/fringe.hpp"
 #include "turgor/models/lattice/fringe_loops.hpp"
 #include "turgor/models/lattice/kept_state.hpp"
@@ -114,10 +116,19 @@ struct BesideOn {
 };
 
 template <class Side>
+struct SamplesOn final : SamplesThere {
+  typename Side::template Array<std::int16_t> room;
+
+  explicit SamplesOn(std::size_t count) : room(count) {}
+  const std::int16_t* data() const override { return room.data(); }
+  void get(std::span<std::int16_t> samples) const override { room.download(samples); }
+};
+
+template <class Side>
 class ResampledOn {
  public:
   /// Pieces are not those of the state that is there.
-  void forget_cuts() { pieces_.known = false; }
+  void forget_cuts() { pieces_.known = knows_mass_ = false; }
 
   /// resample_ct. `cuts`: what blades did to the state that is there; its places are not looked at. Nothing
   /// where there is no room, or no stiffness.
@@ -125,65 +136,77 @@ class ResampledOn {
   std::optional<ResampledThere> make(const Run& run, const Exec& exec, const Model& model, const State& cuts,
                                      const BodyToResample& body, const CtVolume& ct, const Grid& grid,
                                      const ResampleOptions& options) {
-    const std::size_t nodes = std::size_t(node_count(model.lattice)), voxels = sample_count(grid);
-    if (nodes > ResampleView::kBeside / ResampleView::kClaims) return {};
-    if (model.params.solver.method == Method::kPbd && model.params.solver.pbd_stiffness == 0)
-      return {};  // tissue is known by its stiffness
-    if (!pieces_.known) {
-      if (!pieces_.put(model, cuts)) return {};
-      rest_mass_ = rest_mass(exec, model, cuts, ct);
-    }
     const bool beside = options.keep_surroundings;
-    if (!fits(model.tissue.size() + pieces_.copies.count + 8 * pieces_.guests.count, ct, voxels)) return {};
-    if (beside && !(beside_.put(exec, model, ct) && beside_.fits(voxels))) return {};
-    ResampleView view = this->view(model, cuts, body, ct, grid);
+    if (!fits(model, cuts, grid) || !puts(ct)) return {};
+    const auto out = std::make_shared<SamplesOn<Side>>(sample_count(grid));
+    if (!out->room.is_there()) return {};
+    if (beside && !(beside_.put(exec, model, ct) && beside_.fits(sample_count(grid)))) return {};
+    if (!std::exchange(knows_mass_, true)) rest_mass_ = rest_mass(exec, model, cuts, ct);
+    ResampleView view = this->view(run, model, cuts, body, grid);
+    view.rest = rest_frame(model, ct.grid);
+    view.sample = Sampler(ct_.data(), ct.grid.size);
     view.conserve_mass = options.conserve_mass;
-    find_finest(run, model, grid, view);
+    view.out = out->room.data();
     resample_with(run, view);
     if (beside) fill_beside(run, model, view, ct, grid);
-    return ResampledThere{out_.data(), report(grid)};
+    return ResampledThere{grid, out, report(grid)};
   }
-  void get(std::span<std::int16_t> samples) const { out_.room.download(samples); }
+  /// A field of deformed_fields.hpp, made there and brought here. False where there is no room.
+  template <class Run, class Of, class Sample>
+  bool get_field(const Run& run, const Model& model, const State& cuts, const BodyToResample& body,
+                 const Grid& grid, const Of& of, std::span<Sample> samples) {
+    List<Sample> field;
+    if (!fits(model, cuts, grid) || !field.fits(samples.size())) return false;
+    const ResampleView view = this->view(run, model, cuts, body, grid);
+    claim_with(run, view);
+    run(view.voxel_count(), FillField<Of, Sample>{of, view, field.data()});
+    field.room.download(samples);
+    return true;
+  }
 
  private:
   template <class T>
   using List = ListOn<Side, T>;
 
-  bool fits(std::size_t corners, const CtVolume& ct, std::size_t voxels) {
-    const bool is_new = ct_.count == 0;
-    const bool all = ct_.fits(ct.samples.size()) && out_.fits(voxels) && place_.fits(corners) &&
-                     owner_.fits(voxels) && moved_.fits(1) && counts_.fits(kCountParts);
-    if (all && is_new) ct_.room.upload(ct.samples);
-    return all;
+  /// For whatever is asked of the voxels of a grid. Is it known whose they are?
+  bool fits(const Model& model, const State& cuts, const Grid& grid) {
+    const auto nodes = std::size_t(node_count(model.lattice));
+    if (nodes > ResampleView::kBeside / ResampleView::kClaims) return false;
+    if (model.params.solver.method == Method::kPbd && model.params.solver.pbd_stiffness == 0)
+      return false;  // tissue is known by its stiffness
+    if (!pieces_.known && !pieces_.put(model, cuts)) return false;
+    const std::size_t corners = model.tissue.size() + pieces_.copies.count + 8 * pieces_.guests.count;
+    return place_.fits(corners) && owner_.fits(sample_count(grid)) && moved_.fits(1) &&
+           counts_.fits(kCountParts);
   }
-  ResampleView view(const Model& model, const State& cuts, const BodyToResample& body, const CtVolume& ct,
-                    const Grid& grid) const {
-    const ToVoxels to = to_voxels(model, grid);
-    return {.lattice = model.lattice,
-            .nodes = body.nodes,
-            .cuts = pieces_.view(cuts, body),
-            .moved = moved_.data(),
-            .counts = counts_.data(),
-            .conserve_mass = false,
-            .to_ratio = 0,
-            .to_voxels = to,
-            .window = {.low = {0, 0, 0}, .high = grid.size, .handed = handed(to)},
-            .rest = rest_frame(model, ct.grid),
-            .place = place_.data(),
-            .owner = owner_.data(),
-            .sample = Sampler(ct_.data(), ct.grid.size),
-            .out = out_.data()};
-  }
-  /// The fixed point, by how far the body has moved.
+  bool puts(const CtVolume& ct) { return ct_.count > 0 || ct_.holds(ct.samples); }
+  /// In nodes, and without a CT to sample. Chooses the fixed point by how far the body has moved.
   template <class Run>
-  void find_finest(const Run& run, const Model& model, const Grid& grid, ResampleView& view) {
+  ResampleView view(const Run& run, const Model& model, const State& cuts, const BodyToResample& body,
+                    const Grid& grid) {
+    const ToVoxels to = to_voxels(model, grid);
+    ResampleView view{.lattice = model.lattice,
+                      .nodes = body.nodes,
+                      .cuts = pieces_.view(cuts, body),
+                      .moved = moved_.data(),
+                      .counts = counts_.data(),
+                      .conserve_mass = false,
+                      .to_ratio = 0,
+                      .to_voxels = to,
+                      .window = {.low = {0, 0, 0}, .high = grid.size, .handed = handed(to)},
+                      .rest = kInNodes,
+                      .place = place_.data(),
+                      .owner = owner_.data(),
+                      .sample = Sampler(nullptr, {1, 1, 1}),
+                      .out = nullptr};
     MovedBits moved;
     moved_.room.upload({&moved, 1});
     counts_.room.upload(std::vector<ResampleCounts>(kCountParts));
     run(std::size_t(node_count(view.lattice)), FindMoved{view});
     moved_.room.download({&moved, 1});
-    view.window.bits = view.to_voxels.bits = finest_bits(view.to_voxels, moved.low(), moved.high());
+    view.window.bits = view.to_voxels.bits = finest_bits(to, moved.low(), moved.high());
     view.to_ratio = volume_ratio(model, grid, view.window.bits);
+    return view;
   }
   template <class Run>
   void fill_beside(const Run& run, const Model& model, const ResampleView& view, const CtVolume& ct,
@@ -209,12 +232,13 @@ class ResampledOn {
 
   PiecesOn<Side> pieces_;
   BesideOn<Side> beside_;
-  List<std::int16_t> ct_, out_;
+  List<std::int16_t> ct_;
   List<Int3> place_;
   List<std::uint32_t> owner_;
   List<MovedBits> moved_;
   List<ResampleCounts> counts_;
-  double rest_mass_ = 0;  // of the body in the CT [HU m³]
+  bool knows_mass_ = false;  // of the body as it is cut:
+  double rest_mass_ = 0;     // in the CT [HU m³]
 };
 
 }  // namespace turgor::lattice

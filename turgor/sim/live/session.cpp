@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "turgor/core/timing.hpp"
-#include "turgor/models/lattice/resample.hpp"
 #include "turgor/sim/live/change_world.hpp"
 #include "turgor/sim/live/mouse_tools.hpp"
 #include "turgor/sim/world.hpp"
@@ -57,6 +56,8 @@ struct Session::Thread {
   double frame_period = 0;  // by the clock, a mean over some [s]
   std::mutex telling;       // how far loading is
   std::chrono::steady_clock::time_point told;
+  double moved = 0;      // at most, that any tissue of the first lattice has since its CT was made [m]
+  std::size_t cuts = 0;  // that it had then
 
   void run();
   bool wait(std::vector<Ask>& asked);
@@ -67,6 +68,8 @@ struct Session::Thread {
   void frame();
   double wait_for_clock();
   void stand_still(const std::string& why);
+  void note_motion();
+  bool is_as_it_was(const LatticeBody& body) const;
   void publish();
   void take_felt();
   void set_pace();
@@ -76,7 +79,7 @@ struct Session::Thread {
   void answer(const AskReset&);
   void answer(const AskReload&);
   void answer(const AskOpen& ask);
-  void answer(const AskCt&);
+  void answer(const AskCt& ask);
   void answer(const AskChange& ask);
   void answer(const AskSave& ask);
   template <class AnyAsk>
@@ -178,7 +181,7 @@ void Session::Thread::frame() {
   if (touch && report) touch->note_frame();
   if (!report) return stand_still(report.error().message);
   if (!report->finite) return stand_still(not_finite(*world));
-  take_felt();
+  take_felt(), note_motion();
   const double late = wait_for_clock();
   constexpr double kForgotten = 0.25;  // what cannot be made up for [s]
   if (late > kForgotten) set_pace();
@@ -192,6 +195,12 @@ double Session::Thread::wait_for_clock() {
   average(frame_period, passed);
   next.real_pace = world->dt / std::max(frame_period, 1e-6);
   return late;
+}
+
+void Session::Thread::note_motion() {
+  if (world->lattice_bodies.empty()) return;
+  const LatticeBody& body = world->lattice_bodies[0];
+  moved += body.state.last_way(body.model, world->dt);
 }
 
 void Session::Thread::stand_still(const std::string& why) {
@@ -246,7 +255,7 @@ void Session::Thread::answer(const AskStep&) {
   const Result<FrameReport> report = step(exec, *world);
   if (touch && report) touch->note_frame();
   next.error = report ? "" : report.error().message;
-  take_felt();
+  take_felt(), note_motion();
   if (report && !report->finite) next.error = not_finite(*world);
 }
 
@@ -264,14 +273,20 @@ void Session::Thread::answer(const AskOpen& ask) {
   load();
 }
 
-void Session::Thread::answer(const AskCt&) {
+void Session::Thread::answer(const AskCt& ask) {
   if (!world || world->lattice_bodies.empty()) return;
   const LatticeBody& body = world->lattice_bodies[0];
-  const auto most = [](int samples) { return std::min(samples, DeformedCt::kMostSamples); };
-  const Int3 size = body.ct.grid.size;
-  const Grid grid = lattice::resized(body.ct.grid, {most(size.x), most(size.y), most(size.z)});
-  CtVolume now = body.state.resample(exec, body.model, body.ct, grid, {.keep_surroundings = false}).ct;
-  next.ct = std::make_shared<const DeformedCt>(DeformedCt{world->frame, std::move(now)});
+  if (next.ct && next.ct->answers(ask.wish) && is_as_it_was(body)) return;
+  next.ct = std::make_shared<const DeformedCt>(
+      make_deformed_ct(exec, body, world->frame, ask.wish, SessionNow::kMostSamples));
+  moved = 0, cuts = body.state.cuts();
+}
+
+/// Since its CT was made, but for what no picture shows. Before the first frame it is not yet where it steps.
+bool Session::Thread::is_as_it_was(const LatticeBody& body) const {
+  const Vec3d spacing = body.ct.grid.spacing;
+  return next.ct->frame > 0 && body.state.cuts() == cuts &&
+         moved <= 0.01 * std::min({spacing.x, spacing.y, spacing.z});
 }
 
 /// A cut, a wind, another value of a key: of a world, or a sentence why not.

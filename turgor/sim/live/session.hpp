@@ -16,6 +16,7 @@
 #include "turgor/core/exec.hpp"
 #include "turgor/core/latest.hpp"
 #include "turgor/haptics/mouse_device.hpp"
+#include "turgor/sim/deformed_ct.hpp"
 #include "turgor/sim/live/asks.hpp"
 #include "turgor/sim/live/live_touch.hpp"
 #include "turgor/sim/shown.hpp"
@@ -32,14 +33,6 @@ struct MouseTool {
 struct FeltPoint {
   double time = 0, force = 0, depth = 0;  // [s] [N] [m]
   double work = 0;                        // that the hand gave the body and did not get back [J]
-};
-
-/// The CT of the first lattice as it would be scanned at some frame, no finer than kMostSamples along an
-/// axis.
-struct DeformedCt {
-  int frame = 0;
-  CtVolume ct;
-  static constexpr int kMostSamples = 160;
 };
 
 /// What a session says of itself.
@@ -62,11 +55,12 @@ struct SessionNow {
   bool is_felt = false;                        // a haptic loop goes on:
   haptics::TimingReport haptics;
   FrameTiming frames;
-  std::shared_ptr<const DeformedCt> ct;  // when it was asked for last; null: it was not
+  std::shared_ptr<const DeformedCt> ct;  // of the first lattice, when asked for last; null: it was not
   std::vector<std::string> notes;        // what a person should know of how the world was made
   std::string saved;                     // what became of the latest AskSave: a sentence
 
   static constexpr std::size_t kMostFelt = 900;
+  static constexpr int kMostSamples = 160;  // of `ct` here, along an axis
 };
 
 /// What a session may be asked for.
@@ -81,7 +75,9 @@ struct AskOpen {      // a file, as it is now
   std::filesystem::path file;
   std::vector<std::string> overrides;
 };
-struct AskCt {};  // see SessionNow::ct
+struct AskCt {  // see SessionNow::ct
+  CtWish wish;
+};
 /// Writes all that was felt and asked for since the world was loaded: see felt_run.hpp and SessionNow::saved.
 struct AskSave {
   std::filesystem::path file;
