@@ -3,8 +3,8 @@
 
 #include "tests/models/cloth_sheets.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
-#include "turgor/models/cloth/coarse_near.hpp"
 #include "turgor/models/cloth/contact.hpp"
+#include "turgor/models/cloth/neighbourhood.hpp"
 #include "turgor/models/cloth/obstacle.hpp"
 
 namespace turgor::cloth {

@@ -4,10 +4,8 @@
 #include <set>
 
 #include "cloth_meshes.hpp"
-#include "cloth_sheets.hpp"
-#include "host_side.hpp"
+#include "cloth_on_host.hpp"
 #include "turgor/models/cloth/gpu_sheet.hpp"
-#include "turgor/models/cloth/sheet_on.hpp"
 
 namespace turgor::cloth {
 namespace {
@@ -18,20 +16,6 @@ using lattice::SeededRun;
 using lattice::ThreadedRun;
 
 const Exec kOne(1);
-#ifdef TURGOR_SAME_BITS
-constexpr bool kSameBits = true;
-#else
-constexpr bool kSameBits = false;  // lanes and threads may fuse other multiplications with additions
-#endif
-
-/// As put() does it with a GPU.
-template <class R>
-std::shared_ptr<SheetThere> put_on_host(const Model& model) {
-  Rooms<HostSide<R>> rooms;
-  return std::make_shared<SheetOn<HostSide<R>>>(model, rooms);
-}
-using Put = std::shared_ptr<SheetThere> (*)(const Model&);
-
 struct Variant {
   Law law = Law::kSprings;
   Solver solver;
@@ -81,12 +65,6 @@ Went twelve_steps(const Model& model, bool gusts, Put put = nullptr) {
   return {*state, report, early, early_report};
 }
 
-Real apart(const Model& model, const Vectors& a, const Vectors& b) {
-  Real most = 0;
-  for (std::size_t v = 0; v < std::size_t(model.count); v++) most = std::max(most, norm(a[v] - b[v]));
-  return most;
-}
-
 void expect_steps_like_the_cpu_s(const Variant& v) {
   const Model model = two_pieces(v);
   const Went here = twelve_steps(model, v.gusts);
@@ -95,8 +73,7 @@ void expect_steps_like_the_cpu_s(const Variant& v) {
   const Real way = apart(model, here.early.x, model.x_rest);
   EXPECT_GT(way, 0.002f) << "m";
   std::set<std::uint64_t> hashes;
-  for (const Put put : {put_on_host<ThreadedRun<1>>, put_on_host<ThreadedRun<2>>, put_on_host<ThreadedRun<8>>,
-                        put_on_host<SeededRun<1>>, put_on_host<SeededRun<2>>}) {
+  for (const Put put : kPuts) {
     const Went there = twelve_steps(model, v.gusts, put);
     const StepReport &a = there.early_report, &b = here.early_report;
     EXPECT_LT(apart(model, there.early.x, here.early.x), rounding * way) << "m";
@@ -160,9 +137,7 @@ TEST(cloth_sheet_on, layers_stay_apart_in_any_order_as_on_the_cpu) {
     EXPECT_GT(here.report.caught, 3) << "law " << int(law);
     EXPECT_GT(here.report.contact_iterations, 3);
     std::set<std::uint64_t> hashes;
-    for (const Put put :
-         {put_on_host<ThreadedRun<1>>, put_on_host<ThreadedRun<2>>, put_on_host<ThreadedRun<8>>,
-          put_on_host<SeededRun<1>>, put_on_host<SeededRun<2>>}) {
+    for (const Put put : kPuts) {
       const Went there = crumpled(model, kSteps, put);
       EXPECT_EQ(self_distance(kOne, model, there.state).crossings, 0);
       hashes.insert(state_hash(model, there.state));
@@ -283,18 +258,24 @@ TEST(cloth_sheet_on, what_is_watched_is_here_after_every_step_and_what_is_writte
   EXPECT_NEAR(x.z[5], 1 + 3 * fallen, 1e-5) << "m";
 }
 
+double bytes_a_vertex(const Collision& collision) {
+  const Model model = must_build(flat_sheet(100), {.collision = collision});
+  Rooms<HostSide<SeededRun<1>>> rooms;
+  const SheetOn<HostSide<SeededRun<1>>> sheet(model, rooms);
+  return double(rooms.bytes) / model.count;
+}
+
+TEST(cloth_sheet_on, memory_is_what_the_documents_say) {
+  EXPECT_NEAR(bytes_a_vertex({.self = false}), 375, 5) << "bytes";
+  EXPECT_NEAR(bytes_a_vertex({.thickness = 0.0096}), 410, 5) << "bytes";
+  EXPECT_NEAR(bytes_a_vertex({.thickness = 0.005}), 550, 5) << "bytes, in large triangles";
+}
+
 TEST(cloth_sheet_on, what_runs_on_a_gpu_is_known_before) {
   Params params;
-  EXPECT_EQ(why_not_on_gpu(params, false).key, "");
-  EXPECT_EQ(why_not_on_gpu(params, true).key, "obstacle");
+  EXPECT_EQ(why_not_on_gpu(params).key, "");
   params.solver.method = Method::kBlocks;
-  EXPECT_EQ(why_not_on_gpu(params, false).key, "solver");
-  EXPECT_EQ(why_too_coarse(must_build(flat_sheet(5), {.collision = {.thickness = 0.0096}})), "");
-  EXPECT_NE(
-      why_too_coarse(must_build(flat_sheet(5), {.collision = {.thickness = 0.009}}))
-          .find("32 triangles have edges longer than 1.5 of collision.thickness: expected a thickness of "
-                "at least 0.00943 m"),
-      std::string::npos);
+  EXPECT_EQ(why_not_on_gpu(params).key, "solver");
 }
 
 }  // namespace

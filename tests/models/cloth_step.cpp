@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <array>
+
 #include "tests/models/cloth_sheets.hpp"
 #include "turgor/models/cloth/system.hpp"
 
@@ -116,27 +119,37 @@ TEST(ClothStep, a_sheet_that_swings_down_gains_little_energy_in_any_frame_and_lo
   EXPECT_LT(energy_growth(h.model, h.state, in_vacuum(), 300, fall), 0.02);
 }
 
+/// How far a hanging sheet that was shaken is stretched after 150 frames in gusts [1].
+double stretch_in_gusts(double h, int sweeps, unsigned seed) {
+  Params params{.fabric = {.warp = 5000, .weft = 5000, .shear = 500}};
+  params.solver.sweeps = sweeps;
+  Hanging cloth = hanging(params, 13);
+  shake(cloth.model, cloth.state.x, 0.004, seed);
+  Inputs inputs{.gravity = {0, 0, -9.81}};
+  inputs.air.velocity = {0, 3, 1};
+  inputs.air.gusts = 0.3;
+  StepReport report;
+  for (int frame = 0; frame < 150; frame++) {
+    report = step(Exec(1), cloth.model, cloth.state, inputs, h);
+    EXPECT_TRUE(report.finite) << h << " s, " << sweeps << " sweeps, seed " << seed;
+  }
+  EXPECT_LT(report.largest_speed, 5) << h << " s, " << sweeps << " sweeps, seed " << seed;
+  return largest_stretch(cloth.model, cloth.state);
+}
+
 TEST(ClothStep, every_step_from_one_to_thirty_three_milliseconds_is_stable) {
   for (const double h : {0.001, 0.004, kFrame, 0.033})
     for (const int sweeps : {1, 8}) {
-      Params params{.fabric = {.warp = 5000, .weft = 5000, .shear = 500}};
-      params.solver.sweeps = sweeps;
-      Hanging cloth = hanging(params, 13);
-      shake(cloth.model, cloth.state.x, 0.004);
-      Inputs inputs{.gravity = {0, 0, -9.81}};
-      inputs.air.velocity = {0, 3, 1};
-      inputs.air.gusts = 0.3;
-      StepReport report;
-      for (int frame = 0; frame < 150; frame++) {
-        report = step(Exec(1), cloth.model, cloth.state, inputs, h);
-        ASSERT_TRUE(report.finite);
-      }
-      EXPECT_LT(report.largest_speed, 5) << h << " s, " << sweeps << " sweeps";
-      // One sweep of a frame as long as that leaves most of the forces, and what is left depends on how the
-      // sheet was shaken: 1.3 to 3.8 for twelve seeds.
-      const double most = sweeps == 1 && h > kFrame ? 5 : 2;
-      EXPECT_LT(largest_stretch(cloth.model, cloth.state), most) << h << " s, " << sweeps << " sweeps";
+      if (sweeps == 1 && h > kFrame) continue;  // below
+      EXPECT_LT(stretch_in_gusts(h, sweeps, 1), 2) << h << " s, " << sweeps << " sweeps";
     }
+  // One sweep of a frame as long as that leaves most of the forces, and what is left depends on how the sheet
+  // was shaken, and on roundings: of 60 seeds a half below 1.8, nine in ten below 2.7, one 5.5.
+  std::array<double, 5> stretch{};
+  for (unsigned seed = 1; seed <= stretch.size(); seed++)
+    stretch[seed - 1] = stretch_in_gusts(0.033, 1, seed);
+  std::sort(stretch.begin(), stretch.end());
+  EXPECT_LT(stretch[2], 2.5) << "the middle one";
 }
 
 TEST(ClothStep, a_hold_takes_its_vertex_exactly_where_it_is_told) {

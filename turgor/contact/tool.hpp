@@ -8,9 +8,18 @@
 
 #include "turgor/core/result.hpp"
 #include "turgor/core/vec.hpp"
+#include "turgor/geometry/pose.hpp"
+#include "turgor/geometry/shape_distance.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
+#include "turgor/geometry/triangle_point.hpp"
 
 namespace turgor::contact {
+
+using turgor::closest_weights;
+using turgor::Pose;
+using turgor::ShapeDistance;
+using turgor::to_tool;
+using turgor::to_world;
 
 /// About the tool's origin.
 struct Sphere {
@@ -29,10 +38,7 @@ struct MeshShape {
   Vec3d corner;        // of the grid [m]
   double spacing = 0;  // [m]
   Int3 size;           // nodes along each axis
-  struct Node {
-    float distance;  // [m]
-    Vec3 normal;     // unit
-  };
+  using Node = DistanceNode;
   std::vector<Node> nodes;     // x fastest
   std::vector<Vec3d> tips;     // some places of the surface, far from each other [m]
   double bounding_radius = 0;  // about the tool's origin [m]
@@ -45,26 +51,12 @@ using Shape = std::variant<Sphere, Capsule, MeshShape>;
 /// triangles, a vertex that is not finite, an edge that is not shared by two triangles.
 Result<Shape> mesh_shape(const TriMesh& mesh, int resolution = 48);
 
-/// Where the tool's frame is. The columns of `axes` are its axes in the world.
-struct Pose {
-  Vec3d position;  // [m]
-  Mat3d axes;
-};
-inline Vec3d to_world(const Pose& pose, Vec3d x) { return pose.position + pose.axes * x; }
-/// Of a pose whose axes are orthonormal.
-inline Vec3d to_tool(const Pose& pose, Vec3d x) {
-  const auto& [a, b, c] = pose.axes.column;
-  const Vec3d d = x - pose.position;
-  return {dot(a, d), dot(b, d), dot(c, d)};
-}
 /// Finite, with axes that are orthonormal and right-handed to 1e-3.
 bool is_valid(const Pose& pose);
 
-/// Of a point from the surface of a shape.
-struct ShapeDistance {
-  double distance = 0;  // [m]
-  Vec3d normal;         // unit, the direction in which the distance grows
-};
+/// A mesh's distances as plain pointers.
+inline DistanceGrid view(const MeshShape& m) { return {m.corner, m.spacing, m.size, m.nodes.data()}; }
+
 /// All in the shape's frame.
 ShapeDistance distance(const Shape& shape, Vec3d x);
 /// All in the world.
@@ -78,8 +70,5 @@ double tip_radius(const Shape& shape);
 /// fill it, or places of its surface.
 int tip_count(const Shape& shape);
 Vec3d tip(const Shape& shape, int index);
-
-/// The point of a triangle that is nearest to a point, as weights of its corners (each ≥ 0, their sum 1).
-Vec3d closest_weights(Vec3d x, Vec3d a, Vec3d b, Vec3d c);
 
 }  // namespace turgor::contact

@@ -24,7 +24,7 @@ inline bool meet(const Box& a, const Box& b) {
          b.low.y <= a.high.y && b.low.z <= a.high.z;
 }
 /// Squared distance of a point to a box; 0 inside [m²].
-inline double squared_distance(const Box& box, Vec3d p) {
+TURGOR_HD inline double squared_distance(const Box& box, Vec3d p) {
   const Vec3d d = p - min(max(p, box.low), box.high);
   return dot(d, d);
 }

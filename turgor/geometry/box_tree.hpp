@@ -41,28 +41,42 @@ void visit_meeting(const BoxTree& tree, const Box& box, const Visit& visit) {
   }
 }
 
+/// A tree as plain pointers.
+struct BoxTreeView {
+  const BoxTree::Node* nodes = nullptr;
+  const int* items = nullptr;
+  int node_count = 0;
+};
+inline BoxTreeView view(const BoxTree& tree) {
+  return {tree.nodes.data(), tree.items.data(), int(tree.nodes.size())};
+}
+
 /// The item nearest to a point: measure(item, best) returns the item's squared distance, or anything ≥ best.
 /// Equal distances go to the first one found. -1 when nothing is nearer than `best` at first.
 template <class Measure>
-int nearest_item(const BoxTree& tree, Vec3d p, double best, const Measure& measure) {
-  std::array<int, 64> stack;
+TURGOR_HD int nearest_item(const BoxTreeView& tree, Vec3d p, double best, const Measure& measure) {
+  int stack[64];
   int depth = 0, nearest = -1;
-  if (!tree.nodes.empty()) stack[std::size_t(depth++)] = 0;
+  if (tree.node_count > 0) stack[depth++] = 0;
   while (depth > 0) {
-    const int n = stack[std::size_t(--depth)];
-    const BoxTree::Node& node = tree.nodes[std::size_t(n)];
+    const int n = stack[--depth];
+    const BoxTree::Node& node = tree.nodes[n];
     if (squared_distance(node.box, p) >= best) continue;
     for (int i = 0; i < node.count; i++) {
-      const int item = tree.items[std::size_t(node.first + i)];
+      const int item = tree.items[node.first + i];
       if (const double d = measure(item, best); d < best) best = d, nearest = item;
     }
     if (node.count > 0) continue;
-    const bool swap = squared_distance(tree.nodes[std::size_t(n + 1)].box, p) >
-                      squared_distance(tree.nodes[std::size_t(node.first)].box, p);
-    stack[std::size_t(depth++)] = swap ? n + 1 : node.first;  // the nearer child is popped first
-    stack[std::size_t(depth++)] = swap ? node.first : n + 1;
+    const bool swap =
+        squared_distance(tree.nodes[n + 1].box, p) > squared_distance(tree.nodes[node.first].box, p);
+    stack[depth++] = swap ? n + 1 : node.first;  // the nearer child is popped first
+    stack[depth++] = swap ? node.first : n + 1;
   }
   return nearest;
+}
+template <class Measure>
+int nearest_item(const BoxTree& tree, Vec3d p, double best, const Measure& measure) {
+  return nearest_item(view(tree), p, best, measure);
 }
 
 }  // namespace turgor

@@ -53,4 +53,28 @@ TURGOR_HD inline TrianglePoint nearest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Ve
   return nearest;
 }
 
+/// The point of a triangle that is nearest to a point, as weights of its corners (each ≥ 0, their sum 1).
+// The regions around a triangle, each told by signs of dot products. [Ericson, Real-Time Collision Detection
+// 5.1.5]
+TURGOR_HD inline Vec3d closest_weights(Vec3d x, Vec3d a, Vec3d b, Vec3d c) {
+  const Vec3d ab = b - a, ac = c - a;
+  const double d1 = dot(ab, x - a), d2 = dot(ac, x - a);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  const double d3 = dot(ab, x - b), d4 = dot(ac, x - b);
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  const double d5 = dot(ab, x - c), d6 = dot(ac, x - c);
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  const double on_c = d1 * d4 - d3 * d2;
+  if (on_c <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+  const double on_b = d5 * d2 - d1 * d6;
+  if (on_b <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+  const double on_a = d3 * d6 - d5 * d4;
+  if (on_a <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - t, t};
+  }
+  const double sum = on_a + on_b + on_c;
+  return {1 - on_b / sum - on_c / sum, on_b / sum, on_c / sum};
+}
+
 }  // namespace turgor

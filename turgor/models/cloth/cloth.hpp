@@ -12,7 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,11 +25,14 @@
 #include "turgor/models/cloth/crossing.hpp"
 #include "turgor/models/cloth/membrane.hpp"
 #include "turgor/models/cloth/near_points.hpp"
+#include "turgor/models/cloth/obstacle_shape.hpp"
 #include "turgor/models/cloth/rows.hpp"
 #include "turgor/models/cloth/vectors.hpp"
 #include "turgor/models/cloth/wind.hpp"
 
 namespace turgor::cloth {
+
+struct MovingSurface;
 
 /// What the forces of a fabric follow: a sheet that is the same on any mesh, or the springs of the paper.
 enum class Law : std::uint8_t { kSheet, kSprings };
@@ -158,20 +161,9 @@ struct State {
   Real largest_speed = 0;  // after the latest step [m/s]
 };
 
-/// Something that the cloth must stay out of, asked for each vertex from several threads at once.
-struct Obstacle {
-  /// Nearest surface to x, or false when it is farther than `reach`.
-  std::function<bool(Vec3 x, Real reach, SurfacePoint& found)> nearest;
-  /// The same for the place of a triangle that comes nearest, which is found as weights of its corners; empty
-  /// = the obstacle is so large that it cannot pass between vertices.
-  std::function<bool(const std::array<Vec3, 3>& corner, Real reach, std::array<Real, 3>& weight,
-                     SurfacePoint& found)>
-      nearest_in;
-  double speed = 0;       // no part of its surface is faster [m/s]
-  double friction = 0.3;  // Coulomb's coefficient [1]
-  double gap = 0.002;     // the cloth stays this far away [m]
-  double compliance = 0;  // how far it gives way where the cloth is pressed between it and another, by the
-                          // sum of the force; 0 = it is rigid [m/N]
+/// Something that the cloth must stay out of (obstacle.hpp), with what it points to where that is its own.
+struct Obstacle : ObstacleView {
+  std::shared_ptr<const MovingSurface> moving;
 };
 
 struct Inputs {

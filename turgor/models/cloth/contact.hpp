@@ -20,13 +20,6 @@ struct Model;
 struct State;
 struct Inputs;
 
-/// What an obstacle says about the place of its surface that is nearest to a vertex.
-struct SurfacePoint {
-  Real distance = 0;  // negative inside [m]
-  Vec3 normal;        // unit, outward
-  Vec3 velocity;      // of the surface there [m/s]
-};
-
 /// Numbers in lists: of vertex i those from begin[i] to begin[i + 1].
 struct NeighbourLists {
   std::vector<int> begin, item;

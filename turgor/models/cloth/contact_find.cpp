@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "turgor/models/cloth/contact_loops.hpp"
+#include "turgor/models/cloth/obstacle_loops.hpp"
 
 namespace turgor::cloth {
 
@@ -27,66 +28,17 @@ struct FindPairs {
 };
 
 struct FindObstacles {
-  const Model& model;
-  const State& state;
+  FacingView facing;
   const std::vector<Obstacle>& obstacles;
-  Real dt;
-
-  /// Whether a place of the cloth at x with the velocity v must be kept from an obstacle.
-  bool must_keep(const SurfacePoint& at, Vec3 x, Vec3 v, Real margin, const Obstacle& obstacle,
-                 Contact& contact) const {
-    const Contact* old = find_old(state.contacts, contact);
-    const Real closing = -dt * dot(v - at.velocity, at.normal), room = at.distance - Real(obstacle.gap);
-    // A vertex that does not approach by itself may be pushed there by its neighbours.
-    if (room >= std::max(closing, margin) && !(old && old->impulse > 0)) return false;
-    contact.normal = at.normal, contact.room = room, contact.plane = dot(at.normal, x) - room;
-    contact.drift = at.velocity, contact.friction = Real(obstacle.friction);
-    if (old) contact.impulse = old->impulse * old->carry, contact.rub = old->rub * old->carry;
-    return true;
-  }
-
-  /// What could pass between the vertices of the triangles whose smallest vertex is i.
-  void in_triangles(int i, std::vector<Contact>& found) const {
-    constexpr Real kCorner = Real(0.999);  // of the weight: the vertex has its own contact
-    for (int t = model.triangle_begin[std::size_t(i)]; t < model.triangle_begin[std::size_t(i) + 1]; t++) {
-      const Int3 c = model.triangles[std::size_t(t)];
-      const auto a = std::size_t(c.x), b = std::size_t(c.y), d = std::size_t(c.z);
-      if (state.free_mass[a] + state.free_mass[b] + state.free_mass[d] == 0) continue;
-      for (std::size_t o = 0; o < obstacles.size(); o++) {
-        if (!obstacles[o].nearest_in) continue;
-        const Real fast = std::max({norm(state.v[a]), norm(state.v[b]), norm(state.v[d])});
-        const Real margin = Real(obstacles[o].gap) + dt * (fast + Real(obstacles[o].speed));
-        std::array<Real, 3> w{};
-        SurfacePoint at;
-        if (!obstacles[o].nearest_in({state.x[a], state.x[b], state.x[d]}, 2 * margin, w, at)) continue;
-        if (std::max({w[0], w[1], w[2]}) > kCorner) continue;
-        Contact contact{.vertex = {c.x, c.y, c.z, -1}, .weight = {w[0], w[1], w[2], 0}, .obstacle = int(o)};
-        const Vec3 x = state.x[a] * w[0] + state.x[b] * w[1] + state.x[d] * w[2];
-        const Vec3 v = state.v[a] * w[0] + state.v[b] * w[1] + state.v[d] * w[2];
-        if (must_keep(at, x, v, margin, obstacles[o], contact)) found.push_back(contact);
-      }
-    }
-  }
+  bool between;  // is anything so small that it could pass between vertices?
 
   void operator()(int i, std::vector<Contact>& found) const {
-    const auto vertex = std::size_t(i);
-    if (state.free_mass[vertex] == 0) return;
-    const Vec3 x = state.x[vertex], v = state.v[vertex];
-    for (std::size_t o = 0; o < obstacles.size(); o++) {
-      const Real margin = Real(obstacles[o].gap) + dt * (norm(v) + Real(obstacles[o].speed));
-      SurfacePoint at;
-      if (!obstacles[o].nearest(x, 2 * margin, at)) continue;
-      Contact contact{.vertex = {i, -1, -1, -1}, .weight = {1, 0, 0, 0}, .obstacle = int(o)};
-      if (must_keep(at, x, v, margin, obstacles[o], contact)) found.push_back(contact);
-    }
+    const auto obstacle = [&](int o) -> const ObstacleView& { return obstacles[std::size_t(o)]; };
+    const auto take = [&](const Contact& contact) { found.push_back(contact); };
+    facing.visit(i, int(obstacles.size()), obstacle, take);
+    if (between) facing.visit_between(i, int(obstacles.size()), obstacle, take);
   }
 };
-
-/// Is anything so small that it could pass between vertices?
-bool finds_between(const Inputs& inputs) {
-  return std::any_of(inputs.obstacles.begin(), inputs.obstacles.end(),
-                     [](const Obstacle& o) { return bool(o.nearest_in); });
-}
 
 /// Contacts with obstacles, as they were solved with the sheet, that press or would with the velocities now.
 void add_borne(State& state, Real dt) {
@@ -114,10 +66,10 @@ void find_step_contacts(const Exec& exec, const Model& model, State& state, cons
   const Real thickness = Real(params.thickness), least = look == Look::kAhead ? 1 + kSurprise : Real(1.1);
   const Real reach = reach_in_step(thickness, least, state.largest_speed, Real(dt));
   const FindPairs pairs{state, pairs_view(model, state, dt), look, reach};
-  const FindObstacles obstacles{model, state, inputs.obstacles, Real(dt)};
+  const FindObstacles obstacles{facing_view(model, state, dt), inputs.obstacles,
+                                any_between(inputs.obstacles)};
   const bool is_whole = look == Look::kAhead || !uses_gradients(model.params.solver.method);
   const bool others = is_whole && !inputs.obstacles.empty();
-  const bool between = others && finds_between(inputs);
   if (params.self) {
     const Real coarse = model.coarse.triangles.empty() ? 0 : model.coarse.longest / 2;
     sort_points(exec, state.x, model.count, std::max(Real(2.02) * reach, coarse), state.near_points);
@@ -130,7 +82,6 @@ void find_step_contacts(const Exec& exec, const Model& model, State& state, cons
         for (int i = int(chunk * kChunk); i < end; i++) {
           if (params.self) pairs(i, found[chunk]);
           if (others) obstacles(i, found[chunk]);
-          if (between) obstacles.in_triangles(i, found[chunk]);
         }
       },
       kGrain);

@@ -1,73 +1,12 @@
-// Contacts of a sheet with itself on one side of a bus or the other: found by the same hashing as on the CPU,
-// in the order of its list, and solved by the same iterations (contact_loops.hpp).
+// Contacts of a sheet on one side of a bus or the other: found in the order of the CPU's list (find_on.hpp),
+// and solved by the same iterations (contact_loops.hpp).
 #pragma once
 
 #include <bit>
 
-#include "turgor/core/lists_on.hpp"
-#include "turgor/models/cloth/contact_loops.hpp"
+#include "turgor/models/cloth/find_on.hpp"
 
 namespace turgor::cloth {
-
-/// NearPoints there.
-struct NearView {
-  Real cell;
-  std::uint32_t mask;
-  const int *begin, *index;
-  int count;
-  VectorsView at;  // places by bucket [m]
-};
-struct BucketOf {
-  ConstVectorsView x;
-  Real inverse_cell;
-  std::uint32_t mask;
-
-  TURGOR_HD int operator()(std::size_t i) const {
-    const std::uint32_t row = row_bucket(cell_of(x.y[i], inverse_cell), cell_of(x.z[i], inverse_cell));
-    return int((row + std::uint32_t(cell_of(x.x[i], inverse_cell))) & mask);
-  }
-};
-struct PlaceSorted {
-  NearView near;
-  ConstVectorsView x;
-
-  TURGOR_HD void operator()(std::size_t n) const { near.at.set(n, x[std::size_t(near.index[n])]); }
-};
-
-/// The contacts of a vertex with later ones: how many, or where `begin` is there, they themselves.
-struct FindPairsOf {
-  PairsView pairs;
-  NearView near;
-  Real reach;
-  int* count;
-  Contact* list;
-
-  template <class Take>
-  TURGOR_HD void visit(int i, const Take& take) const {
-    const Vec3 p = pairs.x[std::size_t(i)];
-    const Group mine = pairs.group(i);
-    const Vec3 half{near.cell / 2, near.cell / 2, near.cell / 2};
-    visit_runs(near.cell, near.mask, near.begin, near.count, p - half, p + half,
-               [&](int from, int to, const auto& is_own) {
-                 for (int n = from; n < to; n++) {
-                   const Vec3 q = near.at[std::size_t(n)], d = q - p;
-                   const int j = near.index[n];
-                   if (!(dot(d, d) < reach * reach) || j <= i || !is_own(q)) continue;
-                   Contact contact;
-                   if (pairs.touch(i, mine, j, q, Look::kLeft, contact)) take(contact);
-                 }
-               });
-  }
-  TURGOR_HD void operator()(std::size_t i) const {
-    int found = 0;
-    if (list == nullptr) {
-      visit(int(i), [&](const Contact&) { found++; });
-      count[i] = found;
-    } else {
-      visit(int(i), [&](const Contact& c) { list[count[i] + found++] = c; });
-    }
-  }
-};
 
 /// The vertex of corner n % 4 of contact n / 4.
 struct VertexOf {
@@ -169,13 +108,7 @@ class ContactsOn {
  public:
   using Run = typename Side::Run;
 
-  /// Of a model that has self-collision; others need nothing.
-  ContactsOn(Rooms<Side>& rooms, const Model& m)
-      : vertices_(m.params.collision.self ? std::size_t(m.count) : 0),
-        near_begin_(rooms.copy(m.near.begin)),
-        near_item_(rooms.copy(m.near.item)),
-        sorted_(rooms, vertices_),
-        counts_(rooms.template room<int>(vertices_ > 0 ? vertices_ + 1 : 0)) {}
+  ContactsOn(Rooms<Side>& rooms, const Model& m) : vertices_(std::size_t(m.count)), find_(rooms, m) {}
 
   std::size_t count() const { return list_.count; }
   ContactsView view() const {
@@ -204,21 +137,10 @@ class ContactsOn {
   }
 
   /// find_contacts, with `more` behind what is found there.
-  void find(const Run& run, const Model& model, const SheetView& sheet, Real largest_speed, double dt,
+  void find(const Run& run, const Model& model, const SheetView& sheet, const Int3* triangles,
+            std::span<const Obstacle> obstacles, Real largest_speed, double dt,
             std::span<const Contact> more) {
-    const Collision& params = model.params.collision;
-    const Real thickness = Real(params.thickness);
-    const Real reach = reach_in_step(thickness, Real(1.1), largest_speed, Real(dt));
-    const NearView near = sort(run, sheet, Real(2.02) * reach);
-    const PairsView pairs{sheet.x,           sheet.v,   sheet.change,          view(),  near_begin_.data(),
-                          near_item_.data(), thickness, Real(params.friction), Real(dt)};
-    run(vertices_, FindPairsOf{pairs, near, reach, counts_.data(), nullptr});
-    run(1, ClearNumbers{counts_.data() + vertices_});
-    scan_(run, counts_.data(), vertices_ + 1);
-    const std::size_t found = total(run);
-    found_.fit(found + more.size());
-    if (found > 0) run(vertices_, FindPairsOf{pairs, near, reach, counts_.data(), found_.data()});
-    if (!more.empty()) add(found, more);
+    find_(run, model, sheet, triangles, obstacles, view(), largest_speed, dt, more, found_);
     std::swap(list_, found_);
     if (list_.count == 0) return;
     link(run);
@@ -252,33 +174,6 @@ class ContactsOn {
   }
 
  private:
-  NearView sort(const Run& run, const SheetView& sheet, Real cell) {
-    const std::size_t buckets = std::bit_ceil(std::max<std::size_t>(vertices_, 64));
-    const auto mask = std::uint32_t(buckets - 1);
-    of_bucket_.make(run, buckets, vertices_, BucketOf{sheet.x, 1 / cell, mask});
-    const NearView near{cell,
-                        mask,
-                        of_bucket_.begin.data(),
-                        of_bucket_.item.data(),
-                        int(vertices_),
-                        {sorted_.x.data(), sorted_.y.data(), sorted_.z.data()}};
-    run(vertices_, PlaceSorted{near, sheet.x});
-    return near;
-  }
-  std::size_t total(const Run& run) {
-    int total = 0;
-    total_.fit(1);
-    run(1, CopyNumbers{counts_.data() + vertices_, total_.data()});
-    total_.room.download({&total, 1});
-    return std::size_t(total);
-  }
-  /// Behind what was found there.
-  void add(std::size_t found, std::span<const Contact> more) {
-    std::vector<Contact> all(found);
-    found_.room.download(all);
-    all.insert(all.end(), more.begin(), more.end());
-    found_.put(all);
-  }
   void link(const Run& run) { of_vertex_.make(run, vertices_, 4 * list_.count, VertexOf{list_.data()}); }
   Iterations begin(Real small, int most) {
     const std::vector<std::uint32_t> none(std::size_t(most) + 1, 0);
@@ -287,14 +182,10 @@ class ContactsOn {
   }
 
   std::size_t vertices_;
-  typename Side::template Array<int> near_begin_, near_item_;
-  VectorsOn<Side> sorted_;
-  typename Side::template Array<int> counts_;
-  ScanOn<Side> scan_;
-  ListsOn<Side> of_bucket_, of_vertex_;
+  FindOn<Side> find_;
+  ListsOn<Side> of_vertex_;
   ListOn<Side, Contact> list_, found_;
   ListOn<Side, std::uint32_t> largest_;
-  ListOn<Side, int> total_;
 };
 
 }  // namespace turgor::cloth

@@ -5,8 +5,7 @@
 namespace turgor::cloth {
 
 Result<std::shared_ptr<SheetThere>> put(const Gpu& gpu, const Model& model) {
-  TURGOR_ASSERT(why_not_on_gpu(model.params, false).key.empty(), "asked before by why_not_on_gpu");
-  if (const std::string why = why_too_coarse(model); !why.empty()) return Error{why};
+  TURGOR_ASSERT(why_not_on_gpu(model.params).key.empty(), "asked before by why_not_on_gpu");
   Rooms<GpuSide> rooms;
   std::shared_ptr<SheetThere> sheet = std::make_shared<SheetOn<GpuSide>>(model, rooms);
   if (rooms.all_there) return sheet;

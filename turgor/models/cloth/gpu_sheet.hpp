@@ -1,5 +1,4 @@
-// A sheet on a GPU: either law, solved by sweeps, in the wind, with holds, and out of itself; without
-// obstacles.
+// A sheet on a GPU: either law, solved by sweeps, in the wind, with holds, out of itself and of obstacles.
 #pragma once
 
 #include <memory>
@@ -14,13 +13,9 @@ namespace turgor::cloth {
 struct Missing {
   std::string key, why;
 };
-Missing why_not_on_gpu(const Params& params, bool has_obstacles);
+Missing why_not_on_gpu(const Params& params);
 
-/// Which triangles of a model with self-collision are too large for it: a sentence; "" = none.
-std::string why_too_coarse(const Model& model);
-
-/// Copies the model over, for KeptState::step_on. Error: edges so long beside the thickness that vertices
-/// alone do not keep layers apart; the memory that it needs and that there is.
+/// Copies the model over, for KeptState::step_on. Error: the memory that it needs and that there is.
 Result<std::shared_ptr<SheetThere>> put(const Gpu& gpu, const Model& model);
 
 }  // namespace turgor::cloth

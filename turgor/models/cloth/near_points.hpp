@@ -52,18 +52,31 @@ void visit_run(const NearPoints& near, int from, int to, const Passes& passes, c
   }
 }
 
+/// The cells that a box has a part in.
+struct CellBox {
+  Int3 low, high;
+
+  TURGOR_HD CellBox(Real inverse_cell, Vec3 a, Vec3 b)
+      : low(cell_of(a.x, inverse_cell), cell_of(a.y, inverse_cell), cell_of(a.z, inverse_cell)),
+        high(cell_of(b.x, inverse_cell), cell_of(b.y, inverse_cell), cell_of(b.z, inverse_cell)) {}
+  /// Are they so many that all points are looked at, bucket by bucket?
+  TURGOR_HD bool is_all(std::uint32_t mask) const {
+    const auto count = [](int from, int to) { return double(to) - from + 1; };
+    return count(low.x, high.x) * count(low.y, high.y) * count(low.z, high.z) > double(mask);
+  }
+};
+
 /// Calls visit(from, to, is_own) for runs of sorted points in which all of a box are; is_own(place) says
 /// which of them belong there: buckets have points of other cells, too.
 template <class Visit>
 TURGOR_HD inline void visit_runs(Real cell, std::uint32_t mask, const int* begin, int count, Vec3 low,
                                  Vec3 high, const Visit& visit) {
   const Real inverse = 1 / cell;
-  const int x0 = cell_of(low.x, inverse), y0 = cell_of(low.y, inverse), z0 = cell_of(low.z, inverse);
-  const int x1 = cell_of(high.x, inverse), y1 = cell_of(high.y, inverse), z1 = cell_of(high.z, inverse);
-  const double cells = (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1);
-  if (cells > double(mask)) return visit(0, count, [](Vec3) { return true; });
-  for (int cz = z0; cz <= z1; cz++)
-    for (int cy = y0; cy <= y1; cy++) {
+  const CellBox cells(inverse, low, high);
+  if (cells.is_all(mask)) return visit(0, count, [](Vec3) { return true; });
+  const int x0 = cells.low.x, x1 = cells.high.x;
+  for (int cz = cells.low.z; cz <= cells.high.z; cz++)
+    for (int cy = cells.low.y; cy <= cells.high.y; cy++) {
       const auto is_own = [&](Vec3 p) {  // other rows have some of the same buckets
         return cell_of(p.y, inverse) == cy && cell_of(p.z, inverse) == cz;
       };

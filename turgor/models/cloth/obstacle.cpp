@@ -8,11 +8,9 @@ namespace turgor::cloth {
 
 Obstacle plane_obstacle(Vec3d through, Vec3d normal) {
   const Vec3 n(normalized(normal));
-  const Real height = dot(n, Vec3(through));
-  return {.nearest = [n, height](Vec3 x, Real reach, SurfacePoint& found) {
-    found = {.distance = dot(n, x) - height, .normal = n, .velocity = {}};
-    return found.distance < reach;
-  }};
+  Obstacle plane;
+  plane.shape.plane = {n, dot(n, Vec3(through))};
+  return plane;
 }
 
 std::shared_ptr<const MovingSurface> moving_surface(const TriMesh& mesh, const std::vector<Vec3>& after,
@@ -28,34 +26,16 @@ std::shared_ptr<const MovingSurface> moving_surface(const TriMesh& mesh, const s
 }
 
 Obstacle surface_obstacle(std::shared_ptr<const MovingSurface> surface) {
-  return {.nearest = [surface](Vec3 x, Real reach, SurfacePoint& found) {
-    const TriangleTree& tree = surface->tree;  // no structured bindings: Clang 14 cannot capture them
-    const auto &normals = surface->normals, &velocities = surface->velocities;
-    const double depth = surface->depth;
-    const double far = std::max(double(reach), depth);
-    const auto corner = [&tree](int v) { return tree.vertices[std::size_t(v)]; };
-    TrianglePoint at;
-    const int item = nearest_item(tree.boxes, Vec3d(x), far * far, [&](int t, double best) {
-      const auto [a, b, c] = tree.triangles[std::size_t(t)];
-      TrianglePoint p = nearest_on_triangle(Vec3d(x), corner(a), corner(b), corner(c));
-      const double d2 = p.distance * p.distance;
-      if (d2 < best) p.triangle = t, at = p;
-      return d2;
-    });
-    if (item < 0) return false;
-    const Int3 t = tree.triangles[std::size_t(at.triangle)];
-    Vec3d normal;
-    for (int k = 0; k < 3; k++) normal += Vec3d(normals[std::size_t(t[k])]) * at.weights[k];
-    const Vec3d away = Vec3d(x) - at.place;
-    const double side = dot(away, normal) >= 0 ? 1 : -1;
-    const bool is_on_it = !(at.distance > 1e-9 * far);
-    found.distance = Real(side * at.distance);
-    found.normal = Vec3(is_on_it ? normalized(normal) : normalized(away) * side);
-    found.velocity = {};
-    if (!velocities.empty())
-      for (int k = 0; k < 3; k++) found.velocity += velocities[std::size_t(t[k])] * Real(at.weights[k]);
-    return found.distance < reach;
-  }};
+  Obstacle obstacle;
+  obstacle.shape.kind = ObstacleShape::Kind::kSurface;
+  obstacle.shape.surface = {.boxes = view(surface->tree.boxes),
+                            .vertices = surface->tree.vertices.data(),
+                            .triangles = surface->tree.triangles.data(),
+                            .normals = surface->normals.data(),
+                            .velocities = surface->velocities.empty() ? nullptr : surface->velocities.data(),
+                            .depth = surface->depth};
+  obstacle.moving = std::move(surface);
+  return obstacle;
 }
 
 // The contacts were found before the cloth moved: there, the vertices are looked for.

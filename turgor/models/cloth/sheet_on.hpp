@@ -7,168 +7,14 @@
 #include <cmath>
 #include <span>
 
-#include "turgor/core/arrays_on.hpp"
 #include "turgor/models/cloth/contacts_on.hpp"
 #include "turgor/models/cloth/guard_on.hpp"
 #include "turgor/models/cloth/kept_state.hpp"
-#include "turgor/models/cloth/membrane_tension.hpp"
+#include "turgor/models/cloth/mesh_on.hpp"
 #include "turgor/models/cloth/motion_loops.hpp"
-#include "turgor/models/cloth/part_loops.hpp"
+#include "turgor/models/cloth/parts_on.hpp"
 
 namespace turgor::cloth {
-
-/// Of no length: nobody looks at it.
-template <class Array>
-auto* data_or_null(const Array& array) {
-  return array.size() > 0 ? array.data() : nullptr;
-}
-
-template <class Side>
-struct RowsOn {
-  typename Side::template Array<int> slot_begin, first, gathered;
-  typename Side::template Array<Real> rest, stiffness, bend;
-
-  RowsOn(Rooms<Side>& rooms, const Rows& rows)
-      : slot_begin(rooms.copy(rows.slot_begin)),
-        first(rooms.copy(rows.first)),
-        gathered(rooms.copy(rows.gathered)),
-        rest(rooms.copy(rows.rest)),
-        stiffness(rooms.copy(rows.stiffness)),
-        bend(rooms.copy(rows.bend)) {}
-  RowsView view() const {
-    return {data_or_null(slot_begin), data_or_null(first),     data_or_null(gathered),
-            data_or_null(rest),       data_or_null(stiffness), data_or_null(bend)};
-  }
-};
-
-template <class Side>
-VectorsView view(const VectorsOn<Side>& a) {
-  return {a.x.data(), a.y.data(), a.z.data()};
-}
-
-/// The triangles of each vertex, and what the membrane knows of them.
-template <class Side>
-struct TrianglesOn {
-  template <class T>
-  using Array = typename Side::template Array<T>;
-
-  Array<Int3> corners;
-  Array<int> begin, item;  // by vertex, ascending
-  MembraneLaw law;
-  Array<Real> second[2], third[2];
-  Array<std::array<std::uint8_t, 6>> slot;
-  Array<std::array<std::uint16_t, 6>> wide_slot;
-
-  TrianglesOn(Rooms<Side>& rooms, const Model& m)
-      : TrianglesOn(rooms, m, lists_around(m.triangles, m.mass.size())) {}
-  TrianglesOn(Rooms<Side>& rooms, const Model& m, const NeighbourLists& lists)
-      : corners(rooms.copy(m.triangles)),
-        begin(rooms.copy(lists.begin)),
-        item(rooms.copy(lists.item)),
-        law(m.membrane.law),
-        second{rooms.copy(m.membrane.second[0]), rooms.copy(m.membrane.second[1])},
-        third{rooms.copy(m.membrane.third[0]), rooms.copy(m.membrane.third[1])},
-        slot(rooms.copy(m.membrane.slot)),
-        wide_slot(rooms.copy(m.membrane.wide_slot)) {}
-
-  static NeighbourLists lists_around(std::span<const Int3> triangles, std::size_t size) {
-    NeighbourLists lists;
-    lists.begin.assign(size + 2, 0);  // shifted by one while it is filled
-    for (const Int3 t : triangles)
-      for (int k = 0; k < 3; k++) lists.begin[std::size_t(t[k]) + 2]++;
-    for (std::size_t v = 2; v < lists.begin.size(); v++) lists.begin[v] += lists.begin[v - 1];
-    lists.item.resize(3 * triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); t++)
-      for (int k = 0; k < 3; k++)
-        lists.item[std::size_t(lists.begin[std::size_t(triangles[t][k]) + 1]++)] = int(t);
-    lists.begin.pop_back();
-    return lists;
-  }
-  TrianglesAround around() const { return {begin.data(), item.data()}; }
-  MembraneView view() const {
-    return {law,
-            corners.data(),
-            {second[0].data(), second[1].data()},
-            {third[0].data(), third[1].data()},
-            slot.data(),
-            data_or_null(wide_slot)};
-  }
-};
-
-/// The parts of a sheet, those that nothing holds with their masses.
-template <class Side>
-class PartsOn {
- public:
-  PartsOn(Rooms<Side>& rooms, const Model& m) : PartsOn(rooms, m, parts_of(m), pieces_of(m)) {}
-
-  /// Which of them are held. The force's sums come from what is not.
-  void keep(const Model& m, std::span<const Hold> holds) {
-    any_free_ = false;
-    for (std::size_t p = 0; p < whole_.size(); p++) {
-      const auto at = std::lower_bound(holds.begin(), holds.end(), m.part_begin[p],
-                                       [](const Hold& h, int v) { return h.vertex < v; });
-      const bool is_held = at != holds.end() && at->vertex < m.part_begin[p + 1];
-      whole_[p].mass = is_held ? 0 : masses_[p];
-      any_free_ = any_free_ || !is_held;
-    }
-    parts_.upload(whole_);
-  }
-  template <class Run>
-  void sum_drag(const Run& run, const SheetView& sheet) {
-    if (any_free_) run(pieces_.size(), SumDrag{pieces_.data(), sheet.inverse[0], sums_.data()});
-  }
-  template <class Run>
-  void start(const Run& run, const SheetView& sheet, double keep, bool has_air) {
-    if (any_free_) {
-      run(pieces_.size(), SumForce{pieces_.data(), sheet.force, sums_.data()});
-      run(parts_.size(), FindPartVelocity{parts_.data(), sums_.data(), keep, has_air, velocity_.data()});
-    }
-    run(sheet.size, StartChange{sheet, part_of_.data(), any_free_ ? velocity_.data() : nullptr});
-  }
-
- private:
-  static constexpr int kPiece = 512;
-
-  PartsOn(Rooms<Side>& rooms, const Model& m, std::vector<int> part_of, std::vector<PartPiece> pieces)
-      : part_of_(rooms.copy(part_of)),
-        pieces_(rooms.copy(pieces)),
-        sums_(rooms.template room<PartSum>(pieces.size())),
-        velocity_(rooms.template room<Vec3>(m.part_begin.size() - 1)),
-        parts_(rooms.template room<WholePart>(m.part_begin.size() - 1)) {
-    int piece = 0;
-    for (std::size_t p = 0; p + 1 < m.part_begin.size(); p++) {
-      const int begin = m.part_begin[p], end = m.part_begin[p + 1];
-      const int count = (end - begin + kPiece - 1) / kPiece;
-      whole_.push_back({piece, piece + count, 0});
-      piece += count;
-      double mass = 0;
-      for (int v = begin; v < end; v++) mass += double(m.mass[std::size_t(v)]);
-      masses_.push_back(mass);
-    }
-  }
-  static std::vector<int> parts_of(const Model& m) {
-    std::vector<int> of(m.mass.size(), -1);
-    for (std::size_t p = 0; p + 1 < m.part_begin.size(); p++)
-      std::fill(of.begin() + m.part_begin[p], of.begin() + m.part_begin[p + 1], int(p));
-    return of;
-  }
-  static std::vector<PartPiece> pieces_of(const Model& m) {
-    std::vector<PartPiece> pieces;
-    for (std::size_t p = 0; p + 1 < m.part_begin.size(); p++)
-      for (int v = m.part_begin[p]; v < m.part_begin[p + 1]; v += kPiece)
-        pieces.push_back({v, std::min(v + kPiece, m.part_begin[p + 1])});
-    return pieces;
-  }
-
-  typename Side::template Array<int> part_of_;
-  typename Side::template Array<PartPiece> pieces_;
-  typename Side::template Array<PartSum> sums_;
-  typename Side::template Array<Vec3> velocity_;
-  typename Side::template Array<WholePart> parts_;
-  std::vector<WholePart> whole_;
-  std::vector<double> masses_;  // [kg]
-  bool any_free_ = true;
-};
 
 template <class Side>
 class SheetOn final : public SheetThere {
@@ -228,9 +74,11 @@ class SheetOn final : public SheetThere {
         std::swap(v_, before_);
       }
     state.largest_speed = report.largest_speed = largest_speed();
-    const bool keeps_out = model.params.collision.self;
-    if (keeps_out && std::isfinite(state.largest_speed)) {
-      find_contacts(model, state, dt);
+    const bool self = model.params.collision.self;
+    if (!self && inputs.obstacles.empty())
+      contacts_.forget();
+    else if (std::isfinite(state.largest_speed)) {
+      find_contacts(model, state, inputs, dt);
       report.contacts = int(contacts_.count());
       report.contact_iterations = contacts_.solve_velocities(run_, model, view(), dt);
       state.largest_speed = report.largest_speed = largest_speed();
@@ -244,10 +92,8 @@ class SheetOn final : public SheetThere {
     run_(size(), Move<Real>{cloth::view(x_), cloth::view(v_), cloth::view(two_steps ? last_x_ : x_),
                             cloth::view(before_), Real(dt)});
     run_(holds_.count, PlaceHolds{view(), holds_.data()});
-    if (keeps_out) {
-      contacts_.solve_places(run_, model, view(), dt);
-      report.caught = guard(exec, model, state);
-    }
+    contacts_.solve_places(run_, model, view(), dt);
+    if (self) report.caught = guard(exec, model, state);
     state.time += frame;
     return report;
   }
@@ -344,7 +190,7 @@ class SheetOn final : public SheetThere {
   }
 
   /// What would have met in steps before is looked for on this side of the bus: there is hardly any.
-  void find_contacts(const Model& model, State& state, double dt) {
+  void find_contacts(const Model& model, State& state, const Inputs& inputs, double dt) {
     std::vector<Contact> met;
     if (!state.crossing.met.empty() || !state.crossing.meetings.empty()) {
       bring(state.x, x_), bring(state.v, v_), bring(state.system.change, change_);
@@ -352,7 +198,8 @@ class SheetOn final : public SheetThere {
       find_met_contacts(model, state, Look::kLeft, dt, met);
       forget(state);
     }
-    contacts_.find(run_, model, view(), state.largest_speed, dt, met);
+    contacts_.find(run_, model, view(), triangles_.corners.data(), inputs.obstacles, state.largest_speed, dt,
+                   met);
   }
 
   /// avoid_crossings, on this side of the bus, where anything would meet.

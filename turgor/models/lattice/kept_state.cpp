@@ -4,7 +4,6 @@
 
 #include "turgor/core/timing.hpp"
 #include "turgor/models/lattice/coarse.hpp"
-#include "turgor/models/lattice/step_loops.hpp"
 
 namespace turgor::lattice {
 
@@ -33,10 +32,6 @@ std::vector<int> KeptState::places_in(std::span<const SurfacePlace> places, std:
   const std::lock_guard lock(kept_->there->in_use);
   return kept_->away ? kept_->there->find_places(places, version, balls)
                      : lattice::places_in(places, kept_->state, balls);
-}
-
-double KeptState::last_way(const Model& model, double dt) const {
-  return double(kept_->state.fastest) / double(speed_scale(model.params.solver, dt));
 }
 
 StepReport KeptState::step(const Exec& exec, const Model& model, const Inputs& inputs, double dt) {

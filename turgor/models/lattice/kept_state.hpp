@@ -94,8 +94,6 @@ class KeptState : public KeptStateOf<StateAndPlace> {
   /// places_in, wherever it is. `version`: another one with other places.
   std::vector<int> places_in(std::span<const SurfacePlace> places, std::uint64_t version,
                              std::span<const Ball> balls) const;
-  /// How far any node went in the last step, which was of `dt` [m].
-  double last_way(const Model& model, double dt) const;
 
   StepReport step(const Exec& exec, const Model& model, const Inputs& inputs, double dt);
 

@@ -199,8 +199,7 @@ double Session::Thread::wait_for_clock() {
 
 void Session::Thread::note_motion() {
   if (world->lattice_bodies.empty()) return;
-  const LatticeBody& body = world->lattice_bodies[0];
-  moved += body.state.last_way(body.model, world->dt);
+  moved += world->lattice_bodies[0].last_way;
 }
 
 void Session::Thread::stand_still(const std::string& why) {

@@ -225,7 +225,7 @@ void read_device(SceneTable& body, ClothScene& cloth) {
   body.read_choice<Device>("device", cloth.device, {{"cpu", Device::kCpu}, {"gpu", Device::kGpu}},
                            "where it steps: as `world.device` says, unless it is said here");
   if (cloth.device != Device::kGpu) return;
-  const auto [key, why] = cloth::why_not_on_gpu(cloth.params, !cloth.obstacles.empty());
+  const auto [key, why] = cloth::why_not_on_gpu(cloth.params);
   if (!key.empty())
     body.fail(key, fmt::format("on device = \"gpu\" {}, or device = \"cpu\" of this body", why));
 }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "models/cloth_on_host.hpp"
 #include "sim/bodies/cloth/cloth_scenes.hpp"
 #include "turgor/sim/bodies/cloth/cloth_support.hpp"
 #include "turgor/sim/world.hpp"
@@ -88,6 +89,35 @@ TEST(cloth_on_lattice, equal_bits_of_a_sheet_on_a_lattice_on_1_2_and_8_threads) 
                   cloth::state_hash(world.cloth_bodies[0].model, world.cloth_bodies[0].state));
   }
   EXPECT_EQ(hashes.size(), 1u);
+}
+
+/// In place of a GPU: the host, in a shuffled order.
+TEST(cloth_on_lattice, a_sheet_and_a_lattice_that_step_elsewhere_press_each_other_as_they_do_here) {
+  const auto run_on = [](bool elsewhere) {
+    World world =
+        sheet_on_lattice(test::fresh_folder(), Exec(1),
+                         {"body.fat.solver={ schedule = \"colours\", coarse = false }",
+                          "body.sheet.obstacle.peg.sphere={ centre = [0, -0.03, 0.01], radius = 0.012 }"});
+    LatticeBody& fat = world.lattice_bodies[0];
+    ClothBody& sheet = world.cloth_bodies[0];
+    if (elsewhere) {
+      fat.state.step_on(lattice::put_on_host<lattice::SeededRun<1>>(fat.model));
+      sheet.state.step_on(cloth::put_on_host<lattice::SeededRun<2>>(sheet.model));
+    }
+    run(world, 12);
+    return world;
+  };
+  const World here = run_on(false), there = run_on(true);
+  const ClothBody &a = here.cloth_bodies[0], &b = there.cloth_bodies[0];
+  for (std::size_t o = 0; o < 2; o++) {
+    EXPECT_GT(norm(a.obstacles[o].force[11]), 0.01) << "N of " << a.obstacles[o].name;
+    for (const std::size_t n : {2, 5, 11})
+      EXPECT_LT(norm(a.obstacles[o].force[n] - b.obstacles[o].force[n]),
+                1e-2 * norm(a.obstacles[o].force[n]) + 1e-6)
+          << "N of " << a.obstacles[o].name << " in frame " << n;
+  }
+  const Vec3d borne = total_force(here.lattice_bodies[0].cloth);
+  EXPECT_LT(norm(total_force(there.lattice_bodies[0].cloth) - borne), 1e-2 * norm(borne)) << "N";
 }
 
 TEST(cloth_on_lattice, a_lattice_that_floats_gets_the_momentum_of_what_it_feels) {

@@ -12,6 +12,7 @@
 #include "turgor/io/ct.hpp"
 #include "turgor/models/lattice/body_nodes.hpp"
 #include "turgor/models/lattice/gpu_body.hpp"
+#include "turgor/models/lattice/step_loops.hpp"
 #include "turgor/sim/bodies/lattice/keep_label.hpp"
 #include "turgor/sim/bodies/lattice/load_ct.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
@@ -263,7 +264,9 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
       inputs.contacts =
           contact::find_contacts(body.model, state, body.touch, body.tools, body.poses, dt, near);
     });
+    const Real fastest = report.largest_speed;
     report = body.state.step(exec, body.model, inputs, dt);
+    report.largest_speed = std::max(report.largest_speed, fastest);
     body.state.look_at(touched_nodes(body), [&](const lattice::State& state) {
       contact::read_forces(body.model, state, body.touch, body.tools, body.forces);
     });
@@ -284,6 +287,9 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
                                .loads = loads};
   take_commands(body, input.from, input.to, world.tools);
   const lattice::StepReport done = step_lattice(exec, body, world.tools, inputs, input.from, input.to);
+  // Damping takes from a speed after the way was gone.
+  body.last_way =
+      double(done.largest_speed) / double(speed_scale(body.model.params.solver, input.to - input.from));
   body.row_steps += done.rows, body.row_steps_asleep += done.rows_asleep;
   leave_planes(body);
   report.finite = report.finite && done.finite;

@@ -34,6 +34,7 @@ struct LatticeBody : FrameTouchedBody {
   double read_seconds = 0, build_seconds = 0;
   std::vector<std::string> notes;  // what was left out while reading
   bool has_gravity = true;
+  double last_way = 0;                               // that any node went in the last frame, at most [m]
   std::int64_t row_steps = 0, row_steps_asleep = 0;  // rows that could move in all steps so far; that slept
   ClothLoad cloth;                                   // by slot, along the patient's axes
 
