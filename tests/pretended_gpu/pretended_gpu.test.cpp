@@ -38,6 +38,7 @@ TEST(PretendedGpu, kernels_one_by_one_and_as_a_graph_go_over_all_of_an_array) {
 
 TEST(PretendedGpu, the_same_loops_are_one_graph_and_other_numbers_renew_it) {
   GpuArray<int> a(100), b(100), c(100);
+  a.upload(std::vector<int>(100));
   const GpuRun run;
   const auto graphs_after = [&](GpuArray<int>& to, int loops) {
     const PretendedCounts before = pretended_counts();
