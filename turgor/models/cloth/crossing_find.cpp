@@ -268,9 +268,16 @@ void visit_boxes(const Crossing& crossing, std::size_t a, std::size_t first, con
   }
 }
 
-bool is_caught(const Crossing& crossing, std::size_t leaf) {
-  const auto at = std::lower_bound(crossing.caught.begin(), crossing.caught.end(), int(leaf * kLeaf));
-  return at != crossing.caught.end() && std::size_t(*at) < (leaf + 1) * kLeaf;
+/// Marks the leaves around which something moves in another way: those of what is caught and of its
+/// neighbours. What a caught vertex meets may lie nearer to a neighbour than to itself.
+void mark_leaves(const Model& model, Crossing& crossing) {
+  crossing.is_changed.assign(leaves_of(model), 0);
+  Star star;
+  for (const int v : crossing.caught) {
+    gather_star(model, v, star);
+    crossing.is_changed[std::size_t(v) / kLeaf] = 1;
+    for (const int other : star.neighbours) crossing.is_changed[std::size_t(other) / kLeaf] = 1;
+  }
 }
 
 }  // namespace
@@ -303,14 +310,15 @@ bool find_meetings(const Exec& exec, const Model& model, State& state, bool all)
   Crossing& crossing = state.crossing;
   const std::size_t count = leaves_of(model);
   crossing.found.resize((count + kPiece - 1) / kPiece);
+  if (!all) mark_leaves(model, crossing);
   parallel_for(exec, crossing.found.size(), [&](std::size_t piece) {
     crossing.found[piece].clear();
     FindMeetings find{
         model, state, state.system, model.params.collision.thickness, all, crossing.found[piece]};
     for (std::size_t a = piece * kPiece; a < std::min((piece + 1) * kPiece, count); a++) {
-      if (!all && !is_caught(crossing, a)) continue;
+      if (!all && !crossing.is_changed[a]) continue;
       visit_boxes(crossing, a, all ? a : 0, [&](std::size_t b) {
-        if (!all && b < a && is_caught(crossing, b)) return;  // b looks at a
+        if (!all && b < a && crossing.is_changed[b]) return;  // b looks at a
         visit_pairs(model, state.system, a, b, crossing.boxes[b], [&](int i, int j) { find(i, j); });
       });
     }
