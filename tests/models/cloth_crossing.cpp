@@ -29,6 +29,42 @@ TEST(ClothCrossing, two_edges_meet_where_they_cross_and_not_beside_their_ends) {
   EXPECT_FALSE(comes_too_near(x, {down, {}, {}, down}, true, kThickness)) << "one turns away";
 }
 
+/// One vertex of a rough sheet is pulled far out and moves: its edges meet what is beside their other ends,
+/// where no vertex moves.
+TEST(ClothCrossing, what_a_changed_vertex_would_meet_is_found_around_it_as_where_everything_is_looked_at) {
+  Params params;
+  params.collision.thickness = 0.004;
+  const Model model = must_build(flat_sheet(16), params);
+  const Exec exec(1);
+  State state = make_state(model);
+  Crossing& crossing = state.crossing;
+  Vectors &before = state.system.before, &way = state.system.force;
+  before = state.x;
+  shake(model, before, 0.004);
+  RandomNumbers next{7};
+  int met = 0, tries = 0;
+  for (int v = 0; v < model.count; v++)
+    for (int n = 0; n < 3; n++, tries++) {
+      const double x = next(), y = next(), z = next();
+      const Vec3 place = before[std::size_t(v)];
+      before.add(std::size_t(v), {0, 0, 0.1f});
+      way.set(std::size_t(v), Vec3(Vec3d{x, y, z} * 0.08));
+      crossing.caught = {v}, crossing.zone = {0};
+      measure_triangles(exec, model, state);
+      place_boxes(exec, model, state);
+      const auto finds = [&](bool all) {
+        crossing.meetings.clear();
+        return find_meetings(exec, model, state, all);
+      };
+      const bool expected = finds(true);
+      EXPECT_EQ(finds(false), expected) << v;
+      met += expected;
+      way.set(std::size_t(v), {}), before.set(std::size_t(v), place);
+    }
+  EXPECT_GT(met, 40);
+  EXPECT_LT(met, tries / 2);
+}
+
 /// What a run has seen at its worst.
 struct Course {
   int crossed_frames = 0, caught = 0;

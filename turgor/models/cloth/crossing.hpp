@@ -61,6 +61,7 @@ struct Crossing {
   std::vector<Meeting> met;       // of earlier ones, those that are near and pushed apart, ascending
   int steps_to_look = 0;          // until crossings are counted; -1 = there are none and never will be
   std::vector<int> caught, zone;  // vertices in meetings, ascending, and what moves as one [index]
+  std::vector<char> is_changed;   // by vertex: something around it moves in another way than before
 };
 
 /// The motion in State::system: `before` = places at the begin of the step, `force` = displacements [m].
@@ -71,8 +72,8 @@ void measure_triangles(const Exec& exec, const Model& model, State& state);
 /// Boxes of the motion; measure_triangles comes first.
 void place_boxes(const Exec& exec, const Model& model, State& state);
 
-/// Adds what would meet to Crossing::meetings; all boxes are looked at when `all`, else those with vertices
-/// that were caught. False: nothing does, but for what moves as one already.
+/// Adds what would meet to Crossing::meetings; all vertices are looked at when `all`, else those that
+/// were caught or have neighbours that were. False: nothing does, but for what moves as one already.
 bool find_meetings(const Exec& exec, const Model& model, State& state, bool all);
 
 /// Takes a step from System::before to State::x back where the cloth would pass through itself. Returns how

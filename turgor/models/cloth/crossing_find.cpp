@@ -268,9 +268,21 @@ void visit_boxes(const Crossing& crossing, std::size_t a, std::size_t first, con
   }
 }
 
-bool is_caught(const Crossing& crossing, std::size_t leaf) {
-  const auto at = std::lower_bound(crossing.caught.begin(), crossing.caught.end(), int(leaf * kLeaf));
-  return at != crossing.caught.end() && std::size_t(*at) < (leaf + 1) * kLeaf;
+/// Marks the vertices around which something moves in another way: what is caught, and its neighbours. What a
+/// caught vertex meets may lie nearer to a neighbour than to itself.
+void mark_changed(const Model& model, Crossing& crossing) {
+  crossing.is_changed.assign(leaves_of(model) * kLeaf, 0);
+  Star star;
+  for (const int v : crossing.caught) {
+    gather_star(model, v, star);
+    crossing.is_changed[std::size_t(v)] = 1;
+    for (const int other : star.neighbours) crossing.is_changed[std::size_t(other)] = 1;
+  }
+}
+
+bool any_changed(const Crossing& crossing, std::size_t leaf) {
+  const auto begin = crossing.is_changed.begin() + std::ptrdiff_t(leaf * kLeaf);
+  return std::find(begin, begin + kLeaf, 1) != begin + kLeaf;
 }
 
 }  // namespace
@@ -303,15 +315,18 @@ bool find_meetings(const Exec& exec, const Model& model, State& state, bool all)
   Crossing& crossing = state.crossing;
   const std::size_t count = leaves_of(model);
   crossing.found.resize((count + kPiece - 1) / kPiece);
+  if (!all) mark_changed(model, crossing);
   parallel_for(exec, crossing.found.size(), [&](std::size_t piece) {
     crossing.found[piece].clear();
     FindMeetings find{
         model, state, state.system, model.params.collision.thickness, all, crossing.found[piece]};
     for (std::size_t a = piece * kPiece; a < std::min((piece + 1) * kPiece, count); a++) {
-      if (!all && !is_caught(crossing, a)) continue;
+      if (!all && !any_changed(crossing, a)) continue;
       visit_boxes(crossing, a, all ? a : 0, [&](std::size_t b) {
-        if (!all && b < a && is_caught(crossing, b)) return;  // b looks at a
-        visit_pairs(model, state.system, a, b, crossing.boxes[b], [&](int i, int j) { find(i, j); });
+        if (!all && b < a && any_changed(crossing, b)) return;  // b looks at a
+        visit_pairs(model, state.system, a, b, crossing.boxes[b], [&](int i, int j) {
+          if (all || crossing.is_changed[std::size_t(i)] || crossing.is_changed[std::size_t(j)]) find(i, j);
+        });
       });
     }
   });
