@@ -1,108 +1,16 @@
-// The deformed body as a CT, as loops over plain pointers: a thread a node, a cell, a voxel. A voxel
-// that several tetrahedra claim belongs to the first in lattice order, whichever comes first here: the same
-// numbers as resample_ct. The same source runs on a CPU (CpuRun, ShuffledRun) and on a GPU; on a CPU
-// resample_ct is faster. So it is with the fields of deformed_fields.hpp. What lies beside the body is in
-// fringe_loops.hpp.
+// The deformed body as a CT, as loops over plain pointers (resample_view.hpp): a thread a node, a cell, a
+// voxel. A voxel that several tetrahedra claim belongs to the first in lattice order, whichever comes first
+// here: the same numbers as resample_ct. The same source runs on a CPU (CpuRun, ShuffledRun) and on a GPU; on
+// a CPU resample_ct is faster. So it is with the fields of deformed_fields.hpp. What lies beside the body is
+// in fringe_loops.hpp.
 #pragma once
 
 #include <utility>
 
 #include "turgor/core/atomic_max.hpp"
-#include "turgor/models/lattice/ct_sampler.hpp"
-#include "turgor/models/lattice/piece_view.hpp"
-#include "turgor/models/lattice/rows.hpp"
-#include "turgor/models/lattice/to_voxels.hpp"
+#include "turgor/models/lattice/resample_view.hpp"
 
 namespace turgor::lattice {
-
-/// How far nodes of tissue have moved, as bits of positive numbers: along each axis, and against it [m].
-struct MovedBits {
-  std::uint32_t along[3] = {}, against[3] = {};
-
-  Vec3 high() const { return of(along); }
-  Vec3 low() const { return -of(against); }
-  static Vec3 of(const std::uint32_t (&bits)[3]) {
-    return {std::bit_cast<Real>(bits[0]), std::bit_cast<Real>(bits[1]), std::bit_cast<Real>(bits[2])};
-  }
-};
-
-/// What cuts made of a body.
-struct ResampleCuts {
-  PieceView pieces;
-  int copy_count, guest_count;
-  const SpecialCell* special;  // slots ascend
-  int special_count;
-  std::uint8_t* is_special;     // by slot of a cell's lowest node; null where no cell is
-  const std::uint8_t* removed;  // by slot; null where nothing is
-};
-
-/// What is counted of a deformed CT. Many of these, each for some of the threads: one place of memory takes
-/// few atomics a nanosecond.
-struct ResampleCounts {
-  std::uint64_t folds = 0, claims = 0, covered = 0;  // tetrahedra; voxels, by each that claims them; voxels
-  std::uint64_t mass = 0;  // Σ HU + 1000 over the voxels of the body, as two's complement
-};
-constexpr std::size_t kCountParts = 256;
-
-/// A body on one side of the bus, and a grid for it.
-struct ResampleView {
-  Lattice lattice;
-  NodeArrays nodes;
-  ResampleCuts cuts;
-  MovedBits* moved;        // one
-  ResampleCounts* counts;  // kCountParts
-  bool conserve_mass;
-  double to_ratio;  // volume now over volume in the CT = det · to_ratio
-  ToVoxels to_voxels;
-  RasterWindow window;
-  RestFrame rest;
-  Int3* place;           // by slot, where there is tissue or tissue beside, then of copies and guests [units]
-  std::uint32_t* owner;  // by voxel: kNobody, or kClaims · number of the cell + claim, less the earlier; from
-                         // kBeside on: fringe_loops.hpp
-  Sampler sample;     // of the CT
-  std::int16_t* out;  // by voxel [HU]
-
-  /// Claims are a whole cell's six tetrahedra, or 0 for whatever is in a special one.
-  static constexpr std::uint32_t kNobody = 0xffffffffu, kBeside = 0x80000000u, kClaims = 6;
-
-  TURGOR_HD bool is_solid(int slot) const {
-    return nodes.root[slot] > 0 && (cuts.removed == nullptr || cuts.removed[slot] == 0);
-  }
-  TURGOR_HD Vec3 u(int slot) const { return nodes.u(slot); }
-  TURGOR_HD bool is_parted(int beside, int behind, Int3 way) const {
-    return lattice::is_parted(nodes.cut, lattice, beside, behind, way);
-  }
-  TURGOR_HD bool is_special(int slot) const {
-    return cuts.is_special != nullptr && cuts.is_special[slot] != 0;
-  }
-  TURGOR_HD Int3 node(std::size_t n) const {
-    const auto x = std::size_t(lattice.size.x), y = std::size_t(lattice.size.y);
-    return {int(n % x), int(n / x % y), int(n / (x * y))};
-  }
-  TURGOR_HD std::size_t voxel_index(Int3 p) const {
-    return (std::size_t(p.z) * std::size_t(window.high.y) + std::size_t(p.y)) * std::size_t(window.high.x) +
-           std::size_t(p.x);
-  }
-  TURGOR_HD ResampleCounts& count(std::size_t n) const { return counts[n % kCountParts]; }
-  TURGOR_HD std::size_t voxel_count() const {
-    return std::size_t(window.high.x) * std::size_t(window.high.y) * std::size_t(window.high.z);
-  }
-  TURGOR_HD Int3 voxel(std::size_t n) const {
-    const auto x = std::size_t(window.high.x), y = std::size_t(window.high.y);
-    return {int(n % x), int(n / x % y), int(n / (x * y))};
-  }
-  /// A whole cell's tetrahedron. Is there tissue at a corner?
-  TURGOR_HD std::array<Int3, 4> corners(Int3 cell, const std::array<Int3, 4>& nodes_of_tet,
-                                        bool& solid) const {
-    const int slot = node_slot(lattice, cell), parity = cell.x & 1;
-    std::array<Int3, 4> places;
-    for (std::size_t n = 0; n < 4; n++) {
-      const int corner = slot + slot_offset(lattice, nodes_of_tet[n], parity);
-      places[n] = place[corner], solid |= is_solid(corner);
-    }
-    return places;
-  }
-};
 
 struct FindMoved {
   ResampleView v;
