@@ -11,7 +11,9 @@
 
 namespace turgor::cloth {
 
-/// Of a vertex with later ones, then with obstacles.
+/// Of a vertex with later ones, then with obstacles. Whether there are any is a constant: what looks for them
+/// takes three times the registers.
+template <bool kWithObstacles>
 struct FindOfVertex {
   PairsView pairs;
   NearView near;
@@ -33,10 +35,13 @@ struct FindOfVertex {
       if (pairs.touch(i, mine, j, q, Look::kLeft, contact)) take(contact);
     });
   }
+  FindOfVertex<false> without_obstacles() const {
+    return {pairs, near, reach, self, facing, obstacles, found};
+  }
   TURGOR_HD void operator()(std::size_t i) const {
     found(i, [&](const auto& take) {
       if (self) visit_pairs(int(i), take);
-      obstacles.visit(facing, int(i), take);
+      if constexpr (kWithObstacles) obstacles.visit(facing, int(i), take);
     });
   }
 };
@@ -64,21 +69,24 @@ class FindOn {
     const Real reach = reach_in_step(thickness, Real(1.1), largest_speed, h);
     const std::size_t all = vertices_ + coarse_.count();
     counts_.fit(all + 1);
-    FindOfVertex find{.pairs = {sheet.x, sheet.v, sheet.change, old, near_begin_.data(), near_item_.data(),
-                                thickness, friction, h},
-                      .near = {},
-                      .reach = reach,
-                      .self = self_,
-                      .facing = {sheet.x, sheet.v, sheet.free_mass, old, nullptr, triangles, h},
-                      .obstacles = obstacles_.put(obstacles),
-                      .found = {counts_.data(), nullptr}};
+    FindOfVertex<true> find{.pairs = {sheet.x, sheet.v, sheet.change, old, near_begin_.data(),
+                                      near_item_.data(), thickness, friction, h},
+                            .near = {},
+                            .reach = reach,
+                            .self = self_,
+                            .facing = {sheet.x, sheet.v, sheet.free_mass, old, nullptr, triangles, h},
+                            .obstacles = obstacles_.put(obstacles),
+                            .found = {counts_.data(), nullptr}};
     if (find.obstacles.between) find.facing.triangle_begin = obstacles_.triangle_begin(model);
     if (self_) find.near = points_.sort(run, sheet.x, std::max(Real(2.02) * reach, coarse_cell(model)));
     const CoarseView coarse{sheet.x, sheet.v, sheet.change, sheet.x_rest, old, thickness, friction,
                             reach,   h,       Look::kLeft};
     coarse_.place(run, coarse);
     const auto look = [&] {
-      run(vertices_, find);
+      if (find.obstacles.count > 0)
+        run(vertices_, find);
+      else
+        run(vertices_, find.without_obstacles());
       coarse_.find(run, coarse, find.near, {find.found.count + vertices_, find.found.list});
     };
     look();

@@ -297,7 +297,7 @@ class BodyOn final : public BodyThere {
     if (smooth) coarse_->put(model, known);
     descent_->contacts.put(inputs.contacts);
     DescentView view = descent_->view(model, nodes_, inputs, dt), ahead = view;
-    const auto parts = std::size_t(ResidualOfGroups::count(view) + view.copies_of.begin[kColourCount]);
+    const auto parts = std::size_t(residuals_of_groups(view) + view.copies_of.begin[kColourCount]);
     if (inputs.measure_residual) {
       descent_->residual.fit(2 * parts);
       ahead.residual = descent_->residual.data(), view.residual = ahead.residual + parts;

@@ -80,6 +80,7 @@ struct CoarseView {
 
 // ---------------------------------------------------------------- forces that are left over
 
+template <Elements kElements>
 struct FindLeftOver {
   DescentView v;
   Vec3* forces;
@@ -88,7 +89,8 @@ struct FindLeftOver {
     const int s = v.body.slot(n);
     if (!v.body.moves(s)) return;
     const Real dt = v.inertia.dt;
-    forces[s] = NodeForces{v}(s).f + (v.inertia(s) - v.body.nodes.u(s)) * (1 / (dt * dt * v.body.nodes.w[s]));
+    forces[s] = NodeForces<kElements>{v}(s).f +
+                (v.inertia(s) - v.body.nodes.u(s)) * (1 / (dt * dt * v.body.nodes.w[s]));
   }
 };
 struct FindCopyLeftOver {
@@ -221,7 +223,7 @@ struct EndSearch {
 
 template <class Run>
 void find_wanted_with(const Run& run, const DescentView& v, const CoarseView& c) {
-  run(v.body.count(), FindLeftOver{v, c.forces});
+  with_elements(v, [&](auto of) { run(v.body.count(), FindLeftOver<of()>{v, c.forces}); });
   run(std::size_t(v.copies_of.begin[kColourCount]), FindCopyLeftOver{v, c.copy_forces});
   run(8 * std::size_t(c.stretch_count), SumStretch{c});
   multiply_with<3>(run, c.to_unknowns, c.corner_sums, c.piece_sums, c.wanted);

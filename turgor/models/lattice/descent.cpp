@@ -53,9 +53,9 @@ void gather_elements(const NodeArrays& n, const Neighbours& around, Real rest_vo
   TURGOR_LANES
   for (int i = 0; i < kSpareSlots; i++) {
     const auto spring = [&](int e) { return kWithCuts ? uncut.spring[e][i] : Real(1); };
-    const auto tet = [&](int t) { return kWithCuts ? uncut.tet[t][i] : Real(1); };
-    out.set(begin + i, springs_around<kWithVolumes>(n, around, kTetsAround.data(), rest_volume, volume_scale,
-                                                    slot + i, spring, tet));
+    const auto tet = [&](std::size_t t) { return kWithCuts ? uncut.tet[t][i] : Real(1); };
+    out.set(begin + i,
+            springs_around<kWithVolumes>(n, around, rest_volume, volume_scale, slot + i, spring, tet));
   }
 }
 

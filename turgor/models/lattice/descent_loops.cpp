@@ -11,7 +11,6 @@ DescentRules descent_rules(const Model& model) {
                      .solid = solid_law(l.step, model.params.tissue.poisson),
                      .rest_volume = model.rest_volume,
                      .volume_scale = model.volume_scale};
-  std::copy(kTetsAround.begin(), kTetsAround.end(), rules.tets);
   for (int n = 0; n < kCellCorners; n++) {
     rules.edges_from[n] = edges_from_corner(n);
     for (int e = 0; e < kNeighbourCount; e++)

@@ -17,7 +17,6 @@ namespace turgor::lattice {
 struct DescentRules {
   Neighbours neighbours[2];  // by the parity of i
   NodeBlock block[2];
-  TetAround tets[24];                     // kTetsAround
   std::uint8_t holders[kNeighbourCount];  // bit n: the cell of which a node is corner n holds its edge e
   std::uint8_t edges_from[kCellCorners];  // edges_from_corner
   SolidLaw solid;
@@ -73,14 +72,42 @@ TURGOR_HD inline int first_of_slot(const Entry* entries, int count, int slot, co
   return begin;
 }
 
+/// What a body is made of, as a constant of its kernels: one that has all of them needs the registers of the
+/// largest, and a GPU then has half as many threads under way.
+enum class Elements { kSprings, kSpringsAndVolumes, kCells };
+template <Elements kElements>
+using ElementsConstant = std::integral_constant<Elements, kElements>;
+
+inline Elements elements_of(const DescentView& v) {
+  if (v.young != nullptr) return Elements::kCells;
+  return v.rules.volume_scale > 0 ? Elements::kSpringsAndVolumes : Elements::kSprings;
+}
+/// Calls f with the body's ElementsConstant.
+template <class F>
+void with_elements(const DescentView& v, const F& f) {
+  switch (elements_of(v)) {
+    case Elements::kSprings:
+      return f(ElementsConstant<Elements::kSprings>{});
+    case Elements::kSpringsAndVolumes:
+      return f(ElementsConstant<Elements::kSpringsAndVolumes>{});
+    case Elements::kCells:
+      return f(ElementsConstant<Elements::kCells>{});
+  }
+}
+
 /// What springs or cells, skin and parts ask of a node.
+template <Elements kElements>
 struct NodeForces {
   const DescentView& v;
 
   TURGOR_HD NodeSystem operator()(int s) const {
     const int parity = s / v.body.half & 1;
     const bool cut = v.row_cut[s / (2 * v.body.half)];
-    NodeSystem system = v.young != nullptr ? of_cells(s, parity, cut) : of_springs(s, parity, cut);
+    NodeSystem system;
+    if constexpr (kElements == Elements::kCells)
+      system = of_cells(s, parity, cut);
+    else
+      system = of_springs(s, parity, cut);
     if (v.skin_nodes != nullptr) add_skin(s, system);
     if (cut) add_parts(s, system);
     return system;
@@ -94,18 +121,16 @@ struct NodeForces {
   TURGOR_HD NodeSystem of_springs(int s, int parity, bool cut) const {
     const Neighbours& around = v.rules.neighbours[parity];
     const auto spring = [&](int e) { return cut && is_edge_cut(s, around, e) ? Real(0) : Real(1); };
-    const auto tet = [&](int t) {
+    const auto tet = [&](auto t) {
+      const TetAround& at = tet_around(t);
       bool any = false;
       if (cut)
-        for (const EdgeAround edge : v.rules.tets[t].edge)
+        for (const EdgeAround edge : at.edge)
           any |= is_cut(edge.lower < 0 ? s : s + around.offset[edge.lower], edge.family);
       return any ? Real(0) : Real(1);
     };
-    if (v.rules.volume_scale > 0)
-      return springs_around<true>(v.body.nodes, around, v.rules.tets, v.rules.rest_volume,
-                                  v.rules.volume_scale, s, spring, tet);
-    return springs_around<false>(v.body.nodes, around, v.rules.tets, v.rules.rest_volume,
-                                 v.rules.volume_scale, s, spring, tet);
+    return springs_around<kElements == Elements::kSpringsAndVolumes>(
+        v.body.nodes, around, v.rules.rest_volume, v.rules.volume_scale, s, spring, tet);
   }
 
   TURGOR_HD NodeSystem of_cells(int s, int parity, bool cut) const {
@@ -169,6 +194,7 @@ TURGOR_HD inline std::span<NodeContact> contacts_at(const DescentView& v, int s)
 }
 
 /// Moves a node.
+template <Elements kElements>
 struct DescendNode {
   DescentView v;
   int begin;  // of the colour's groups
@@ -176,7 +202,7 @@ struct DescendNode {
   TURGOR_HD void operator()(std::size_t n) const {
     const int s = v.body.slot(std::size_t(begin) * kGroup + n);
     if (!(v.body.nodes.w[s] > 0)) return;
-    NodeSystem system = NodeForces{v}(s);
+    NodeSystem system = NodeForces<kElements>{v}(s);
     const Vec3 to_inertial = v.inertia(s) - v.body.nodes.u(s);
     const Real mobility = v.inertia.dt * v.inertia.dt * v.body.nodes.w[s];
     const std::span<NodeContact> touched = contacts_at(v, s);
@@ -205,31 +231,34 @@ struct GoBackCopy {
   TURGOR_HD void operator()(std::size_t n) const { v.parts.copies[n] = v.copies_before[n]; }
 };
 
-/// Forces left over at the nodes of so many groups; the sums are added up on the host, in order.
+/// A thread adds up what is left over in so many groups.
+constexpr int kGroupsTogether = 8;
+TURGOR_HD inline int residuals_of_groups(const DescentView& v) {
+  return (v.body.moving_count + kGroupsTogether - 1) / kGroupsTogether;
+}
+TURGOR_HD inline void add_residual(Vec3d force, PartOfResidual& sum) {
+  const double squared = dot(force, force);
+  sum.largest2 = squared > sum.largest2 ? squared : sum.largest2;
+  sum.sum2 += squared;
+}
+/// Forces left over at the nodes of some groups; the sums are added up on the host, in order.
+template <Elements kElements>
 struct ResidualOfGroups {
-  static constexpr int kTogether = 8;
   DescentView v;
 
-  TURGOR_HD static int count(const DescentView& v) {
-    return (v.body.moving_count + kTogether - 1) / kTogether;
-  }
   TURGOR_HD void operator()(std::size_t n) const {
-    const std::size_t begin = n * kTogether * kGroup, all = v.body.count();
+    constexpr std::size_t kNodes = std::size_t(kGroupsTogether) * kGroup;
+    const std::size_t begin = n * kNodes, all = v.body.count();
     PartOfResidual sum;
-    for (std::size_t at = begin; at < all && at < begin + kTogether * kGroup; at++)
-      if (const int s = v.body.slot(at); v.body.moves(s)) add(left_over(s), sum);
+    for (std::size_t at = begin; at < all && at < begin + kNodes; at++)
+      if (const int s = v.body.slot(at); v.body.moves(s)) add_residual(left_over(s), sum);
     v.residual[n] = sum;
   }
   TURGOR_HD Vec3d left_over(int s) const {
-    NodeSystem system = NodeForces{v}(s);
+    NodeSystem system = NodeForces<kElements>{v}(s);
     for (const NodeContact& c : contacts_at(v, s)) system.f += c.force;
     const double dt = double(v.inertia.dt);
     return Vec3d(system.f) + Vec3d(v.inertia(s) - v.body.nodes.u(s)) / (double(v.body.nodes.w[s]) * dt * dt);
-  }
-  TURGOR_HD static void add(Vec3d force, PartOfResidual& sum) {
-    const double squared = dot(force, force);
-    sum.largest2 = squared > sum.largest2 ? squared : sum.largest2;
-    sum.sum2 += squared;
   }
 };
 struct ResidualOfCopy {
@@ -237,8 +266,8 @@ struct ResidualOfCopy {
   TURGOR_HD void operator()(std::size_t n) const {
     const PartNode& copy = v.copies[n];
     PartOfResidual sum;
-    if (v.body.nodes.w[copy.slot] > 0) ResidualOfGroups::add(Vec3d(v.parts.gather(copy).f), sum);
-    v.residual[std::size_t(ResidualOfGroups::count(v)) + n] = sum;
+    if (v.body.nodes.w[copy.slot] > 0) add_residual(Vec3d(v.parts.gather(copy).f), sum);
+    v.residual[std::size_t(residuals_of_groups(v)) + n] = sum;
   }
 };
 
@@ -247,13 +276,15 @@ void sweep_descent_with(const Run& run, const DescentView& v, Order order) {
   for (int turn = 0; turn < kColourCount; turn++) {
     const int c = order == Order::kBackward ? kColourCount - 1 - turn : turn;
     const int *nodes = v.moving_of.begin + c, *copies = v.copies_of.begin + c;
-    run(std::size_t(nodes[1] - nodes[0]) * kGroup, DescendNode{v, nodes[0]});
+    with_elements(v, [&](auto of) {
+      run(std::size_t(nodes[1] - nodes[0]) * kGroup, DescendNode<of()>{v, nodes[0]});
+    });
     run(std::size_t(copies[1] - copies[0]), DescendCopy{v, copies[0]});
   }
 }
 template <class Run>
 void measure_residual_with(const Run& run, const DescentView& v) {
-  run(std::size_t(ResidualOfGroups::count(v)), ResidualOfGroups{v});
+  with_elements(v, [&](auto of) { run(std::size_t(residuals_of_groups(v)), ResidualOfGroups<of()>{v}); });
   run(std::size_t(v.copies_of.begin[kColourCount]), ResidualOfCopy{v});
 }
 

@@ -98,6 +98,7 @@ struct GrowFringe {
   }
 };
 
+template <bool kIsCut>
 struct FillBeside {
   FringeView f;
 
@@ -109,7 +110,7 @@ struct FillBeside {
     if (owner != ResampleView::kNobody) {
       const FringeWay found = FringeWay::of(owner);
       const Int3 from = p + found.way;
-      const TissueAt tissue = FindTissue{f.v}(f.v.owner[f.v.voxel_index(from)], from);
+      const TissueAt tissue = FindTissue<kIsCut>{f.v}(f.v.owner[f.v.voxel_index(from)], from);
       skin = {.is_there = true,
               .is_beyond = found.pass > f.reach,
               .shift = rim_shift(f.value.place, from, tissue.place)};
@@ -130,7 +131,7 @@ void mark_rest_with(const Run& run, const FringeView& f) {
 template <class Run>
 void fill_beside_with(const Run& run, const FringeView& f) {
   for (int pass = 1; pass <= f.reach + kBeyond; pass++) run(f.v.voxel_count(), GrowFringe{f, pass});
-  run(f.v.voxel_count(), FillBeside{f});
+  f.v.is_cut() ? run(f.v.voxel_count(), FillBeside<true>{f}) : run(f.v.voxel_count(), FillBeside<false>{f});
 }
 
 }  // namespace turgor::lattice

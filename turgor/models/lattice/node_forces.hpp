@@ -3,6 +3,9 @@
 // one.
 #pragma once
 
+#include <type_traits>
+#include <utility>
+
 #include "turgor/models/lattice/cells.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/rows.hpp"
@@ -15,12 +18,32 @@
 
 namespace turgor::lattice {
 
+/// Calls f(t) for every one of kTetsAround. For nvcc t is a constant, so that what is looked up with it stays
+/// in registers; the CPU's compilers make vectors of a loop, and not of calls.
+template <class F>
+[[gnu::always_inline]] TURGOR_HD inline void for_each_tet_around(const F& f) {
+#ifdef __CUDACC__
+  [&]<std::size_t... kTets>(std::index_sequence<kTets...>) {
+    (f(std::integral_constant<std::size_t, kTets>{}), ...);
+  }
+  (std::make_index_sequence<kTetsAround.size()>{});
+#else
+  TURGOR_UNROLL
+  for (std::size_t t = 0; t < kTetsAround.size(); t++) f(t);
+#endif
+}
+template <std::size_t kTet>
+TURGOR_HD constexpr TetAround tet_around(std::integral_constant<std::size_t, kTet>) {
+  constexpr TetAround around = kTetsAround[kTet];
+  return around;
+}
+constexpr const TetAround& tet_around(std::size_t t) { return kTetsAround[t]; }
+
 /// Springs and volumes around node a. Distances to the neighbours are computed once and serve both.
-/// `spring(e)` and `tet(t)`: 1 where no blade went through, or 0. `tets` is kTetsAround.
+/// `spring(e)` and `tet(t)`: 1 where no blade went through, or 0; t as for_each_tet_around has it.
 template <bool kWithVolumes, class Spring, class Tet>
 [[gnu::always_inline]] TURGOR_HD inline NodeSystem springs_around(const NodeArrays& n,
-                                                                  const Neighbours& around,
-                                                                  const TetAround* tets, Real rest_volume,
+                                                                  const Neighbours& around, Real rest_volume,
                                                                   Real volume_scale, int a,
                                                                   const Spring& spring, const Tet& tet) {
   NodeSystem s;
@@ -34,9 +57,8 @@ template <bool kWithVolumes, class Spring, class Tet>
     add_spring(s, d[e], around.rest[e], around.scale[e] * n.root[a] * root[e] * spring(e));
   }
   if constexpr (kWithVolumes) {
-    TURGOR_UNROLL
-    for (int t = 0; t < 24; t++) {
-      const TetAround& at = tets[t];
+    for_each_tet_around([&](auto t) {
+      const TetAround& at = tet_around(t);
       const auto root_of = [&](int neighbour) { return neighbour < 0 ? n.root[a] : root[neighbour]; };
       Real k = tet_stiffness(root_of(at.far[0]), root_of(at.far[1]), root[at.corner[0]], root[at.corner[1]],
                              root[at.corner[2]]);
@@ -45,7 +67,7 @@ template <bool kWithVolumes, class Spring, class Tet>
       const VolumeGradients g = volume_gradients(d[at.corner[0]], d[at.corner[1]], d[at.corner[2]]);
       const Real sixth = Real(1) / 6;
       add_volume(s, (g.g1 + g.g2 + g.g3) * -sixth, k, dot(d[at.corner[0]], g.g1) * sixth - rest_volume);
-    }
+    });
   }
   return s;
 }

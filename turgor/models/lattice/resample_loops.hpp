@@ -208,13 +208,18 @@ struct TissueAt {
   Vec3 place;       // in the CT [voxels]
   float ratio = 1;  // volume now over volume in the CT
 };
+/// Whether a blade parted any of it is a constant: what its special cells ask for takes twice the registers
+/// of the rest.
+template <bool kIsCut>
 struct FindTissue {
   const ResampleView& v;
 
   TURGOR_HD TissueAt operator()(std::uint32_t owner, Int3 voxel) const {
     const Int3 cell = v.node(owner / ResampleView::kClaims);
     const int tet = int(owner % ResampleView::kClaims);
-    if (const int slot = node_slot(v.lattice, cell); v.is_special(slot)) return place_in_special(slot, voxel);
+    if constexpr (kIsCut)
+      if (const int slot = node_slot(v.lattice, cell); v.is_special(slot))
+        return place_in_special(slot, voxel);
     return tet == 0   ? place<0>(cell, voxel)
            : tet == 1 ? place<1>(cell, voxel)
            : tet == 2 ? place<2>(cell, voxel)
@@ -252,12 +257,13 @@ struct FindTissue {
 };
 
 /// Air, or what the CT has where the owner's tissue came from.
+template <bool kIsCut>
 struct FillVoxel {
   ResampleView v;
 
   TURGOR_HD void operator()(std::size_t n) const {
     const std::uint32_t owner = v.owner[n];
-    v.out[n] = owner >= ResampleView::kBeside ? kAirHu : value(FindTissue{v}(owner, v.voxel(n)));
+    v.out[n] = owner >= ResampleView::kBeside ? kAirHu : value(FindTissue<kIsCut>{v}(owner, v.voxel(n)));
   }
   TURGOR_HD std::int16_t value(TissueAt tissue) const {
     float value = v.sample(tissue.place);
@@ -267,7 +273,7 @@ struct FillVoxel {
 };
 
 /// One of deformed_fields.hpp.
-template <class Of, class Sample>
+template <class Of, class Sample, bool kIsCut>
 struct FillField : Of {
   ResampleView v;
   Sample* field;  // by voxel
@@ -277,7 +283,7 @@ struct FillField : Of {
     field[n] = owner >= ResampleView::kBeside ? Of::outside() : value(owner, v.voxel(n));
   }
   TURGOR_HD Sample value(std::uint32_t owner, Int3 voxel) const {
-    const TissueAt tissue = FindTissue{v}(owner, voxel);
+    const TissueAt tissue = FindTissue<kIsCut>{v}(owner, voxel);
     return Of::operator()(voxel, tissue.place, tissue.ratio);
   }
 };
@@ -307,7 +313,7 @@ void claim_with(const Run& run, const ResampleView& v) {
   run(nodes, PlaceNode{v});
   run(std::size_t(v.cuts.copy_count), PlaceCopy{v});
   run(std::size_t(8 * v.cuts.guest_count), PlaceGuest{v});
-  if (v.cuts.is_special) {
+  if (v.is_cut()) {
     run(std::size_t(slot_count(v.lattice)), ForgetSpecial{v});
     run(std::size_t(v.cuts.special_count), MarkSpecial{v});
   }
@@ -319,7 +325,7 @@ void claim_with(const Run& run, const ResampleView& v) {
 template <class Run>
 void resample_with(const Run& run, const ResampleView& v) {
   claim_with(run, v);
-  run(v.voxel_count(), FillVoxel{v});
+  v.is_cut() ? run(v.voxel_count(), FillVoxel<true>{v}) : run(v.voxel_count(), FillVoxel<false>{v});
   run(v.voxel_count() / std::size_t(v.window.high.x), CountTissue{v});
 }
 

@@ -68,9 +68,8 @@ struct ResampleView {
   TURGOR_HD bool is_parted(int beside, int behind, Int3 way) const {
     return lattice::is_parted(nodes.cut, lattice, beside, behind, way);
   }
-  TURGOR_HD bool is_special(int slot) const {
-    return cuts.is_special != nullptr && cuts.is_special[slot] != 0;
-  }
+  TURGOR_HD bool is_cut() const { return cuts.is_special != nullptr; }
+  TURGOR_HD bool is_special(int slot) const { return is_cut() && cuts.is_special[slot] != 0; }
   TURGOR_HD Int3 node(std::size_t n) const {
     const auto x = std::size_t(lattice.size.x), y = std::size_t(lattice.size.y);
     return {int(n % x), int(n / x % y), int(n / (x * y))};
