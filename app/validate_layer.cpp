@@ -1,13 +1,13 @@
 // A thin layer on bone, as cartilage or skin are: a flat punch and a sphere against Hayes's integral
 // equation.
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
 
 #include "app/hayes.hpp"
 #include "app/layer_mesh.hpp"
 #include "app/pressed_block.hpp"
 #include "app/validate_sfem.hpp"
+#include "turgor/core/sort_unique.hpp"
 
 namespace turgor {
 
@@ -47,8 +47,7 @@ std::vector<int> elements_below(const sfem::Model& model, double radius) {
     if (is_within(corners.x) && is_within(corners.y) && is_within(corners.z))
       elements.push_back(model.surface.element[t]);
   }
-  std::sort(elements.begin(), elements.end());
-  elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
+  sort_unique(elements);
   return elements;
 }
 

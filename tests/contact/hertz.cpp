@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "turgor/contact/touch.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/hex_block.hpp"
 
 namespace turgor::contact {
@@ -47,8 +48,7 @@ sfem::Patch patch_in(sfem::Model& model, int refinement) {
   std::vector<int> vertices;
   for (const int e : elements)
     for (const int v : element(model.body.mesh, std::size_t(e))) vertices.push_back(v);
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sort_unique(vertices);
   sfem::fetch_columns(Exec(2), model, vertices);
   return sfem::build_patch(model, elements, refinement, touch).value();
 }

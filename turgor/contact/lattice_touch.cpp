@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
 #include "turgor/models/lattice/neighbours.hpp"
 
@@ -99,8 +100,7 @@ void add_wall_places(const lattice::Model& model, const lattice::BodySurface& su
   std::vector<int> walls;
   for (auto t = std::size_t(surface.skin_triangles); t < surface.triangles.size(); t++)
     for (int corner = 0; corner < 3; corner++) walls.push_back(surface.triangles[t][corner]);
-  std::sort(walls.begin(), walls.end());
-  walls.erase(std::unique(walls.begin(), walls.end()), walls.end());
+  sort_unique(walls);
   const auto slot = [&](int v) { return surface.slot[std::size_t(v)]; };
   std::stable_sort(walls.begin(), walls.end(), [&](int a, int b) { return slot(a) < slot(b); });
   for (std::size_t begin = 0, end = 0; begin < walls.size(); begin = end) {
@@ -148,8 +148,7 @@ std::vector<lattice::Ball> balls_around(const lattice::Model& model, const Latti
 
 std::vector<int> with_touched(const LatticeTouch& touch, std::vector<int> near) {
   for (const LatticeContact& contact : touch.contacts) near.push_back(contact.place);
-  std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
+  sort_unique(near);
   return near;
 }
 

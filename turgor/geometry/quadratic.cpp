@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/sort_unique.hpp"
 
 namespace turgor {
 
@@ -21,8 +22,7 @@ std::vector<Edge> all_edges(const SolidMesh& mesh) {
   edges.reserve(6 * element_count(mesh));
   for (std::size_t e = 0; e < element_count(mesh); e++)
     for (const auto& corners : kTetEdges) edges.push_back(edge_of(element(mesh, e), corners));
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  sort_unique(edges);
   return edges;
 }
 

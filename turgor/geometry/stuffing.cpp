@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/manifold.hpp"
 #include "turgor/geometry/stuffing_stencils.hpp"
 
@@ -179,8 +180,7 @@ Vec3d place_of(const BccLattice& lattice, const LatticeSurface& surface, const C
 SolidMesh to_mesh(const BccLattice& lattice, const LatticeSurface& surface,
                   const std::vector<Corner>& corners) {
   std::vector<Corner> used = corners;
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
+  sort_unique(used);
   SolidMesh mesh;
   for (const Corner& corner : used) mesh.vertices.push_back(place_of(lattice, surface, corner));
   for (const Corner& corner : corners)

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <set>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/cloth/cloth.hpp"
 
 namespace turgor::cloth {
@@ -150,8 +151,7 @@ std::vector<std::array<int, 2>> touching_blocks(const Blocks& blocks, const Bear
         if (!std::binary_search(begin, end, b)) pairs.push_back({a, b});
       }
   }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  sort_unique(pairs);
   return pairs;
 }
 

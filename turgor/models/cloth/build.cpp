@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "turgor/core/number_text.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/surface_edges.hpp"
 #include "turgor/models/cloth/bending.hpp"
 #include "turgor/models/cloth/check_mesh.hpp"
@@ -91,8 +92,7 @@ NeighbourLists near_at_rest(const TriMesh& mesh, const Vectors& x_rest, double t
     visit_near(near, x_rest[i], Real(thickness), [&](int j, Vec3) {
       if (j > int(i)) list.push_back(j);
     });
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
+    sort_unique(list);
     result.item.insert(result.item.end(), list.begin(), list.end());
     result.begin.push_back(int(result.item.size()));
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/cloth/coarse_loops.hpp"
 #include "turgor/models/cloth/crossing.hpp"
 #include "turgor/models/cloth/neighbourhood.hpp"
@@ -147,8 +148,7 @@ void find_met_contacts(const Model& model, State& state, Look look, double dt, s
   const FindMet find{{model, state, coarse_view(model, state, look, reach, dt)}};
   std::vector<Meeting>& met = state.crossing.met;
   met.insert(met.end(), state.crossing.meetings.begin(), state.crossing.meetings.end());
-  std::sort(met.begin(), met.end());
-  met.erase(std::unique(met.begin(), met.end()), met.end());
+  sort_unique(met);
   found.clear();
   std::erase_if(met, [&](const Meeting& m) {
     const std::size_t before = found.size();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "turgor/core/disjoint_sets.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/surface_check.hpp"
 #include "turgor/models/cloth/cloth.hpp"
 
@@ -34,8 +35,7 @@ void join_zones(Crossing& crossing) {
   auto &caught = crossing.caught, &zone = crossing.zone;
   caught.clear();
   for (const Meeting& m : crossing.meetings) caught.insert(caught.end(), m.vertex.begin(), m.vertex.end());
-  std::sort(caught.begin(), caught.end());
-  caught.erase(std::unique(caught.begin(), caught.end()), caught.end());
+  sort_unique(caught);
   zone.resize(caught.size());
   for (std::size_t n = 0; n < zone.size(); n++) zone[n] = int(n);
   const auto index = [&](int v) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/surface.hpp"
 
 namespace turgor::lattice {
@@ -104,8 +105,7 @@ std::vector<int> nodes_behind(const Model& model, const State& state, const Body
       add_nodes_behind(model, state, surface.pieces, corner, nodes);
     }
   });
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   return nodes;
 }
 

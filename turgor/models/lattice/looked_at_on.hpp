@@ -8,6 +8,7 @@
 
 #include "turgor/core/arrays_on.hpp"
 #include "turgor/core/atomic_max.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/step_loops.hpp"
 #include "turgor/models/lattice/surface_place.hpp"
 
@@ -78,8 +79,7 @@ class LookedAtOn {
       found.resize(found.size() + std::size_t(more));
       found_.room.download(std::span(found).last(std::size_t(more)));
     }
-    std::sort(found.begin(), found.end());
-    found.erase(std::unique(found.begin(), found.end()), found.end());
+    sort_unique(found);
     return found;
   }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "turgor/core/disjoint_sets.hpp"
+#include "turgor/core/sort_unique.hpp"
 
 namespace turgor::lattice {
 
@@ -151,8 +152,7 @@ void make_copies(Pieces& out) {
     for (int c = 0; c < 8; c++)
       nodes.push_back(cell.slot + slot_offset(out.fine.cells, {c & 1, c >> 1 & 1, c >> 2}, parity));
   }
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   for (const int slot : nodes) copy_node(out, slot_node(out.fine.cells, slot));
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/cells.hpp"
 #include "turgor/models/lattice/copy_sources.hpp"
 #include "turgor/models/lattice/crumbs.hpp"
@@ -22,8 +23,7 @@ void find_cells(const State& state, Pieces& out) {
     for_cells_of_edge(out.fine, a, a + kFamilies[edge.family],
                       [&](Int3 cell) { cut.push_back(node_slot(l, cell)); });
   }
-  std::sort(cut.begin(), cut.end());
-  cut.erase(std::unique(cut.begin(), cut.end()), cut.end());
+  sort_unique(cut);
   for (const int slot : cut) {
     const Int3 cell = slot_node(l, slot);
     const Int3 low = max(cell - Int3{1, 1, 1}, Int3{0, 0, 0}),
@@ -32,8 +32,7 @@ void find_cells(const State& state, Pieces& out) {
       for (int j = low.y; j <= high.y; j++)
         for (int i = low.x; i <= high.x; i++) near.push_back(node_slot(l, i, j, k));
   }
-  std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
+  sort_unique(near);
   const auto places = std::size_t(places_of_cell(out.fine));
   for (const int slot : near) {
     out.cell_index.find_or_add(std::uint64_t(slot));

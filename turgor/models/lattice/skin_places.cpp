@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "turgor/core/sort_unique.hpp"
+
 namespace turgor::lattice {
 
 namespace {
@@ -73,8 +75,7 @@ std::size_t SkinPlaces::index_of(std::int64_t node) const {
 
 SkinPlaces::SkinPlaces(const Exec& exec, const Lattice& lattice, const std::vector<SkinNodes>& triangles) {
   for (const SkinNodes& t : triangles) node_.insert(node_.end(), t.begin(), t.end());
-  std::sort(node_.begin(), node_.end());
-  node_.erase(std::unique(node_.begin(), node_.end()), node_.end());
+  sort_unique(node_);
   for (const std::int64_t node : node_) place_.push_back(place_of(lattice, node));
 
   std::vector<Int3> corners;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/incision.hpp"
 #include "turgor/models/lattice/surface.hpp"
 
@@ -138,8 +139,7 @@ std::vector<int> nodes_beside(const Model& model, const State& state, const Body
     for (const Lip& lip : surface.lips)
       if (lip.incision == incision)
         for (const int v : {lip.left, lip.right}) add_nodes_behind(model, state, surface, v, nodes);
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   return nodes;
 }
 

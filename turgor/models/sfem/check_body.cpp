@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/sfem/elements.hpp"
 
 namespace turgor::sfem {
@@ -53,8 +54,7 @@ Status check_vertices(const SolidMesh& mesh) {
     const Vec3d x = mesh.vertices[std::size_t(v)];
     if (!std::isfinite(x.x) || !std::isfinite(x.y) || !std::isfinite(x.z)) bad.push_back(v);
   }
-  std::sort(bad.begin(), bad.end());
-  bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+  sort_unique(bad);
   if (bad.empty()) return Done{};
   return Error{"coordinates must be finite numbers, not those of " + named("vertex number", bad)};
 }
@@ -169,8 +169,7 @@ Parts find_held_parts(const Body& body) {
   for (std::size_t e = 0; e < part_of.size(); e++)
     for (const int v : element(body.mesh, e)) parts.vertices[std::size_t(part_of[e])].push_back(v);
   for (std::vector<int>& vertices : parts.vertices) {
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sort_unique(vertices);
   }
   parts.is_held.assign(parts.vertices.size(), 0);
   std::vector<std::uint8_t> still = body.fixed;  // vertices that cannot float away

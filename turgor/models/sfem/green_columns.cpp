@@ -1,6 +1,7 @@
 // Columns of Green's functions from the stored factor, when the dense store would be too large.
 #include <algorithm>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/sfem/green.hpp"
 
 namespace turgor::sfem {
@@ -17,8 +18,7 @@ std::vector<int> missing_slots(const Model& model, std::span<const int> vertices
     TURGOR_ASSERT(slot >= 0, "a column of Green's functions is fetched for a vertex that is not kept");
     if (!has_column(green, slot)) slots.push_back(slot);
   }
-  std::sort(slots.begin(), slots.end());
-  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  sort_unique(slots);
   return slots;
 }
 

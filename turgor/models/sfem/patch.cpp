@@ -7,6 +7,7 @@
 #include <string>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/sfem/elements.hpp"
 #include "turgor/models/sfem/patch_assembly.hpp"
 #include "turgor/models/sfem/patch_condense.hpp"
@@ -51,8 +52,7 @@ std::vector<Int3> touched_triangles(const FineMesh& fine, std::span<const Vec3d>
 std::vector<int> nodes_of(const std::vector<Int3>& triangles) {
   std::vector<int> nodes;
   for (const auto [a, b, c] : triangles) nodes.insert(nodes.end(), {a, b, c});
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   return nodes;
 }
 
@@ -65,8 +65,7 @@ PatchUnknowns number_unknowns(const Model& model, std::span<const int> elements,
   for (const int e : taking_part)
     for (const int v : element(mesh, std::size_t(e)))
       if (model.free_node[std::size_t(v)] >= 0) unknowns.coarse.push_back(v);
-  std::sort(unknowns.coarse.begin(), unknowns.coarse.end());
-  unknowns.coarse.erase(std::unique(unknowns.coarse.begin(), unknowns.coarse.end()), unknowns.coarse.end());
+  sort_unique(unknowns.coarse);
 
   unknowns.local.assign(fine.nodes.size(), -1);
   const auto has_own = [&](int node) {
@@ -171,8 +170,7 @@ std::vector<int> patch_elements(const Model& model, std::span<const Vec3d> touch
   const std::vector<char> usable = usable_elements(model);
   std::vector<char> seen(element_count(mesh), 0);
   for (const Vec3d touch : touches) elements_at(model, touch, found);
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  sort_unique(found);
   for (const int e : found) seen[std::size_t(e)] = 1;
   const auto is_near = [&](int e) {
     const Vec3d x = centroid(mesh, std::size_t(e));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/quadratic.hpp"
 #include "turgor/models/sfem/elements.hpp"
 
@@ -276,8 +277,7 @@ void add_coarse(const Exec& exec, const Model& model, const std::vector<int>& el
     material.push_back(material_at(model.body, e, centroid(model.body.mesh, std::size_t(e))));
   }
   const std::vector<int> corners = vertices;
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sort_unique(vertices);
   for (const int v : vertices) mesh.vertices.push_back(model.body.mesh.vertices[std::size_t(v)]);
   for (const int v : corners)
     mesh.elements.push_back(int(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin()));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/sfem/patch.hpp"
 
 namespace turgor::sfem {
@@ -95,8 +96,7 @@ Places merged_places(const Places& from, const std::vector<int>& merged, std::si
   for (std::size_t m = 0; m < count; m++) {
     to.centre[m] = to.centre[m] / to.area[m], to.normal[m] = normalized(to.normal[m]);
     std::vector<int>& near = to.neighbours[m];
-    std::sort(near.begin(), near.end());
-    near.erase(std::unique(near.begin(), near.end()), near.end());
+    sort_unique(near);
   }
   return to;
 }

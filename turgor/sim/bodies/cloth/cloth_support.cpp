@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -11,8 +12,7 @@ namespace {
 /// The vertices that a body's triangles use; the triangles then count in them.
 void use_vertices(const std::vector<Int3>& triangles, ClothSupport& support) {
   for (const Int3 t : triangles) support.carrier.insert(support.carrier.end(), {t.x, t.y, t.z});
-  std::sort(support.carrier.begin(), support.carrier.end());
-  support.carrier.erase(std::unique(support.carrier.begin(), support.carrier.end()), support.carrier.end());
+  sort_unique(support.carrier);
   const auto place = [&](int v) {
     return int(std::lower_bound(support.carrier.begin(), support.carrier.end(), v) - support.carrier.begin());
   };

@@ -1,11 +1,11 @@
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 
-#include <algorithm>
 #include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/models/sfem/patch_assembly.hpp"
 
@@ -23,8 +23,7 @@ Status fetch_near(const Exec& exec, SfemBody& body, std::span<const Vec3d> place
   const std::vector<int> near = elements_within(body.follow.radius * (1 + body.follow.hysteresis));
   for (const int e : sfem::changed_elements(model, near))
     for (const int v : element(model.body.mesh, std::size_t(e))) vertices.push_back(v);
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sort_unique(vertices);
   const double columns = 9.0 * double(vertices.size()) * double(model.green.nodes.size()) * sizeof(float);
   const double patch =
       sfem::patch_cost(model, elements_within(body.follow.radius), body.refinement, places).bytes;
