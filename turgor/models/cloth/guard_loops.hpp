@@ -16,6 +16,10 @@ constexpr int kGuardLevels = 32;  // more than a tree of halves over all ints ha
 struct VertexPair {
   int i, j;
 };
+struct GuardAnswer {
+  int pairs = 0;  // more than there is room for: not all are listed
+  std::uint32_t meets = 0;
+};
 
 /// The motion is in `force`, what is measured of it in `inverse` (measure_triangles).
 struct GuardView {
@@ -26,9 +30,8 @@ struct GuardView {
   int level_begin[kGuardLevels];
   int levels, count;  // of the tree; vertices
   double thickness;
-  VertexPair* pairs;  // as many as there are vertices
-  int* pair_count;    // may be more
-  std::uint32_t* found;
+  VertexPair* pairs;  // room for as many as there are vertices
+  GuardAnswer* answer;
 
   TURGOR_HD MovingTriangle<Real> moving(int t) const {
     const auto [a, b, c] = triangles[t];
@@ -225,7 +228,7 @@ struct ListPairs {
 
   TURGOR_HD void operator()(std::size_t vertex) const {
     visit_near(g, int(vertex), [&](int j) {
-      const int n = atomic_next(*g.pair_count);
+      const int n = atomic_next(g.answer->pairs);
       if (n < g.count) g.pairs[n] = {int(vertex), j};
       return n >= g.count;
     });
@@ -235,9 +238,9 @@ struct LookAtPair {
   GuardView g;
 
   TURGOR_HD void operator()(std::size_t n) const {
-    if (int(n) >= *g.pair_count || shared_load(*g.found) != 0) return;
+    if (int(n) >= g.answer->pairs || shared_load(g.answer->meets) != 0) return;
     const VertexPair pair = g.pairs[n];
-    if (PairLook{g}.meet(pair.i, pair.j)) atomic_max(*g.found, 1);
+    if (PairLook{g}.meet(pair.i, pair.j)) atomic_max(g.answer->meets, 1);
   }
 };
 /// Where the list was too short for all pairs: a vertex with each of its own.
@@ -245,10 +248,10 @@ struct LookAtUnlisted {
   GuardView g;
 
   TURGOR_HD void operator()(std::size_t vertex) const {
-    if (*g.pair_count <= g.count) return;
+    if (g.answer->pairs <= g.count) return;
     visit_near(g, int(vertex), [&](int j) {
-      if (PairLook{g}.meet(int(vertex), j)) atomic_max(*g.found, 1);
-      return shared_load(*g.found) != 0;
+      if (PairLook{g}.meet(int(vertex), j)) atomic_max(g.answer->meets, 1);
+      return shared_load(g.answer->meets) != 0;
     });
   }
 };

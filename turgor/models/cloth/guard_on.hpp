@@ -18,20 +18,18 @@ class GuardOn {
       begin_.push_back(begin_.back() + size);
     boxes_ = rooms.template room<MotionBox>(std::size_t(begin_.back()));
     pairs_ = rooms.template room<VertexPair>(std::size_t(count_));
-    pair_count_ = rooms.template room<int>(1);
-    found_ = rooms.template room<std::uint32_t>(1);
+    answer_ = rooms.template room<GuardAnswer>(1);
   }
 
   /// From `before` to `x`: would anything meet?
   template <class Run>
   bool would_meet(const Run& run, const SheetView& sheet, const Int3* triangles, TrianglesAround around,
                   double thickness) {
-    GuardView g{sheet,  triangles, around,        boxes_.data(),      {},           int(begin_.size()) - 1,
-                count_, thickness, pairs_.data(), pair_count_.data(), found_.data()};
+    GuardView g{sheet,  triangles, around,        boxes_.data(), {}, int(begin_.size()) - 1,
+                count_, thickness, pairs_.data(), answer_.data()};
     std::copy(begin_.begin(), begin_.end(), g.level_begin);
-    const int none = 0;
-    std::uint32_t found = 0;
-    pair_count_.upload({&none, 1}), found_.upload({&found, 1});
+    GuardAnswer answer;
+    answer_.upload({&answer, 1});
     run(sheet.size, SetMotion{sheet});
     run(sheet.size, MeasureUp{g});
     run(sheet.size, MeasureFlatness{g});
@@ -41,8 +39,8 @@ class GuardOn {
     run(std::size_t(count_), ListPairs{g});
     run(std::size_t(count_), LookAtPair{g});
     run(std::size_t(count_), LookAtUnlisted{g});
-    found_.download({&found, 1});
-    return found != 0;
+    answer_.download({&answer, 1});
+    return answer.meets != 0;
   }
 
  private:
@@ -50,8 +48,7 @@ class GuardOn {
   std::vector<int> begin_;  // first box of each level, and the end
   typename Side::template Array<MotionBox> boxes_;
   typename Side::template Array<VertexPair> pairs_;
-  typename Side::template Array<int> pair_count_;
-  typename Side::template Array<std::uint32_t> found_;
+  typename Side::template Array<GuardAnswer> answer_;
 };
 
 }  // namespace turgor::cloth
