@@ -98,7 +98,7 @@ struct GrowFringe {
   }
 };
 
-template <bool kIsCut>
+template <Cells kCells>
 struct FillBeside {
   FringeView f;
 
@@ -110,10 +110,15 @@ struct FillBeside {
     if (owner != ResampleView::kNobody) {
       const FringeWay found = FringeWay::of(owner);
       const Int3 from = p + found.way;
-      const TissueAt tissue = FindTissue<kIsCut>{f.v}(f.v.owner[f.v.voxel_index(from)], from);
+      const FindTissue<kCells> find{f.v};
+      const std::uint32_t owner_there = f.v.owner[f.v.voxel_index(from)];
+      if (!find.has(owner_there)) return;
+      const TissueAt tissue = find(owner_there, from);
       skin = {.is_there = true,
               .is_beyond = found.pass > f.reach,
               .shift = rim_shift(f.value.place, from, tissue.place)};
+    } else if (kCells == Cells::kSpecial) {
+      return;
     }
     f.v.out[n] = f.value(p, n, WasBody{(f.rest[n] & 1) != 0, f.near_rest[n] != 0}, skin);
   }
@@ -131,7 +136,8 @@ void mark_rest_with(const Run& run, const FringeView& f) {
 template <class Run>
 void fill_beside_with(const Run& run, const FringeView& f) {
   for (int pass = 1; pass <= f.reach + kBeyond; pass++) run(f.v.voxel_count(), GrowFringe{f, pass});
-  f.v.is_cut() ? run(f.v.voxel_count(), FillBeside<true>{f}) : run(f.v.voxel_count(), FillBeside<false>{f});
+  run(f.v.voxel_count(), FillBeside<Cells::kWhole>{f});
+  if (f.v.is_cut()) run(f.v.voxel_count(), FillBeside<Cells::kSpecial>{f});
 }
 
 }  // namespace turgor::lattice

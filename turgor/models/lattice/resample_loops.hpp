@@ -208,18 +208,22 @@ struct TissueAt {
   Vec3 place;       // in the CT [voxels]
   float ratio = 1;  // volume now over volume in the CT
 };
-/// Whether a blade parted any of it is a constant: what its special cells ask for takes twice the registers
-/// of the rest.
-template <bool kIsCut>
+/// Voxels of cells that no blade parted and of special ones are filled one after the other: what the latter
+/// ask for takes three times the registers.
+enum class Cells { kWhole, kSpecial };
+template <Cells kCells>
 struct FindTissue {
   const ResampleView& v;
 
+  /// Or nothing of this owner.
+  TURGOR_HD bool has(std::uint32_t owner) const {
+    const bool is_special = v.is_special(node_slot(v.lattice, v.node(owner / ResampleView::kClaims)));
+    return is_special == (kCells == Cells::kSpecial);
+  }
   TURGOR_HD TissueAt operator()(std::uint32_t owner, Int3 voxel) const {
     const Int3 cell = v.node(owner / ResampleView::kClaims);
+    if constexpr (kCells == Cells::kSpecial) return place_in_special(node_slot(v.lattice, cell), voxel);
     const int tet = int(owner % ResampleView::kClaims);
-    if constexpr (kIsCut)
-      if (const int slot = node_slot(v.lattice, cell); v.is_special(slot))
-        return place_in_special(slot, voxel);
     return tet == 0   ? place<0>(cell, voxel)
            : tet == 1 ? place<1>(cell, voxel)
            : tet == 2 ? place<2>(cell, voxel)
@@ -257,13 +261,17 @@ struct FindTissue {
 };
 
 /// Air, or what the CT has where the owner's tissue came from.
-template <bool kIsCut>
+template <Cells kCells>
 struct FillVoxel {
   ResampleView v;
 
   TURGOR_HD void operator()(std::size_t n) const {
     const std::uint32_t owner = v.owner[n];
-    v.out[n] = owner >= ResampleView::kBeside ? kAirHu : value(FindTissue<kIsCut>{v}(owner, v.voxel(n)));
+    if (owner >= ResampleView::kBeside) {
+      if (kCells == Cells::kWhole) v.out[n] = kAirHu;
+    } else if (const FindTissue<kCells> find{v}; find.has(owner)) {
+      v.out[n] = value(find(owner, v.voxel(n)));
+    }
   }
   TURGOR_HD std::int16_t value(TissueAt tissue) const {
     float value = v.sample(tissue.place);
@@ -273,20 +281,27 @@ struct FillVoxel {
 };
 
 /// One of deformed_fields.hpp.
-template <class Of, class Sample, bool kIsCut>
+template <Cells kCells, class Of, class Sample>
 struct FillField : Of {
   ResampleView v;
   Sample* field;  // by voxel
 
   TURGOR_HD void operator()(std::size_t n) const {
     const std::uint32_t owner = v.owner[n];
-    field[n] = owner >= ResampleView::kBeside ? Of::outside() : value(owner, v.voxel(n));
-  }
-  TURGOR_HD Sample value(std::uint32_t owner, Int3 voxel) const {
-    const TissueAt tissue = FindTissue<kIsCut>{v}(owner, voxel);
-    return Of::operator()(voxel, tissue.place, tissue.ratio);
+    if (owner >= ResampleView::kBeside) {
+      if (kCells == Cells::kWhole) field[n] = Of::outside();
+    } else if (const FindTissue<kCells> find{v}; find.has(owner)) {
+      const Int3 voxel = v.voxel(n);
+      const TissueAt tissue = find(owner, voxel);
+      field[n] = Of::operator()(voxel, tissue.place, tissue.ratio);
+    }
   }
 };
+template <class Run, class Of, class Sample>
+void fill_field_with(const Run& run, const ResampleView& v, const Of& of, Sample* field) {
+  run(v.voxel_count(), FillField<Cells::kWhole, Of, Sample>{of, v, field});
+  if (v.is_cut()) run(v.voxel_count(), FillField<Cells::kSpecial, Of, Sample>{of, v, field});
+}
 
 /// One row of voxels.
 struct CountTissue {
@@ -325,7 +340,8 @@ void claim_with(const Run& run, const ResampleView& v) {
 template <class Run>
 void resample_with(const Run& run, const ResampleView& v) {
   claim_with(run, v);
-  v.is_cut() ? run(v.voxel_count(), FillVoxel<true>{v}) : run(v.voxel_count(), FillVoxel<false>{v});
+  run(v.voxel_count(), FillVoxel<Cells::kWhole>{v});
+  if (v.is_cut()) run(v.voxel_count(), FillVoxel<Cells::kSpecial>{v});
   run(v.voxel_count() / std::size_t(v.window.high.x), CountTissue{v});
 }
 

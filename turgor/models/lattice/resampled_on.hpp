@@ -159,10 +159,7 @@ class ResampledOn {
     if (!fits(model, cuts, grid) || !field.fits(samples.size())) return false;
     const ResampleView view = this->view(run, model, cuts, body, grid);
     claim_with(run, view);
-    if (view.is_cut())
-      run(view.voxel_count(), FillField<Of, Sample, true>{of, view, field.data()});
-    else
-      run(view.voxel_count(), FillField<Of, Sample, false>{of, view, field.data()});
+    fill_field_with(run, view, of, field.data());
     field.room.download(samples);
     return true;
   }
