@@ -76,11 +76,12 @@ inline const PretendedKernel pretended_kernel{
 
 /// From now on so much memory is free there; less than what is asked for is an error of the runtime.
 void pretend_memory(std::size_t bytes);
-/// Since the program began: kernels that ran, graphs that were launched and that were made, bytes that went over
-/// and back.
+/// Since the program began: kernels that ran, graphs that were launched and that were made; bytes that went over
+/// and back, and how often something did.
 struct PretendedCounts {
   long kernels = 0, launches = 0, graphs = 0;
   std::size_t over = 0, back = 0;
+  long uploads = 0, downloads = 0;
 };
 PretendedCounts pretended_counts();
 

@@ -48,7 +48,7 @@ Memory& memory() {
   static Memory* all = new Memory;  // outlives whoever frees arrays at the end of the program
   return *all;
 }
-std::atomic<long> kernels = 0, launches = 0, graphs = 0;
+std::atomic<long> kernels = 0, launches = 0, graphs = 0, uploads = 0, downloads = 0;
 std::atomic<std::size_t> over = 0, back = 0;
 thread_local cudaError_t last_error = cudaSuccess;
 
@@ -182,6 +182,7 @@ cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpy
   const Open open;
   std::memcpy(to, from, bytes);
   (kind == cudaMemcpyHostToDevice ? over : back) += bytes;
+  (kind == cudaMemcpyHostToDevice ? uploads : downloads)++;
   return cudaSuccess;
 }
 
@@ -253,6 +254,6 @@ void pretend_memory(std::size_t bytes) {
   const std::lock_guard lock(memory().mutex);
   memory().free = bytes;
 }
-PretendedCounts pretended_counts() { return {kernels, launches, graphs, over, back}; }
+PretendedCounts pretended_counts() { return {kernels, launches, graphs, over, back, uploads, downloads}; }
 
 }  // namespace turgor

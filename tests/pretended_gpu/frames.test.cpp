@@ -1,0 +1,65 @@
+// What a frame of cloth asks of a GPU and waits for, as docs/gpu.md has it: each costs microseconds there.
+#include "cloth_sheets.hpp"
+#include "cuda_runtime.h"
+#include "turgor/models/cloth/gpu_sheet.hpp"
+
+namespace turgor::cloth {
+namespace {
+
+struct Asked {
+  long kernels = 0, answers = 0;
+  std::size_t over = 0, back = 0;
+};
+
+Model sheet(int side, bool self) {
+  Params params;
+  params.solver = {.method = Method::kChebyshev, .sweeps = 8};
+  params.collision.self = self, params.collision.thickness = 0.0096;
+  return must_build(flat_sheet(side), params);
+}
+
+Asked asked_by(const Model& model, KeptState& state, const Inputs& inputs) {
+  const PretendedCounts before = pretended_counts();
+  const StepReport report = state.step(Exec(1), model, inputs, kFrame);
+  EXPECT_EQ(report.caught, 0) << "a frame in which anything is caught comes back";
+  const PretendedCounts now = pretended_counts();
+  return {now.kernels - before.kernels, now.downloads - before.downloads, now.over - before.over,
+          now.back - before.back};
+}
+
+TEST(PretendedGpu, a_frame_of_a_flag_asks_as_often_as_the_documents_say) {
+  const Result<Gpu> gpu = open_gpu();
+  for (const int side : {40, 80})
+    for (const bool self : {false, true}) {
+      const Model model = sheet(side, self);
+      KeptState state = make_state(model);
+      for (int j = 0; j < side; j++) EXPECT_TRUE(state.hold(model, j * side));
+      state.step_on(put(*gpu, model).value());
+      Inputs inputs{.gravity = {0, 0, -9.81}};
+      inputs.air = {.velocity = {6, 0, 2}, .gusts = 0.3};
+      Asked asked;
+      for (int frame = 0; frame < 6; frame++) asked = asked_by(model, state, inputs);
+      EXPECT_GE(asked.kernels, self ? 50 : 20) << side;
+      EXPECT_LE(asked.kernels, self ? 55 : 20) << side;
+      EXPECT_EQ(asked.answers, self ? 4 : 1) << side;
+      EXPECT_LE(asked.over, std::size_t(16 * side + 30)) << "bytes: what is held, and clean answers";
+      EXPECT_LE(asked.back, 20u) << "bytes";
+    }
+}
+
+TEST(PretendedGpu, a_frame_of_crumpled_cloth_asks_as_often_as_the_documents_say) {
+  const Model model = sheet(30, true);
+  KeptState state = make_state(model);
+  shake(model, state.change().v, 4);
+  state.step_on(put(open_gpu().value(), model).value());
+  (void)asked_by(model, state, {});
+  for (int frame = 0; frame < 6; frame++) {
+    const Asked asked = asked_by(model, state, {.gravity = {0, 0, -9.81}});
+    EXPECT_EQ(asked.kernels, 110);
+    EXPECT_EQ(asked.answers, 5);
+    EXPECT_LE(asked.over + asked.back, 200u) << "bytes";
+  }
+}
+
+}  // namespace
+}  // namespace turgor::cloth
