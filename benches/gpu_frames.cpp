@@ -37,7 +37,7 @@ constexpr Cost kSpringsSweep{kDescentBytes, 704, 8};
 constexpr Cost kSolidSweep{kDescentBytes, 2180, 8};
 /// Twice forces, to which u, moduli, u_before, v, w and removed lead, and their sums over blocks; twice the
 /// way of every node. Loops over unknowns are among those of forces.
-constexpr Cost kForces{kVector + kReal + 2 * kVector + kReal + kByte + kVector, 1789, 8};
+constexpr Cost kForces{kVector + kReal + 2 * kVector + kReal + kByte + kVector, 1789, 19};
 constexpr Cost kSums{kVector + sizeof(int), 8 * 20, 1};
 constexpr Cost kWay{sizeof(int) + 2 * kVector, 8 * 11, 1};
 

@@ -1,15 +1,60 @@
-// What a frame of cloth asks of a GPU and waits for, as docs/gpu.md has it: each costs microseconds there.
+// What a frame asks of a GPU and waits for, as docs/gpu.md has it: each costs microseconds there.
 #include "cloth_sheets.hpp"
 #include "cuda_runtime.h"
+#include "cut_block.hpp"
 #include "turgor/models/cloth/gpu_sheet.hpp"
+#include "turgor/models/lattice/gpu_body.hpp"
 
-namespace turgor::cloth {
+namespace turgor {
 namespace {
 
 struct Asked {
   long kernels = 0, answers = 0;
   std::size_t over = 0, back = 0;
 };
+template <class Step>
+Asked asked_by(const Step& step) {
+  const PretendedCounts before = pretended_counts();
+  step();
+  const PretendedCounts now = pretended_counts();
+  return {now.kernels - before.kernels, now.downloads - before.downloads, now.over - before.over,
+          now.back - before.back};
+}
+
+}  // namespace
+}  // namespace turgor
+
+namespace turgor::lattice {
+namespace {
+
+TEST(PretendedGpu, a_frame_of_a_lattice_asks_as_often_as_the_bench_of_frames_predicts) {
+  struct Kind {
+    Method method;
+    TissueLaw law;
+    long most;  // kernels; colours without skin need none
+  };
+  for (const Kind kind : {Kind{Method::kPbd, TissueLaw::kSprings, 82},
+                          {Method::kDescent, TissueLaw::kSprings, 42},
+                          {Method::kDescent, TissueLaw::kSolid, 127}}) {
+    CutBlock block = cut_block(kind.method, {30, 20, 16}, kind.law == TissueLaw::kSprings, kind.law);
+    ASSERT_EQ(block.model.params.solver.sweeps, 5);
+    KeptState state = std::move(block.state);
+    state.step_on(put(open_gpu().value(), block.model).value());
+    Asked asked;
+    for (int frame = 0; frame < 4; frame++)
+      asked = asked_by([&] { state.step(Exec(1), block.model, {.gravity = {0, 0, -9.81}}, 1.0 / 60); });
+    EXPECT_LE(asked.kernels, kind.most);
+    EXPECT_GE(asked.kernels, kind.method == Method::kPbd ? 42 : kind.most);
+    EXPECT_EQ(asked.answers, 1);
+    EXPECT_EQ(asked.over + asked.back, 16u) << "bytes";
+  }
+}
+
+}  // namespace
+}  // namespace turgor::lattice
+
+namespace turgor::cloth {
+namespace {
 
 Model sheet(int side, bool self) {
   Params params;
@@ -19,12 +64,10 @@ Model sheet(int side, bool self) {
 }
 
 Asked asked_by(const Model& model, KeptState& state, const Inputs& inputs) {
-  const PretendedCounts before = pretended_counts();
-  const StepReport report = state.step(Exec(1), model, inputs, kFrame);
-  EXPECT_EQ(report.caught, 0) << "a frame in which anything is caught comes back";
-  const PretendedCounts now = pretended_counts();
-  return {now.kernels - before.kernels, now.downloads - before.downloads, now.over - before.over,
-          now.back - before.back};
+  return turgor::asked_by([&] {
+    const StepReport report = state.step(Exec(1), model, inputs, kFrame);
+    EXPECT_EQ(report.caught, 0) << "a frame in which anything is caught comes back";
+  });
 }
 
 TEST(PretendedGpu, a_frame_of_a_flag_asks_as_often_as_the_documents_say) {
