@@ -4,6 +4,7 @@
 // over, where nothing stays in a cache from one loop to the next; operations are those of single precision in
 // what nvcc makes of a node (-ptx), a fused one as two.
 #include <cstdio>
+#include <string_view>
 
 #include "app/machine.hpp"
 #include "turgor/core/gpu_limits.hpp"
@@ -28,8 +29,10 @@ struct Cost {
 constexpr double kReal = sizeof(Real), kVector = 3 * kReal, kByte = 1;
 /// u, u_before, v, w, removed in; u, u_before out. Then u, u_before in; v out.
 constexpr Cost kPredictAndFinish{4 * kVector + kReal + kByte + kVector + 3 * kVector, 30, 2};
-/// Eight passes over u, w, root and cut, which move u; and over the skin, which is little.
-constexpr Cost kPbdSweep{8 * (2 * kVector + 2 * kReal + kByte), 7 * 32, 16};
+/// Eight passes over u, which they move, and over w and root, or what kind of node each is; each cell's cuts
+/// once; and over the skin, which is little.
+constexpr Cost kPbdSweepHere{8 * (2 * kVector + 2 * kReal) + kByte, 7 * 32, 16};
+constexpr Cost kPbdSweepThere{8 * (2 * kVector + 2 * kByte) + kByte, 7 * 32, 16};
 /// Eight passes over u and root or Young's moduli of all; of the node itself u_before, v, w, removed and cut,
 /// and u, which moves.
 constexpr double kDescentBytes = 8 * (kVector + kReal) + 2 * kVector + kReal + 2 * kByte + kVector;
@@ -61,9 +64,10 @@ constexpr Kind kKinds[] = {{"pbd", Method::kPbd, TissueLaw::kSprings},
                            {"descent, springs", Method::kDescent, TissueLaw::kSprings},
                            {"descent, solid", Method::kDescent, TissueLaw::kSolid}};
 
-Cost cost_of_frame(const Kind& kind, int sweeps) {
+Cost cost_of_frame(const Kind& kind, bool there, int sweeps) {
   const bool solid = kind.law == TissueLaw::kSolid;
-  const Cost sweep = kind.method == Method::kPbd ? kPbdSweep : solid ? kSolidSweep : kSpringsSweep;
+  const Cost projections = there ? kPbdSweepThere : kPbdSweepHere;
+  const Cost sweep = kind.method == Method::kPbd ? projections : solid ? kSolidSweep : kSpringsSweep;
   const Cost coarse = (kForces + kSums + kWay) * 2;
   return kPredictAndFinish + sweep * sweeps + coarse * (solid ? 2 : 0);
 }
@@ -92,11 +96,14 @@ void print_machine(const char* kind, const std::string& name, double copy, doubl
 void print_frame(const char* kind, const Body& body, const Kind& of, const Model& model, double ms,
                  double one_by_one, double copy) {
   const auto slots = double(slots_in(model.moving));
-  const Cost cost = cost_of_frame(of, model.params.solver.sweeps);
+  const int sweeps = model.params.solver.sweeps;
+  const Cost there = cost_of_frame(of, true, sweeps);
+  const Cost cost = kind == std::string_view("gpu") ? there : cost_of_frame(of, false, sweeps);
   std::printf(R"({"machine": "%s", "body": "%s", "frame": "%s", )", kind, body.name, of.name);
   std::printf(R"("nodes": %d, "slots": %.0f, )", model.body_nodes, slots);
   std::printf(R"("ms": %.4g, "ms_one_by_one": %.4g, )", ms, one_by_one);
   std::printf(R"("bytes_a_slot": %.0f, "operations_a_slot": %.0f, )", cost.bytes, cost.operations);
+  std::printf(R"("bytes_a_slot_on_a_gpu": %.0f, )", there.bytes);
   std::printf(R"("loops": %.0f, "of_copy": %.3f})", cost.loops, slots * cost.bytes / (ms * 1e-3) / copy);
   std::puts("");
   std::fflush(stdout);

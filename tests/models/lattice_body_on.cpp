@@ -1,9 +1,11 @@
 // Whole steps by the loops that a GPU runs, in any order, against steps of the CPU by colours.
 #include <cmath>
+#include <random>
 #include <set>
 
 #include "cut_block.hpp"
 #include "host_side.hpp"
+#include "turgor/geometry/phantom.hpp"
 #include "turgor/models/lattice/body_on.hpp"
 #include "turgor/models/lattice/skin.hpp"
 
@@ -27,6 +29,14 @@ struct Variant {
   bool coarse = false;  // then without contacts, for which there is none
 };
 
+/// Tissue unlike from node to node, so that whoever takes one for another is found.
+void mix_tissue(Model& model) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<Real> by(Real(0.5), 1);
+  for (Real& w : model.inverse_mass) w *= by(random);
+  for (Real& root : model.root_stiffness) root *= by(random);
+}
+
 /// A block whose second blade comes while it runs, between its third and its fourth step.
 struct Scene {
   CutBlock block;
@@ -35,6 +45,7 @@ struct Scene {
 
   explicit Scene(const Variant& v) : block(cut_block(v.method, v.size, v.volumes, v.law, v.skin)) {
     block.model.params.solver.coarse = v.coarse;
+    mix_tissue(block.model);
     const Lattice& l = block.model.lattice;
     const int top = l.size.z - 2;
     if (v.method == Method::kDescent && !v.coarse) contacts = finger(block.model);
@@ -113,6 +124,27 @@ void expect_steps_like_the_cpu_s(const Variant& v) {
 TEST(lattice_body_on, steps_of_pbd_go_in_any_order_as_on_the_cpu) {
   expect_steps_like_the_cpu_s({.method = Method::kPbd, .volumes = true});
   expect_steps_like_the_cpu_s({.method = Method::kPbd, .size = {20, 12, 7}});
+}
+
+TEST(lattice_body_on, a_ct_s_nodes_are_of_few_kinds_and_each_is_of_its_own) {
+  const CtVolume ct = make_phantom(
+      kOne, {.kind = PhantomKind::kHead, .size = {64, 64, 60}, .spacing = {0.004, 0.004, 0.005}});
+  for (const Int3 block : {Int3{1, 1, 1}, Int3{3, 2, 1}}) {
+    const Model model = build(kOne, ct, {},
+                              {.block = block,
+                               .fix_ends = true,
+                               .skin = {.law = SkinLaw::kArea},
+                               .solver = {.method = Method::kPbd, .schedule = Schedule::kColours}})
+                            .value();
+    const PbdSchedule schedule = pbd_schedule(model);
+    ASSERT_EQ(schedule.kind.size(), model.inverse_mass.size());
+    EXPECT_LT(schedule.kinds.size(), std::size_t(std::min(2000, model.body_nodes / 10)));
+    for (std::size_t s = 0; s < schedule.kind.size(); s++) {
+      const NodeKind is = schedule.kinds.at(schedule.kind[s]);
+      ASSERT_EQ(is.w, model.inverse_mass[s]) << s;
+      ASSERT_EQ(is.root, model.root_stiffness[s]) << s;
+    }
+  }
 }
 
 TEST(lattice_body_on, steps_of_descent_with_springs_go_in_any_order_as_on_the_cpu) {

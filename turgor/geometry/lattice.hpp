@@ -27,6 +27,11 @@ constexpr int kFamilyCount = 7;
 constexpr std::array<Int3, kFamilyCount> kFamilies = {Int3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0},
                                                       {1, 0, 1},     {0, 1, 1}, {1, 1, 1}};
 
+/// Corner n of a cell is its lowest node plus (n & 1, n >> 1 & 1, n >> 2).
+constexpr int kCellCorners = 8;
+constexpr Int3 cell_corner(int n) { return {n & 1, n >> 1 & 1, n >> 2}; }
+constexpr int corner_of(Int3 offset) { return offset.x + 2 * offset.y + 4 * offset.z; }
+
 /// Corner offsets of the six Kuhn tetrahedra of a cell, each a path from (0,0,0) to (1,1,1), axis by axis.
 /// Odd permutations of the axes have their middle corners swapped, so that all volumes are positive.
 constexpr std::array<std::array<Int3, 4>, 6> kKuhnTets = {{

@@ -76,11 +76,15 @@ struct PbdOn {
   template <class T>
   using Array = typename Side::template Array<T>;
 
+  Array<NodeKind> kinds;
+  Array<std::uint16_t> kind;
   Array<int> joining, heads, next;
   ColourBegin joining_of, heads_of;
 
   PbdOn(Rooms<Side>& rooms, const PbdSchedule& schedule)
-      : joining(rooms.copy(schedule.joining)),
+      : kinds(rooms.copy(schedule.kinds)),
+        kind(rooms.copy(schedule.kind)),
+        joining(rooms.copy(schedule.joining)),
         heads(rooms.copy(schedule.heads)),
         next(rooms.copy(schedule.next)),
         joining_of(schedule.joining_of),
@@ -89,6 +93,8 @@ struct PbdOn {
   PbdView view(const Model& model, const NodesOn<Side>& nodes) const {
     return {.rules = pbd_rules(model),
             .body = nodes.view(),
+            .kinds = kinds.data(),
+            .kind = kind.data(),
             .joining = joining.data(),
             .joining_of = joining_of,
             .triangles = nodes.triangles.data(),

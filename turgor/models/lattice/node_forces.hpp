@@ -10,12 +10,6 @@
 #include "turgor/models/lattice/neighbours.hpp"
 #include "turgor/models/lattice/rows.hpp"
 
-#ifdef __CUDACC__
-#define TURGOR_UNROLL _Pragma("unroll")
-#else
-#define TURGOR_UNROLL _Pragma("GCC unroll 27")
-#endif
-
 namespace turgor::lattice {
 
 /// Calls f(t) for every one of kTetsAround. For nvcc t is a constant, so that what is looked up with it stays

@@ -1,8 +1,11 @@
 #include "turgor/models/lattice/pbd_loops.hpp"
 
+#include <bit>
 #include <map>
+#include <unordered_map>
 #include <utility>
 
+#include "turgor/core/assert.hpp"
 #include "turgor/models/lattice/skin.hpp"
 
 namespace turgor::lattice {
@@ -28,6 +31,21 @@ void add_skin_cells(const Model& model, int group, PbdSchedule& schedule) {
   }
 }
 
+/// The kinds of nodes there are, and each node's.
+void find_kinds(const Model& model, PbdSchedule& schedule) {
+  const std::size_t slots = model.inverse_mass.size();
+  std::unordered_map<std::uint64_t, std::uint16_t> known;
+  schedule.kind.resize(slots);
+  for (std::size_t s = 0; s < slots; s++) {
+    const NodeKind is{model.inverse_mass[s], model.root_stiffness[s]};
+    const auto [at, is_new] =
+        known.try_emplace(std::bit_cast<std::uint64_t>(is), std::uint16_t(schedule.kinds.size()));
+    if (is_new) schedule.kinds.push_back(is);
+    schedule.kind[s] = at->second;
+  }
+  TURGOR_ASSERT(schedule.kinds.size() <= 65536, "nodes are of more kinds than a CT has values");
+}
+
 }  // namespace
 
 CellTet cell_tet(const Lattice& l, int parity, const std::array<Int3, 4>& tet) {
@@ -47,6 +65,7 @@ CellTet cell_tet(const Lattice& l, int parity, const std::array<Int3, 4>& tet) {
 
 PbdSchedule pbd_schedule(const Model& model) {
   PbdSchedule schedule;
+  find_kinds(model, schedule);
   schedule.joining_of = groups_by_colours(model.lattice, model.joining, schedule.joining);
   schedule.next.assign(model.skin.triangles.size(), -1);
   const int layers = model.skin.layer_begin.empty() ? 0 : model.lattice.size.z - 1;
@@ -67,11 +86,12 @@ PbdRules pbd_rules(const Model& model) {
     rules.edge[f] = hadamard(l.step, Vec3(kFamilies[f]));
     rules.rest[f] = model.rest_length[f];
   }
-  for (int parity = 0; parity < 2; parity++) {
-    for (std::size_t f = 0; f < kFamilyCount; f++)
-      rules.family_offset[parity][f] = slot_offset(l, kFamilies[f], parity);
-    for (std::size_t t = 0; t < kKuhnTets.size(); t++)
-      rules.tet[parity][t] = cell_tet(l, parity, kKuhnTets[t]);
+  for (int parity = 0; parity < 2; parity++)
+    for (int c = 0; c < kCellCorners; c++)
+      rules.corner_offset[parity][c] = slot_offset(l, cell_corner(c), parity);
+  for (std::size_t t = 0; t < kKuhnTets.size(); t++) {
+    const CellTet tet = cell_tet(l, 0, kKuhnTets[t]);
+    rules.tet_edge[t][0] = tet.e1, rules.tet_edge[t][1] = tet.e2, rules.tet_edge[t][2] = tet.e3;
   }
   return rules;
 }

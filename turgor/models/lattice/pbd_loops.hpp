@@ -3,6 +3,8 @@
 // the same.
 #pragma once
 
+#include <utility>
+
 #include "turgor/models/lattice/colours.hpp"
 #include "turgor/models/lattice/pbd_kernels.hpp"
 #include "turgor/models/lattice/step_loops.hpp"
@@ -11,15 +13,25 @@ namespace turgor::lattice {
 
 /// Everything that does not change, by value.
 struct PbdRules {
-  int family_offset[2][kFamilyCount];   // by the parity of i [slots]
+  int corner_offset[2][kCellCorners];   // by the parity of i, from the cell's lowest node [slots]
   Vec3 edge[kFamilyCount];              // rest vectors [m]
   Real rest[kFamilyCount];              // [m]
-  CellTet tet[2][6];                    // by the parity of i
+  Vec3 tet_edge[6][3];                  // from a tetrahedron's first corner to its others, at rest [m]
   Real rest_volume;                     // [m³]; 0: volumes are not projected
   Real skin_ratio, skin_amplification;  // rest area by that in the CT [1]; β [1]
 };
 
+/// What a node weighs and how stiff it is: of a CT's millions of nodes all are of a few thousand kinds, and
+/// eight passes a sweep read two bytes of each instead of eight.
+struct alignas(8) NodeKind {
+  Real w, root;  // inverse mass [1/kg], root of its stiffness in [0, 1]
+
+  friend bool operator==(NodeKind, NodeKind) = default;
+};
+
 struct PbdSchedule {
+  std::vector<NodeKind> kinds;
+  std::vector<std::uint16_t> kind;  // by slot
   std::vector<int> joining;  // first slots of groups whose cells hold something that can move, by colours
   std::vector<int> heads;    // the first triangle of each cell with skin, by colours
   std::vector<int> next;     // by triangle: another one of its cell, or -1
@@ -30,7 +42,9 @@ struct PbdSchedule {
 struct PbdView {
   PbdRules rules;
   MovingNodes body;
-  const int* joining;  // PbdSchedule
+  const NodeKind* kinds;  // PbdSchedule
+  const std::uint16_t* kind;
+  const int* joining;
   ColourBegin joining_of;
   const SkinTriangle* triangles;
   const std::uint8_t* skin_cut;  // by triangle
@@ -41,20 +55,87 @@ struct PbdView {
 PbdRules pbd_rules(const Model& model);
 PbdSchedule pbd_schedule(const Model& model);
 
-/// The edges and tetrahedra of a cell.
+/// A cell's corners, x + 2 y + 4 z, while its elements are projected one after the other: fetched once and
+/// put back once. What an element is, is a constant, so that for nvcc all of it stays in registers.
+struct CornersOfCell {
+  const PbdRules& rules;
+  const std::uint8_t* cut;  // of the corners' slots, by `at`
+  int at[kCellCorners];
+  Vec3 u[kCellCorners];
+  NodeKind is[kCellCorners];
+
+  TURGOR_HD CornersOfCell(const PbdView& v, int s) : rules(v.rules), cut(v.body.nodes.cut) {
+    const int parity = s / v.body.half & 1;
+    TURGOR_UNROLL
+    for (int c = 0; c < kCellCorners; c++) {
+      at[c] = s + rules.corner_offset[parity][c];
+      u[c] = v.body.nodes.u(at[c]), is[c] = v.kinds[v.kind[at[c]]];
+    }
+  }
+  TURGOR_HD void put_back(const NodeArrays& n) const {
+    TURGOR_UNROLL
+    for (int c = 0; c < kCellCorners; c++) n.ux[at[c]] = u[c].x, n.uy[at[c]] = u[c].y, n.uz[at[c]] = u[c].z;
+  }
+
+  template <std::size_t kFamily>
+  TURGOR_HD void project_edge() {
+    constexpr int b = corner_of(kFamilies[kFamily]);
+    const Vec3 d = rules.edge[kFamily] + (u[b] - u[0]);
+    const Real stiffness = cut[at[0]] >> kFamily & 1 ? 0 : is[0].root * is[b].root;
+    const Real s = project_spring(d, rules.rest[kFamily], stiffness, is[0].w, is[b].w);
+    u[0] += d * (s * is[0].w), u[b] -= d * (s * is[b].w);
+  }
+  template <std::size_t... kFamily>
+  TURGOR_HD void project_edges(std::index_sequence<kFamily...>) {
+    (project_edge<kFamily>(), ...);
+  }
+
+  template <std::size_t kTet>
+  TURGOR_HD bool is_cut() const {
+    constexpr std::array<Int3, 4> tet = kKuhnTets[kTet];
+    const auto parted = [&]<std::size_t kP, std::size_t kQ>() {
+      constexpr Int3 way = tet[kQ] - tet[kP];
+      constexpr bool forward = family_of(way) >= 0;
+      constexpr int lower = corner_of(tet[forward ? kP : kQ]), family = family_of(forward ? way : -way);
+      return cut[at[lower]] >> family & 1;
+    };
+    return parted.template operator()<0, 1>() | parted.template operator()<0, 2>() |
+           parted.template operator()<0, 3>() | parted.template operator()<1, 2>() |
+           parted.template operator()<1, 3>() | parted.template operator()<2, 3>();
+  }
+  template <std::size_t kTet>
+  TURGOR_HD void project_tet() {
+    constexpr std::array<Int3, 4> tet = kKuhnTets[kTet];
+    constexpr int a = corner_of(tet[0]), b = corner_of(tet[1]), c = corner_of(tet[2]), d = corner_of(tet[3]);
+    const Vec3 e1 = rules.tet_edge[kTet][0] + (u[b] - u[a]), e2 = rules.tet_edge[kTet][1] + (u[c] - u[a]),
+               e3 = rules.tet_edge[kTet][2] + (u[d] - u[a]);
+    const Real whole = tet_stiffness(is[a].root, is[d].root, is[b].root, is[c].root, is[d].root);
+    const VolumeGradients g = volume_gradients(e1, e2, e3);
+    const Real s = project_volume(e1, g, rules.rest_volume, is_cut<kTet>() ? 0 : whole, is[a].w, is[b].w,
+                                  is[c].w, is[d].w);
+    u[a] -= (g.g1 + g.g2 + g.g3) * (s * is[a].w);
+    u[b] += g.g1 * (s * is[b].w), u[c] += g.g2 * (s * is[c].w), u[d] += g.g3 * (s * is[d].w);
+  }
+  template <std::size_t... kTet>
+  TURGOR_HD void project_tets(std::index_sequence<kTet...>) {
+    (project_tet<kTet>(), ...);
+  }
+};
+
+/// The edges of a cell, and its tetrahedra.
+template <bool kWithVolumes>
 struct ProjectCell {
   PbdView v;
   int begin;
 
   TURGOR_HD void operator()(std::size_t n) const {
     const int s = v.joining[std::size_t(begin) + n / kGroup] + int(n % kGroup);
-    if (!(v.body.nodes.root[s] > 0)) return;  // behind the end of a row, too: there is somebody else's node
-    const int parity = s / v.body.half & 1;
-    for (int f = 0; f < kFamilyCount; f++)
-      project_edges<true, 1>(v.body.nodes, s, s + v.rules.family_offset[parity][f], v.rules.edge[f],
-                             v.rules.rest[f], f);
-    for (int t = 0; t < 6 && v.rules.rest_volume > 0; t++)
-      project_volumes<true>(v.body.nodes, v.rules.tet[parity][t], s, 1, v.rules.rest_volume);
+    if (!(v.kinds[v.kind[s]].root > 0))
+      return;  // behind the end of a row, too: there is somebody else's node
+    CornersOfCell cell(v, s);
+    cell.project_edges(std::make_index_sequence<kFamilyCount>{});
+    if constexpr (kWithVolumes) cell.project_tets(std::make_index_sequence<kKuhnTets.size()>{});
+    cell.put_back(v.body.nodes);
   }
 };
 
@@ -86,7 +167,11 @@ template <class Run>
 void sweep_pbd_with(const Run& run, const PbdView& v) {
   for (int c = 0; c < kColourCount; c++) {
     const int *cells = v.joining_of.begin + c, *skin = v.heads_of.begin + c;
-    run(std::size_t(cells[1] - cells[0]) * kGroup, ProjectCell{v, cells[0]});
+    const std::size_t slots = std::size_t(cells[1] - cells[0]) * kGroup;
+    if (v.rules.rest_volume > 0)
+      run(slots, ProjectCell<true>{v, cells[0]});
+    else
+      run(slots, ProjectCell<false>{v, cells[0]});
     run(std::size_t(skin[1] - skin[0]), ProjectSkinCell{v, skin[0]});
   }
 }

@@ -8,9 +8,6 @@
 
 namespace turgor::lattice {
 
-/// Corner n of a cell is its lowest node plus (n & 1, n >> 1 & 1, n >> 2).
-constexpr int kCellCorners = 8;
-constexpr Int3 cell_corner(int n) { return {n & 1, n >> 1 & 1, n >> 2}; }
 /// On which side of the cell's middle a corner is, -1 or 1 along each axis.
 constexpr Int3 corner_side(int n) { return cell_corner(n) * 2 - Int3{1, 1, 1}; }
 
