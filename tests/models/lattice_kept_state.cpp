@@ -69,18 +69,31 @@ TEST(lattice_kept_state, a_cut_takes_over_what_it_changed_alone) {
     Bus::over = 0;
     there.step();
     EXPECT_EQ(Bus::over, sizeof(StepMarks)) << "laying a blade changes nothing";
-    EXPECT_GT(there.state.cut_edges(there.model, path, 0, 1, 1), 10);
-    EXPECT_EQ(there.state.cut_edges(there.model, path, 0, 1, 1), 0);
-    const PartsOfCells& parts = there.state->parts;
-    const std::size_t follows = parts.cells.size() * sizeof(CellPart) + parts.skin.size() * sizeof(SkinPart) +
-                                parts.uses.size() * sizeof(PartUse) +
-                                (parts.nodes.size() + parts.copies.size()) * sizeof(PartNode) +
-                                2 * there.state->copies.size() * sizeof(CopyShift);
-    Bus::over = 0;
-    there.step();
-    EXPECT_GE(Bus::over, 2 * there.model.inverse_mass.size()) << "two bytes a slot";
-    EXPECT_LE(Bus::over, 2 * there.model.inverse_mass.size() + there.state->row_cut.size() +
-                             there.state->skin_cut.size() + follows + sizeof(StepMarks));
+    const State& known = there.state.without_places();
+    for (const double half : {0.0, 0.5}) {
+      const std::size_t before = known.copies.size();
+      Bus::over = Bus::back = 0;
+      EXPECT_GT(there.state.cut_edges(there.model, path, half, half + 0.5, 1), 5);
+      EXPECT_EQ(there.state.cut_edges(there.model, path, half, half + 0.5, 1), 0);
+      EXPECT_TRUE(there.state.is_away());
+
+      const std::size_t twice = (before + known.copies.size()) * sizeof(CopyShift);
+      const std::size_t nodes = (Bus::back - twice) / sizeof(NodeNow);
+      EXPECT_EQ(Bus::back, twice + nodes * sizeof(NodeNow));
+      EXPECT_EQ(nodes > 0, law == TissueLaw::kSolid) << "where there are new copies";
+      EXPECT_LE(nodes, 8 * (known.copies.size() - before)) << "corners of cells that were parted";
+      const PartsOfCells& parts = known.parts;
+      const std::size_t follows = parts.cells.size() * sizeof(CellPart) +
+                                  parts.skin.size() * sizeof(SkinPart) + parts.uses.size() * sizeof(PartUse) +
+                                  (parts.nodes.size() + parts.copies.size()) * sizeof(PartNode) +
+                                  2 * known.copies.size() * sizeof(CopyShift);
+      EXPECT_GE(Bus::over, 2 * there.model.inverse_mass.size()) << "two bytes a slot";
+      EXPECT_LE(Bus::over, 2 * there.model.inverse_mass.size() + known.row_cut.size() +
+                               known.skin_cut.size() + follows + nodes * sizeof(int));
+      Bus::over = 0;
+      there.step();
+      EXPECT_EQ(Bus::over, sizeof(StepMarks)) << "it is there";
+    }
   }
 }
 

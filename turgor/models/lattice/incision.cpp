@@ -251,8 +251,8 @@ Result<BladePath> lay_blade(const Model& model, const State& state, const Incisi
   return path;
 }
 
-int cut_edges(const Model& model, State& state, const BladePath& path, double begin, double end,
-              int incision) {
+int cut_edges(const Model& model, State& state, const BladePath& path, double begin, double end, int incision,
+              const BringNodes& bring) {
   constexpr double kFar = std::numeric_limits<double>::max();
   const double length = path_length(path);
   state.blades_on.set(std::uint8_t(incision), end < 1);
@@ -268,7 +268,7 @@ int cut_edges(const Model& model, State& state, const BladePath& path, double be
   cut_fine_edges(model, state, path, begin, end, incision);
   cross_lines(model, state, path, begin, end, incision);
   if (count > 0) cut_skin(model, state);
-  if (count > 0 || cut_version(state) > before) part_cells(model, state);
+  if (count > 0 || cut_version(state) > before) part_cells(model, state, bring);
   return count;
 }
 

@@ -59,9 +59,9 @@ struct LaidBlade {
 Result<BladePath> lay_blade(const Model& model, const State& state, const Incision& incision,
                             const Others* others = nullptr, std::span<const LaidBlade> laid = {});
 /// Cuts what lies between two fractions of the path's length, and returns how many edges of the lattice it
-/// cut.
-int cut_edges(const Model& model, State& state, const BladePath& path, double begin, double end,
-              int incision);
+/// cut. Of where nodes are it asks beside the blade alone.
+int cut_edges(const Model& model, State& state, const BladePath& path, double begin, double end, int incision,
+              const BringNodes& bring = {});
 /// The paper's static incision: nodes within `width`/2 of the blade leave the body. Returns how many.
 int cut_region(const Model& model, State& state, const BladePath& path);
 

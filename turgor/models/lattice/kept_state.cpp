@@ -97,20 +97,32 @@ ScalarVolume KeptState::resample_jacobian(const Exec& exec, const Model& model, 
 }
 
 template <class Cut>
-int KeptState::cut_with(const Cut& cut) {
-  State& state = kept_->at_home();
+int KeptState::cut_with(State& state, const Cut& cut) {
   const std::size_t before = cut_version(state);
   const int count = cut(state);
   if (count > 0 || cut_version(state) != before) kept_->changed = std::max(kept_->changed, Changed::kPart);
   return count;
 }
 
+/// A state that is away stays there: copies of nodes come back, and the nodes where new ones are made; what
+/// the blade changed goes over at once.
 int KeptState::cut_edges(const Model& model, const BladePath& path, double begin, double end, int incision) {
-  return cut_with([&](State& state) { return lattice::cut_edges(model, state, path, begin, end, incision); });
+  const auto cut = [&](const BringNodes& bring) {
+    return cut_with(kept_->state, [&](State& state) {
+      return lattice::cut_edges(model, state, path, begin, end, incision, bring);
+    });
+  };
+  if (!kept_->there) return cut({});
+  const std::lock_guard lock(kept_->there->in_use);
+  if (!kept_->away) return cut({});
+  const Borrowed some(*kept_, {}, true);
+  const int count = cut([&](std::span<const int> nodes) { kept_->there->get_nodes(nodes, kept_->state); });
+  put_over(model, kept_);
+  return count;
 }
 
 int KeptState::cut_region(const Model& model, const BladePath& path) {
-  return cut_with([&](State& state) { return lattice::cut_region(model, state, path); });
+  return cut_with(kept_->at_home(), [&](State& state) { return lattice::cut_region(model, state, path); });
 }
 
 }  // namespace turgor::lattice

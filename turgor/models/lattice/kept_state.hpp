@@ -135,7 +135,7 @@ class KeptState : public KeptStateOf<StateAndPlace> {
     return look(std::as_const(kept_->state));
   }
   template <class Cut>
-  int cut_with(const Cut& cut);
+  int cut_with(State& state, const Cut& cut);
   template <class Get>
   bool get_from_there(const Get& get) const;
 };

@@ -10,6 +10,7 @@
 #include <array>
 #include <bitset>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -272,6 +273,10 @@ struct State {
   int steps_since_cut = 0;
   std::bitset<256> blades_on;  // by incision: its blade is on its way
 };
+
+/// Where a state is elsewhere (kept_state.hpp): brings places and velocities of these nodes, ascending, into
+/// it. Null: all are here.
+using BringNodes = std::function<void(std::span<const int>)>;
 
 /// A force from outside on one node, for the length of a step. Fixed and removed nodes do not feel it.
 struct NodeLoad {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/cells.hpp"
 #include "turgor/models/lattice/crossed_lines.hpp"
 #include "turgor/models/lattice/raster.hpp"
@@ -273,22 +274,32 @@ void add_nodes(const Model& model, const Pieces& pieces, PartsOfCells& parts) {
 }
 
 /// Where the copies are: those that are known from before where they were.
-void place_copies(const Model& model, State& state, const Pieces& pieces) {
+void place_copies(const Model& model, State& state, const Pieces& pieces, const BringNodes& bring) {
   const std::vector<CopyShift> before = std::exchange(state.copies, {});
-  std::vector<CopyShift> now;
+  std::vector<CopyShift> now(pieces.copies.size());
   const auto key = [](const NodeCopy& c) { return std::pair(c.slot, c.place); };
-  std::vector<std::pair<int, std::uint64_t>> known = std::exchange(state.parts.places, {});
+  const std::vector<std::pair<int, std::uint64_t>> known = std::exchange(state.parts.places, {});
+  const auto corner = [&](std::size_t copy) { return slot_count(model.lattice) + int(copy); };
+  std::vector<std::size_t> fresh;
   for (std::size_t c = 0; c < pieces.copies.size(); c++) {
     const auto at = std::find(
         std::lower_bound(known.begin(), known.end(), std::pair(pieces.copies[c].slot, std::uint64_t(0))),
         known.end(), key(pieces.copies[c]));
     state.parts.places.push_back(key(pieces.copies[c]));
-    if (at != known.end() && before.size() == known.size()) {
-      now.push_back(before[std::size_t(at - known.begin())]);
-      continue;
-    }
-    const Vec3 u = corner_displacement(model, state, pieces, slot_count(model.lattice) + int(c));
-    now.push_back({u.x, u.y, u.z});
+    if (at != known.end() && before.size() == known.size())
+      now[c] = before[std::size_t(at - known.begin())];
+    else
+      fresh.push_back(c);
+  }
+  if (bring && !fresh.empty()) {
+    std::vector<int> behind;
+    for (const std::size_t c : fresh) add_nodes_behind(model, state, pieces, corner(c), behind);
+    sort_unique(behind);
+    bring(behind);
+  }
+  for (const std::size_t c : fresh) {
+    const Vec3 u = corner_displacement(model, state, pieces, corner(c));
+    now[c] = {u.x, u.y, u.z};
   }
   state.copies = state.copies_before = std::move(now);
 }
@@ -311,10 +322,10 @@ void find_bearing(const Model& model, const State& state, Pieces& pieces) {
   });
 }
 
-void part_cells(const Model& model, State& state) {
+void part_cells(const Model& model, State& state, const BringNodes& bring) {
   if (!has_parts(model) || state.cut_edges.empty()) return;
   const Pieces pieces = make_pieces(model, state);
-  place_copies(model, state, pieces);
+  place_copies(model, state, pieces, bring);
   PartsOfCells& parts = state.parts;
   parts = {.places = std::move(parts.places)};
   KnownShares shares_in(pieces, state);

@@ -16,8 +16,8 @@ namespace turgor::lattice {
 void find_bearing(const Model& model, const State& state, Pieces& pieces);
 
 /// Makes State::parts anew after a cut. Copies that were there before stay where they are, new ones go where
-/// the tissue on their side leads.
-void part_cells(const Model& model, State& state);
+/// the tissue on their side leads: of no other nodes is it asked where they are.
+void part_cells(const Model& model, State& state, const BringNodes& bring = {});
 
 /// Tells the rows beside a slot that something near them is cut.
 void mark_rows(const Model& model, State& state, int slot);
