@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "tests/models/cloth_sheets.hpp"
@@ -158,6 +159,34 @@ TEST(ClothBuild, an_edge_of_three_triangles_is_named) {
     ASSERT_EQ(model.notes.size(), 1u);
     EXPECT_EQ(model.notes[0], std::string("1 edge belongs to more than two triangles (5-6)") + what);
   }
+}
+
+/// Two triangles on edge 0-1, open by an angle, in a triangle's own size and in any plane; the second one
+/// may be listed the other way round.
+TriMesh hinge(double degrees, double size, bool is_turned) {
+  const double a = degrees * std::numbers::pi / 180;
+  const Vec3d along = normalized(Vec3d{1, 2, -1}), u = normalized(cross(along, Vec3d{0.3, 1, 0.2})),
+              v = cross(along, u);
+  const auto at = [&](double x, double y, double turn) {
+    return Vec3((along * x + (u * std::cos(turn) + v * std::sin(turn)) * y) * size + Vec3d{0.4, -0.2, 0.1});
+  };
+  return {.vertices = {at(0, 0, 0), at(1, 0, 0), at(0.3, 1, 0), at(0.6, 0.8, a)},
+          .triangles = {{0, 1, 2}, is_turned ? Int3{0, 1, 3} : Int3{1, 0, 3}}};
+}
+
+TEST(ClothBuild, an_edge_that_lies_folded_flat_is_named_where_a_cloth_keeps_out_of_itself) {
+  const std::string said =
+      "1 edge lies folded flat (0-1): the triangles beside such an edge lie on each other at rest and may pass "
+      "through each other";
+  for (const double size : {0.003, 0.05})
+    for (const bool is_turned : {false, true})
+      for (const double degrees : {0.0, 0.5, 2.0, 20.0, 90.0, 179.0, 180.0}) {
+        const TriMesh mesh = hinge(degrees, size, is_turned);
+        const Collision keeps_out{.self = true, .thickness = 0.2 * size};
+        const auto& notes = must_build(mesh, {.collision = keeps_out}).notes;
+        EXPECT_EQ(std::count(notes.begin(), notes.end(), said), degrees < 1) << degrees << " degrees";
+        EXPECT_TRUE(must_build(mesh, {.collision = {.self = false}}).notes.empty());
+      }
 }
 
 TEST(ClothBuild, seams_close_when_vertices_at_one_place_become_one) {

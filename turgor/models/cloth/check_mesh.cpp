@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <span>
 
 #include "turgor/core/number_text.hpp"
 #include "turgor/geometry/surface_edges.hpp"
@@ -99,18 +101,51 @@ Status check_params(const Params& params) {
   return Done{};
 }
 
-std::string crowded_edges(const TriMesh& mesh) {
-  int crowded = 0;
-  std::string where;
+namespace {
+
+struct FoundEdges {
+  int count = 0;
+  std::string where;  // "(5-6, 8-9, …)"
+};
+template <class Is>
+FoundEdges find_edges(const TriMesh& mesh, const Is& is) {
+  FoundEdges found;
   const std::vector<EdgeUse> uses = sorted_edges(mesh.triangles);
   for_each_edge(uses, [&](std::span<const EdgeUse> edge) {
-    if (edge.size() <= 2) return;
-    if (crowded++ < 5)
-      where += (crowded > 1 ? ", " : "") + std::to_string(edge[0].a) + "-" + std::to_string(edge[0].b);
+    if (!is(edge)) return;
+    if (found.count++ < 5)
+      found.where +=
+          (found.count > 1 ? ", " : "(") + std::to_string(edge[0].a) + "-" + std::to_string(edge[0].b);
   });
-  if (crowded == 0) return "";
-  return (crowded == 1 ? std::string("1 edge belongs") : std::to_string(crowded) + " edges belong") +
-         " to more than two triangles (" + where + (crowded > 5 ? ", …)" : ")");
+  found.where += found.count > 5 ? ", …)" : ")";
+  return found;
+}
+
+/// From an edge to the third corner of a triangle beside it, at right angles to the edge.
+Vec3d away_from(const TriMesh& mesh, const EdgeUse& edge) {
+  const auto at = [&](int v) { return Vec3d(mesh.vertices[std::size_t(v)]); };
+  const Vec3d along = normalized(at(edge.b) - at(edge.a));
+  const Vec3d away = at(mesh.triangles[std::size_t(edge.triangle)][(edge.side + 2) % 3]) - at(edge.a);
+  return normalized(away - along * dot(away, along));
+}
+
+}  // namespace
+
+std::string crowded_edges(const TriMesh& mesh) {
+  const FoundEdges crowded = find_edges(mesh, [](std::span<const EdgeUse> edge) { return edge.size() > 2; });
+  if (crowded.count == 0) return "";
+  return (crowded.count == 1 ? std::string("1 edge belongs") : std::to_string(crowded.count) + " edges belong") +
+         " to more than two triangles " + crowded.where;
+}
+
+std::string folded_edges(const TriMesh& mesh) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  const FoundEdges folded = find_edges(mesh, [&](std::span<const EdgeUse> edge) {
+    return edge.size() == 2 && norm(away_from(mesh, edge[0]) - away_from(mesh, edge[1])) < kDegree;
+  });
+  if (folded.count == 0) return "";
+  return (folded.count == 1 ? std::string("1 edge lies") : std::to_string(folded.count) + " edges lie") +
+         " folded flat " + folded.where;
 }
 
 TriMesh welded(const TriMesh& mesh, double distance, std::vector<int>& vertex) {
