@@ -29,7 +29,8 @@ double frame_after_cut(const Exec& exec, const Model& model, double& asleep) {
   State state = make_state(model);
   for (int n = 0; n < 10; n++) lattice::step(exec, model, state, {}, kDt);
   const Int3 size = model.lattice.size;
-  const Vec3d from{(size.x / 2 - 0.5) * kStep, 0.1, (size.z - 2) * kStep};
+  const int middle = size.x / 2;
+  const Vec3d from{(middle - 0.5) * kStep, 0.1, (size.z - 2) * kStep};
   const auto path =
       lay_blade(model, state, {.name = {}, .from = from, .to = from + Vec3d{0, 0.04, 0}}).value();
   cut_edges(model, state, path, 0, 1, 0);

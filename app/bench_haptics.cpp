@@ -13,7 +13,6 @@ namespace {
 using haptics::TimingReport;
 using haptics::WallAnswer;
 using haptics::WallTrial;
-using haptics::WallVerdict;
 
 std::vector<double> powers(double low, double high, int count) {
   std::vector<double> values;

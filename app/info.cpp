@@ -151,7 +151,7 @@ Json inform_about_ct(const InfoOptions& options, const Exec& exec) {
 Json inform_about_mesh(const InfoOptions& options, const Exec& exec) {
   if (!options.labels.empty() || !options.series.empty())
     throw Failure{2, fmt::format("{}: --labels and --series are of CTs; this is a mesh", options.path)};
-  const Json json = describe_mesh(exec, options.path, options.scale);
+  Json json = describe_mesh(exec, options.path, options.scale);
   print_mesh(json);
   return json;
 }

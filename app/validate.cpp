@@ -298,7 +298,7 @@ std::vector<std::string> validate(const Exec& exec, const Validation& validation
                       {"quick", options.quick}};
   const std::vector<Figure> figures =
       figures_of(exec, validation.model, options.quick, folder.path(), report);
-  const std::vector<std::string> missed = missed_names(figures);
+  std::vector<std::string> missed = missed_names(figures);
   report["figures"] = to_json(figures);
   report["missed"] = missed;
   print_figures(figures);

@@ -176,7 +176,8 @@ TriMesh hinge(double degrees, double size, bool is_turned) {
 
 TEST(ClothBuild, an_edge_that_lies_folded_flat_is_named_where_a_cloth_keeps_out_of_itself) {
   const std::string said =
-      "1 edge lies folded flat (0-1): the triangles beside such an edge lie on each other at rest and may pass "
+      "1 edge lies folded flat (0-1): the triangles beside such an edge lie on each other at rest and may "
+      "pass "
       "through each other";
   for (const double size : {0.003, 0.05})
     for (const bool is_turned : {false, true})

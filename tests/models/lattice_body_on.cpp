@@ -56,7 +56,8 @@ struct Scene {
     return {.gravity = {1, 0, -9.81}, .measure_residual = true, .loads = loads, .contacts = contacts};
   }
   static Incision second_blade(const Variant& v) {
-    const double y = 0.004 * (v.size.y / 2 - 1.5), z = 0.004 * (v.size.z - 1);
+    const int middle = v.size.y / 2;
+    const double y = 0.004 * (middle - 1.5), z = 0.004 * (v.size.z - 1);
     return {.from = {0.012, y, z}, .to = {0.03, y, z}};
   }
 };

@@ -252,6 +252,7 @@ TEST(lattice_kept_state, places_in_balls_are_found_there_as_by_going_through_all
       places.push_back({s, rest + Vec3d{0.3 * double(h.x), 0, 0}, false, s % 2 == 0 ? s + 1 : -1});
     }
   std::vector<Ball> balls;
+  balls.reserve(19);
   for (int b = 0; b < 19; b++)  // more than go at once, and some over each other
     balls.push_back({places[std::size_t(b * 7) % places.size()].rest, double(h.x) * (0.5 + 0.1 * b)});
   for (int n = 0; n < 3; n++) {

@@ -20,6 +20,7 @@ class latest {  // NOLINT(readability-identifier-naming): reads as a word in dec
         middle_(other.middle_.load()),
         reading_(other.reading_) {}
   latest& operator=(const latest& other) {
+    if (this == &other) return *this;
     for (int slot = 0; slot < 3; slot++) slots_[slot] = other.slots_[slot];
     writing_ = other.writing_, reading_ = other.reading_;
     middle_ = other.middle_.load();

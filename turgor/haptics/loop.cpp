@@ -37,7 +37,7 @@ struct Loop::Thread {
   };
   std::vector<Caller> callers;
 
-  Status begin(std::vector<Hand> hands);
+  Status begin(const std::vector<Hand>& hands);
   Status begin_calls();
   void run();
   bool goes_on();
@@ -98,12 +98,12 @@ void Loop::Thread::called(void* context, const DeviceInput& input, DeviceOutput&
   output = (fresh ? given.output : SafeOutput()).value();
 }
 
-Status Loop::Thread::begin(std::vector<Hand> hands) {
-  for (Hand& hand : hands) {
+Status Loop::Thread::begin(const std::vector<Hand>& hands) {
+  for (const Hand& hand : hands) {
     TURGOR_ASSERT(hand.device, "a hand holds a device");
     auto running = std::make_unique<RunningHand>();
     running->safety = make_safety(hand.device->spec(), hand.safety);
-    running->hand = std::move(hand);
+    running->hand = hand;
     if (running->calls() && !pacer) pacer = running.get();
     if (running->hand.device->pacing() != Pacing::kLoop) params.rate = running->hand.device->spec().rate;
     ticker.hands.push_back(std::move(running));
@@ -134,7 +134,7 @@ Loop::Loop() : thread_(std::make_unique<Thread>()) {}
 
 Loop::~Loop() { stop(); }
 
-Result<std::unique_ptr<Loop>> Loop::start(std::vector<Hand> hands, ToolTick tick, void* context,
+Result<std::unique_ptr<Loop>> Loop::start(const std::vector<Hand>& hands, ToolTick tick, void* context,
                                           const LoopParams& params) {
   if (hands.empty()) return Error{"the haptic loop: expected a device, found none"};
   if (!(params.rate >= 1 && params.rate <= 1e5))
@@ -143,7 +143,7 @@ Result<std::unique_ptr<Loop>> Loop::start(std::vector<Hand> hands, ToolTick tick
   loop->thread_->params = params;
   loop->thread_->ticker.tick = tick;
   loop->thread_->ticker.context = context;
-  if (Status began = loop->thread_->begin(std::move(hands)); !began) return began.error();
+  if (Status began = loop->thread_->begin(hands); !began) return began.error();
   return loop;
 }
 

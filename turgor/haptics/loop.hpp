@@ -62,7 +62,7 @@ struct HandStatus {
 class Loop {
  public:
   /// Begins to tick. Error: no device, or one that cannot begin; a rate that is none.
-  static Result<std::unique_ptr<Loop>> start(std::vector<Hand> hands, ToolTick tick, void* context,
+  static Result<std::unique_ptr<Loop>> start(const std::vector<Hand>& hands, ToolTick tick, void* context,
                                              const LoopParams& params = {});
   ~Loop();  // stops
   Loop(const Loop&) = delete;

@@ -111,7 +111,7 @@ Result<ChangedSamples> read_all_samples(const Exec& exec, const DicomVolume& vol
   }
   Result<ChangedSamples> changed = read_plain(exec, plain, plain_hu, progress);
   if (!changed) return changed;
-  const Result<ChangedSamples> decoded = decode_dicom_samples(exec, compressed, compressed_hu, progress);
+  Result<ChangedSamples> decoded = decode_dicom_samples(exec, compressed, compressed_hu, progress);
   if (!decoded) return decoded;
   *changed += *decoded;
   return changed;

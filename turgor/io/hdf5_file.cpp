@@ -274,7 +274,7 @@ Status Hdf5File::flush() {
 }
 
 Status Hdf5File::close() {
-  if (const Status flushed = flush(); !flushed) return flushed;
+  if (Status flushed = flush(); !flushed) return flushed;
   if (H5Fclose(std::exchange(id_, -1)) < 0) return error("close", "cannot write (is the disk full?)");
   return Done{};
 }
@@ -364,10 +364,12 @@ std::vector<std::string> Hdf5File::datasets() const {
   return names;
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): T is a type
 #define TURGOR_HDF5_TYPE(T)                                                                             \
   template Status Hdf5File::write<T>(const std::string&, std::span<const T>, std::size_t, Hdf5Packing); \
   template Status Hdf5File::append<T>(const std::string&, std::span<const T>, std::size_t);             \
   template Result<std::vector<T>> Hdf5File::read<T>(const std::string&, std::size_t) const;
+// NOLINTEND(bugprone-macro-parentheses)
 TURGOR_HDF5_TYPE(float)
 TURGOR_HDF5_TYPE(double)
 TURGOR_HDF5_TYPE(std::uint8_t)

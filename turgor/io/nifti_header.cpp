@@ -13,6 +13,7 @@
 namespace turgor::io {
 
 namespace fs = std::filesystem;
+using namespace std::string_view_literals;
 
 namespace {
 
@@ -36,8 +37,7 @@ class Fields {
   bool is_swapped() const { return swap_; }
   /// A single file, of the version that its size says.
   bool has_magic() const {
-    return is_2() ? head_.substr(4, 8) == std::string_view("n+2\0\r\n\032\n", 8)
-                  : head_.substr(344, 4) == std::string_view("n+1", 4);
+    return is_2() ? head_.substr(4, 8) == "n+2\0\r\n\032\n"sv : head_.substr(344, 4) == "n+1\0"sv;
   }
 
   int type() const { return get<std::int16_t>(is_2() ? 12 : 70); }

@@ -90,7 +90,7 @@ Unfinished::~Unfinished() {
 
 Status Unfinished::keep(const std::function<Status()>& give_name) {
   const std::lock_guard lock(open_now().mutex);
-  if (const Status named = give_name(); !named) return named;
+  if (Status named = give_name(); !named) return named;
   std::erase(open_now().paths, path_);
   path_.clear();
   return Done{};

@@ -57,7 +57,7 @@ Result<std::string> array_bytes(const VtkXml& file, pugi::xml_node array, std::s
     if (!offset) return offset.error();
     stored = file.appended.substr(std::min(*offset, file.appended.size()));
   }
-  const Result<std::string> bytes =
+  Result<std::string> bytes =
       read_block(stored, block_format(file, !is_appended || file.is_appended_base64), size);
   if (bytes) return bytes;
   return error_at(
@@ -119,7 +119,7 @@ Error error_at(const VtkXml& file, pugi::xml_node node, std::string_view message
 }
 
 Result<std::size_t> read_size(const VtkXml& file, pugi::xml_node piece, const char* attribute) {
-  const Result<std::size_t> size = read_count(file, piece, attribute);
+  Result<std::size_t> size = read_count(file, piece, attribute);
   if (size && *size > kMostPacked * file.bytes.size())
     return error_at(file, piece,
                     fmt::format("expected {} that the file can hold, found {}", attribute, *size));

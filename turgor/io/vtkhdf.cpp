@@ -133,7 +133,7 @@ Status VtkHdfSeries::add_step(double time, const std::vector<Vec3>& places,
 }
 
 Status VtkHdfSeries::close() {
-  const Status status = file_.write_attribute(kSteps, "NSteps", std::span<const std::int64_t>(&steps_, 1));
+  Status status = file_.write_attribute(kSteps, "NSteps", std::span<const std::int64_t>(&steps_, 1));
   if (!status) return status;
   return file_.close();
 }

@@ -249,7 +249,8 @@ Json json_of(const Frames& frames, const std::vector<double>& quanta) {
     const MotionFrame& frame = *frames[f];
     Json things = Json::array(), forces = Json::array();
     for (std::size_t t = 0; t < quanta.size(); t++) {
-      std::vector<std::int32_t> now = quantized(frame.moved[t], quanta[t]), change = now;
+      std::vector<std::int32_t> now = quantized(frame.moved[t], quanta[t]);
+      std::vector<std::int32_t> change = now;
       if (f > 0 && frames[f - 1]->surface[t] == frame.surface[t])
         for (std::size_t i = 0; i < now.size(); i++) change[i] -= before[t][i];
       things.push_back({frame.surface[t], packed(change, kWord)});

@@ -16,8 +16,9 @@ void choose(const char* name, const std::vector<std::string>& names, std::string
 
 /// The images of a texture stand on their heads for ImGui no more than for OpenGL: rows from the top.
 void show_image(const ShownImage& image) {
-  ImGui::Image(reinterpret_cast<ImTextureID>(std::intptr_t(image.texture)),
-               {float(image.width), float(image.height)});
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): ImGui keeps OpenGL's number as a pointer
+  const auto texture = reinterpret_cast<ImTextureID>(std::intptr_t(image.texture));
+  ImGui::Image(texture, {float(image.width), float(image.height)});
 }
 
 }  // namespace

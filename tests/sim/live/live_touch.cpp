@@ -49,7 +49,7 @@ double feel(World& world, int tool, int frames) {
   PathDevice device(world.tools[std::size_t(tool)]);
   std::vector<HeldTool> held(1);
   held[0] = {.tool = tool, .hand = {.device = &device}};
-  auto live = LiveTouch::start(world, std::move(held), {.loop = {.priority = 0, .lock_memory = false}});
+  auto live = LiveTouch::start(world, held, {.loop = {.priority = 0, .lock_memory = false}});
   EXPECT_TRUE(live) << live.error().message;
   for (int frame = 0; frame < frames; frame++) {
     EXPECT_TRUE(step(Exec(1), world));
@@ -139,7 +139,7 @@ TEST(LiveTouch, a_tool_that_is_not_there_or_in_two_hands_is_refused) {
   const auto start = [&](std::vector<int> tools) {
     std::vector<HeldTool> held(tools.size());
     for (std::size_t h = 0; h < held.size(); h++) held[h] = {.tool = tools[h], .hand = {.device = &device}};
-    return LiveTouch::start(world, std::move(held), {.loop = {.priority = 0, .lock_memory = false}});
+    return LiveTouch::start(world, held, {.loop = {.priority = 0, .lock_memory = false}});
   };
   EXPECT_FALSE(start({3}));
   EXPECT_FALSE(start({-1}));

@@ -259,26 +259,27 @@ void BlockSystem::Parts::couple(const Model& model, const State& state, int bloc
 BlockSystem::BlockSystem() = default;
 BlockSystem::~BlockSystem() = default;
 BlockSystem::BlockSystem(const BlockSystem&) {}
-BlockSystem& BlockSystem::operator=(const BlockSystem&) { return parts.reset(), *this; }
+BlockSystem& BlockSystem::operator=(const BlockSystem&) { return parts_.reset(), *this; }
 
 bool BlockSystem::factor(const Exec& exec, const Model& model, const State& state) {
   const Blocks& blocks = model.blocks;
   std::vector<std::array<int, 2>> touching = touching_blocks(blocks, state.bearing);
-  const bool is_new = !parts;
-  if (is_new) parts = std::make_unique<Parts>();
-  if (is_new || touching != parts->touching) parts->lay_out(blocks, std::move(touching));
+  const bool is_new = !parts_;
+  if (is_new) parts_ = std::make_unique<Parts>();
+  if (is_new || touching != parts_->touching) parts_->lay_out(blocks, std::move(touching));
   const std::size_t count = blocks.begin.size() - 1;
   parallel_for(exec, count, [&](std::size_t a) {
     Vec3d sum;
     for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++)
       sum += Vec3d(state.x[std::size_t(blocks.vertex[std::size_t(m)])]);
-    parts->centre[a] = sum / double(blocks.begin[a + 1] - blocks.begin[a]);
+    parts_->centre[a] = sum / double(blocks.begin[a + 1] - blocks.begin[a]);
   });
-  parallel_for(exec, count, [&](std::size_t a) { parts->couple(model, state, int(a)); });
-  const double* values = parts->coupling.empty() ? nullptr : parts->coupling[0].data();
-  for (std::size_t n = 0; n < parts->entry.size(); n++) parts->matrix.valuePtr()[n] = values[parts->entry[n]];
-  parts->factor.factorize(parts->matrix);
-  return parts->factor.info() == Eigen::Success;
+  parallel_for(exec, count, [&](std::size_t a) { parts_->couple(model, state, int(a)); });
+  const double* values = parts_->coupling.empty() ? nullptr : parts_->coupling[0].data();
+  for (std::size_t n = 0; n < parts_->entry.size(); n++)
+    parts_->matrix.valuePtr()[n] = values[parts_->entry[n]];
+  parts_->factor.factorize(parts_->matrix);
+  return parts_->factor.info() == Eigen::Success;
 }
 
 void BlockSystem::add_answer(const Exec& exec, const Model& model, const State& state, const Vectors& r,
@@ -291,25 +292,25 @@ void BlockSystem::add_answer(const Exec& exec, const Model& model, const State& 
       const auto i = std::size_t(blocks.vertex[std::size_t(m)]);
       if (state.free_mass[i] == 0) continue;
       const Vec3d f(r[i]);
-      way += f, turn += cross(Vec3d(state.x[i]) - parts->centre[a], f);
+      way += f, turn += cross(Vec3d(state.x[i]) - parts_->centre[a], f);
     }
     for (int k = 0; k < 3; k++)
-      parts->load[kRigid * int(a) + k] = way[k], parts->load[kRigid * int(a) + 3 + k] = turn[k];
+      parts_->load[kRigid * int(a) + k] = way[k], parts_->load[kRigid * int(a) + 3 + k] = turn[k];
   });
-  parts->answer = parts->factor.solve(parts->load);
+  parts_->answer = parts_->factor.solve(parts_->load);
   parallel_for(exec, count, [&](std::size_t a) {
-    const double* y = parts->answer.data() + kRigid * int(a);
+    const double* y = parts_->answer.data() + kRigid * int(a);
     const Vec3d way{y[0], y[1], y[2]}, turn{y[3], y[4], y[5]};
     for (int m = blocks.begin[a]; m < blocks.begin[a + 1]; m++) {
       const auto i = std::size_t(blocks.vertex[std::size_t(m)]);
-      if (state.free_mass[i] > 0) z.add(i, Vec3(way + cross(turn, Vec3d(state.x[i]) - parts->centre[a])));
+      if (state.free_mass[i] > 0) z.add(i, Vec3(way + cross(turn, Vec3d(state.x[i]) - parts_->centre[a])));
     }
   });
 }
 
 std::size_t BlockSystem::bytes() const {
-  if (!parts) return 0;
-  return parts->coupling.size() * sizeof(Block) + 12 * std::size_t(parts->matrix.nonZeros()) * 6;
+  if (!parts_) return 0;
+  return parts_->coupling.size() * sizeof(Block) + 12 * std::size_t(parts_->matrix.nonZeros()) * 6;
 }
 
 }  // namespace turgor::cloth

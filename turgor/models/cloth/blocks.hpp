@@ -40,7 +40,7 @@ class BlockSystem {
 
  private:
   struct Parts;
-  std::unique_ptr<Parts> parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace turgor::cloth

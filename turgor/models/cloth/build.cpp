@@ -215,8 +215,9 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
     model.near = near_at_rest(mesh, model.x_rest, params.collision.thickness);
     note_near_layers(mesh, model);
     if (!folded.empty())
-      model.notes.push_back(folded + ": the triangles beside such an edge lie on each other at rest and may "
-                                     "pass through each other");
+      model.notes.push_back(folded +
+                            ": the triangles beside such an edge lie on each other at rest and may "
+                            "pass through each other");
     model.coarse = coarse_mesh(mesh, params.collision.thickness);
   }
   if (params.solver.method == Method::kBlocks) model.blocks = make_blocks(model);

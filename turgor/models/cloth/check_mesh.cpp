@@ -134,7 +134,8 @@ Vec3d away_from(const TriMesh& mesh, const EdgeUse& edge) {
 std::string crowded_edges(const TriMesh& mesh) {
   const FoundEdges crowded = find_edges(mesh, [](std::span<const EdgeUse> edge) { return edge.size() > 2; });
   if (crowded.count == 0) return "";
-  return (crowded.count == 1 ? std::string("1 edge belongs") : std::to_string(crowded.count) + " edges belong") +
+  return (crowded.count == 1 ? std::string("1 edge belongs")
+                             : std::to_string(crowded.count) + " edges belong") +
          " to more than two triangles " + crowded.where;
 }
 

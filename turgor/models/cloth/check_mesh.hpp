@@ -15,8 +15,8 @@ Status check_params(const Params& params);
 /// "2 edges belong to more than two triangles (5-6, 8-9)"; empty = none does.
 std::string crowded_edges(const TriMesh& mesh);
 
-/// "2 edges lie folded flat (5-6, 8-9)": the two triangles beside them lie on each other, to a degree; empty =
-/// none does.
+/// "2 edges lie folded flat (5-6, 8-9)": the two triangles beside them lie on each other, to a degree; empty
+/// = none does.
 std::string folded_edges(const TriMesh& mesh);
 
 /// Makes one vertex of those that are closer than `distance` to one with a smaller number; triangles that

@@ -12,8 +12,9 @@ constexpr int kLineGrid = 8, kLines = kLineGrid * kLineGrid;
 /// Where a line along an axis enters its cell, in coordinates of the cell from 0 to 1.
 constexpr Vec3d line_start(int axis, int line) {
   Vec3d at;
-  at[(axis + 1) % 3] = (line % kLineGrid + 0.5) / kLineGrid;
-  at[(axis + 2) % 3] = (line / kLineGrid + 0.5) / kLineGrid;
+  const int column = line % kLineGrid, row = line / kLineGrid;
+  at[(axis + 1) % 3] = (column + 0.5) / kLineGrid;
+  at[(axis + 2) % 3] = (row + 0.5) / kLineGrid;
   return at;
 }
 

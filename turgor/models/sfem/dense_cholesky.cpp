@@ -39,7 +39,7 @@ int factor_small(Matrix a, const double* diagonal) {
 }
 
 /// The same by halves, so that most of the work is products.
-int factor_block(Matrix a, const double* diagonal) {
+int factor_block(const Matrix& a, const double* diagonal) {
   const Index n = a.cols(), half = n / 2;
   if (n <= 24) return factor_small(a, diagonal);
   const Matrix upper = part(a, 0, 0, half, half);

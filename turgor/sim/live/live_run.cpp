@@ -79,7 +79,7 @@ Result<LiveRun> start_live(World& world, const LiveOptions& options, double dura
   params.loop.rate = options.rate;
   // Frames may come late, and ticks go on meanwhile.
   params.longest = options.longest > 0 ? options.longest : 2 * duration + 60;
-  Result<std::unique_ptr<LiveTouch>> touch = LiveTouch::start(world, std::move(held), params);
+  Result<std::unique_ptr<LiveTouch>> touch = LiveTouch::start(world, held, params);
   if (!touch) return touch.error();
   live.touch = std::move(*touch);
   return live;

@@ -47,7 +47,7 @@ LiveTouch::LiveTouch(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
 LiveTouch::~LiveTouch() { stop(); }
 
-Result<std::unique_ptr<LiveTouch>> LiveTouch::start(World& world, std::vector<HeldTool> held,
+Result<std::unique_ptr<LiveTouch>> LiveTouch::start(World& world, const std::vector<HeldTool>& held,
                                                     const LiveParams& params) {
   if (Status status = check_held(world, held); !status) return status.error();
   std::unique_ptr<Parts> parts(new Parts{world, {}, {}, FrameClock(world.dt), world.frame, 0, {}});
@@ -58,9 +58,8 @@ Result<std::unique_ptr<LiveTouch>> LiveTouch::start(World& world, std::vector<He
   prepare_ticks(world, held, most, ticks);
   parts->frames.resize(ticks.order.size());
   std::vector<haptics::Hand> hands;
-  for (HeldTool& one : held) hands.push_back(std::move(one.hand));
-  Result<std::unique_ptr<haptics::Loop>> loop =
-      haptics::Loop::start(std::move(hands), tick_all, &ticks, params.loop);
+  for (const HeldTool& one : held) hands.push_back(one.hand);
+  Result<std::unique_ptr<haptics::Loop>> loop = haptics::Loop::start(hands, tick_all, &ticks, params.loop);
   if (!loop) {
     parts->end_bodies();
     return loop.error();

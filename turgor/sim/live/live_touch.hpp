@@ -42,7 +42,7 @@ struct LiveParams {
 class LiveTouch {
  public:
   /// Error: see haptics::Loop::start; a tool that is not in the world.
-  static Result<std::unique_ptr<LiveTouch>> start(World& world, std::vector<HeldTool> held,
+  static Result<std::unique_ptr<LiveTouch>> start(World& world, const std::vector<HeldTool>& held,
                                                   const LiveParams& params);
   ~LiveTouch();  // stops
   LiveTouch(const LiveTouch&) = delete;

@@ -163,8 +163,7 @@ Status Session::Thread::try_load() {
   if (!hands) return hands.error();
   mouse = hands->mouse;
   if (!hands->held.empty()) {
-    auto started =
-        LiveTouch::start(*world, std::move(hands->held), {session.params_.loop, session.params_.longest});
+    auto started = LiveTouch::start(*world, hands->held, {session.params_.loop, session.params_.longest});
     if (!started) return started.error();
     touch = std::move(*started);
   }
