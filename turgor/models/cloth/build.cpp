@@ -192,7 +192,11 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
                                               : ": every two of its triangles resist folding"));
   std::vector<Spring> springs =
       is_sheet ? membrane_springs(mesh, params.fabric) : make_springs(mesh, params.fabric);
-  const std::string folded = params.collision.self ? folded_edges(mesh) : "";
+  if (params.collision.self)
+    if (const std::string folded = folded_edges(mesh); !folded.empty())
+      model.notes.push_back(folded +
+                            ": the triangles beside such an edge lie on each other at rest and may "
+                            "pass through each other");
   number_model(number_vertices(springs, int(mesh.vertices.size())), model);
   mesh = renumbered(mesh, model.original, model.place);
   for (Spring& s : springs) s.a = model.place[std::size_t(s.a)], s.b = model.place[std::size_t(s.b)];
@@ -214,10 +218,6 @@ Result<Model> build(const Exec&, const TriMesh& given, const Params& params) {
   if (params.collision.self) {
     model.near = near_at_rest(mesh, model.x_rest, params.collision.thickness);
     note_near_layers(mesh, model);
-    if (!folded.empty())
-      model.notes.push_back(folded +
-                            ": the triangles beside such an edge lie on each other at rest and may "
-                            "pass through each other");
     model.coarse = coarse_mesh(mesh, params.collision.thickness);
   }
   if (params.solver.method == Method::kBlocks) model.blocks = make_blocks(model);
