@@ -90,7 +90,7 @@ constexpr int slot_offset(const Lattice& l, Int3 offset, int parity) {
 constexpr int family_of(Int3 offset) {
   constexpr unsigned kFamilyOf = 0x65423100;  // by x + 2 y + 4 z: kFamilies is not there on a GPU
   if (offset == Int3{0, 0, 0} || ((offset.x | offset.y | offset.z) & ~1) != 0) return -1;
-  return int(kFamilyOf >> 4 * (offset.x + 2 * offset.y + 4 * offset.z) & 15);
+  return int(kFamilyOf >> 4 * corner_of(offset) & 15);
 }
 /// The number of nodes in the even (0) or odd (1) half of a row.
 constexpr int half_count(const Lattice& l, int parity) { return (l.size.x + 1 - parity) / 2; }

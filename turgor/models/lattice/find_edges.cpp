@@ -89,8 +89,7 @@ struct FineEdges {
   bool is_of_body(Int3 cell) const {
     const int slot = node_slot(model.lattice, cell);
     for (int c = 0; c < 8; c++)
-      if (is_solid(model, state, slot + slot_offset(model.lattice, {c & 1, c >> 1 & 1, c >> 2}, cell.x & 1)))
-        return true;
+      if (is_solid(model, state, slot + slot_offset(model.lattice, cell_corner(c), cell.x & 1))) return true;
     return false;
   }
   /// Is a cell that has an edge between these places of the one in hand of the body?
@@ -106,7 +105,7 @@ struct FineEdges {
     const Lattice& l = model.lattice;
     bool any = false;
     for (int n = 0; n < 8; n++) {
-      const Int3 below{n & 1, n >> 1 & 1, n >> 2};
+      const Int3 below = cell_corner(n);
       has_body[std::size_t(n)] = contains(l, cell - below) && is_of_body(cell - below);
       any |= has_body[std::size_t(n)];
     }
@@ -132,8 +131,7 @@ struct FineEdges {
       const Vec3 u = piece < own
                          ? corner_displacement(model, state, pieces, corners[c])
                          : guest_displacement(model, state, pieces, cut->first_guest + piece - own, int(c));
-      x[c] = Vec3d(rest_position(pieces.fine.cells, cell + Int3{int(c) & 1, int(c) >> 1 & 1, int(c) >> 2})) +
-             Vec3d(u);
+      x[c] = Vec3d(rest_position(pieces.fine.cells, cell + cell_corner(int(c)))) + Vec3d(u);
     }
     return x;
   }

@@ -182,7 +182,7 @@ RestBody::RestBody(const Exec& exec, const Model& model, Vec3d first_node, Vec3d
         std::uint8_t mark = is_body(model.tissue[slot]) ? kNodeIsBody : 0;
         if (i <= last.x && j <= last.y && int(k) <= last.z)
           for (int c = 0; c < 8; c++) {
-            const int corner = int(slot) + slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, i & 1);
+            const int corner = int(slot) + slot_offset(l, cell_corner(c), i & 1);
             mark |= is_body(model.tissue[std::size_t(corner)]) ? kCellHasBody : kCellHasAir;
           }
         marks_[slot] = mark;

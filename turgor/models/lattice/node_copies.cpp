@@ -22,7 +22,7 @@ struct AroundNode {
 
   AroundNode(Pieces& p, Int3 n) : pieces(p), node(n) {
     for (int c = 0; c < 8; c++) {
-      const Int3 corner = node - Int3{c & 1, c >> 1 & 1, c >> 2}, last = p.fine.cells.size - Int3{2, 2, 2};
+      const Int3 corner = node - cell_corner(c), last = p.fine.cells.size - Int3{2, 2, 2};
       const bool inside = corner == min(max(corner, Int3{0, 0, 0}), last);
       cell[c] = inside ? find_cell(p, node_slot(p.fine.cells, corner)) : nullptr;
       first[c + 1] = first[c] + (cell[c] ? cell[c]->piece_count : 0);
@@ -44,7 +44,7 @@ struct AroundNode {
   }
   int label(int c, Int3 p) const {
     const FineLattice& f = pieces.fine;
-    const Int3 local = p - first_of_cell(f, node - Int3{c & 1, c >> 1 & 1, c >> 2});
+    const Int3 local = p - first_of_cell(f, node - cell_corner(c));
     return pieces.label[cell[c]->places + std::size_t(place_in_cell(f, local))];
   }
   bool is_thin(int c, int piece) const {
@@ -86,7 +86,7 @@ struct AroundNode {
     const int family = up ? family_of(q - p) : family_of(p - q);
     if (family < 0) return false;
     const FineLattice& f = pieces.fine;
-    const Int3 local = (up ? p : q) - first_of_cell(f, node - Int3{c & 1, c >> 1 & 1, c >> 2});
+    const Int3 local = (up ? p : q) - first_of_cell(f, node - cell_corner(c));
     return pieces.cut[cell[c]->places + std::size_t(place_in_cell(f, local))] >> family & 1;
   }
   /// Pieces without area, by the fine nodes that both cells have.
@@ -150,7 +150,7 @@ void make_copies(Pieces& out) {
     if (!cell.is_cut) continue;
     const int parity = slot_node(out.fine.cells, cell.slot).x & 1;
     for (int c = 0; c < 8; c++)
-      nodes.push_back(cell.slot + slot_offset(out.fine.cells, {c & 1, c >> 1 & 1, c >> 2}, parity));
+      nodes.push_back(cell.slot + slot_offset(out.fine.cells, cell_corner(c), parity));
   }
   sort_unique(nodes);
   for (const int slot : nodes) copy_node(out, slot_node(out.fine.cells, slot));

@@ -207,7 +207,7 @@ void part_triangle(const Model& model, State& state, const Pieces& pieces, Known
     bool borne = part.share > 0;
     for (int c = 0; c < 3; c++) {
       const Int3 at = node[c] - low;
-      part.corner[c] = corners[std::size_t(at.x + 2 * at.y + 4 * at.z)];
+      part.corner[c] = corners[std::size_t(corner_of(at))];
       borne = borne && is_borne(model, state, pieces, part.corner[c]);
     }
     if (borne) state.parts.skin.push_back(part);

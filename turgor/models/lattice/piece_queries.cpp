@@ -66,7 +66,7 @@ std::vector<SpecialCell> special_cells(const Model& model, const State& state, c
     if (state.removed[s] == 0 || !is_body(model.tissue[s])) continue;
     const Int3 node = slot_node(l, int(s));
     for (int c = 0; c < 8; c++) {
-      const Int3 cell = node - Int3{c & 1, c >> 1 & 1, c >> 2}, beyond = cell + Int3{1, 1, 1};
+      const Int3 cell = node - cell_corner(c), beyond = cell + Int3{1, 1, 1};
       if (!contains(l, cell) || !contains(l, beyond)) continue;
       const int slot = node_slot(l, cell);
       special.push_back({slot, pieces.cell_index.find(std::uint64_t(slot))});
@@ -86,7 +86,7 @@ std::array<int, 8> corners_of(const Model& model, const Pieces& pieces, int slot
   std::array<int, 8> corners;
   const int parity = slot_node(model.lattice, slot).x & 1;
   for (int c = 0; c < 8; c++)
-    corners[std::size_t(c)] = slot + slot_offset(model.lattice, {c & 1, c >> 1 & 1, c >> 2}, parity);
+    corners[std::size_t(c)] = slot + slot_offset(model.lattice, cell_corner(c), parity);
   return corners;
 }
 

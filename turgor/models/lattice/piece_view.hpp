@@ -122,7 +122,7 @@ TURGOR_HD inline bool has_cut_edge(const std::uint8_t* cut, const Lattice& latti
   const int parity = slot_node(lattice, slot).x & 1;
   int found = 0;
   for (int n = 0; n < kCellCorners; n++)
-    found |= cut[slot + slot_offset(lattice, {n & 1, n >> 1 & 1, n >> 2}, parity)] & edges_from(n);
+    found |= cut[slot + slot_offset(lattice, cell_corner(n), parity)] & edges_from(n);
   return found != 0;
 }
 
@@ -164,8 +164,7 @@ TURGOR_HD Vec3 guest_displacement(const Body& body, const PieceView& pieces, int
   const Lattice& l = pieces.fine.cells;
   const Guest& g = pieces.guests[guest];
   const CutCell& home = pieces.cells[g.cell];
-  const Int3 at =
-      slot_node(l, g.slot) - slot_node(l, home.slot) + Int3{corner & 1, corner >> 1 & 1, corner >> 2};
+  const Int3 at = slot_node(l, g.slot) - slot_node(l, home.slot) + cell_corner(corner);
   const std::array<Real, 8> weight = trilinear(Vec3(at));
   Vec3 sum;
   for (std::size_t c = 0; c < 8; c++)
@@ -187,8 +186,7 @@ TURGOR_HD inline std::array<int, 8> placed_corners(const PieceView& pieces, cons
 /// The slots of a cell's corners.
 TURGOR_HD inline std::array<int, 8> cell_slots(const Lattice& l, int slot, int parity) {
   std::array<int, 8> slots{};
-  for (int c = 0; c < 8; c++)
-    slots[std::size_t(c)] = slot + slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, parity);
+  for (int c = 0; c < 8; c++) slots[std::size_t(c)] = slot + slot_offset(l, cell_corner(c), parity);
   return slots;
 }
 

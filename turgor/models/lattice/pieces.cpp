@@ -92,8 +92,7 @@ std::array<bool, kMostPlaces> solid_places(const Model& model, const State& stat
   std::array<Real, 8> level;
   const int parity = slot_node(f.cells, slot).x & 1;
   for (int c = 0; c < 8; c++)
-    level[std::size_t(c)] =
-        node_level(model, state, slot + slot_offset(f.cells, {c & 1, c >> 1 & 1, c >> 2}, parity));
+    level[std::size_t(c)] = node_level(model, state, slot + slot_offset(f.cells, cell_corner(c), parity));
   std::array<bool, kMostPlaces> solid{};
   for_places(f, [&](Int3 p) {
     const auto weight = trilinear(
@@ -276,8 +275,7 @@ void make_cell_pieces(const Model& model, const State& state, const EdgesOfCells
       Piece piece{
           .cell = int(c), .place = first_place(out, cell, p), .thin = is_thin(out, cell, p), .corner = {}};
       for (int n = 0; n < 8; n++)
-        piece.corner[std::size_t(n)] =
-            cell.slot + slot_offset(out.fine.cells, {n & 1, n >> 1 & 1, n >> 2}, parity);
+        piece.corner[std::size_t(n)] = cell.slot + slot_offset(out.fine.cells, cell_corner(n), parity);
       out.pieces.push_back(piece);
     }
   }

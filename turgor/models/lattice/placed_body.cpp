@@ -29,7 +29,7 @@ struct PlaceLayer {
         const int slot = node_slot(l, node), parity = i & 1;
         int cell = 0;
         for (int c = 0; c < 8; c++)
-          cell |= int(tissue[std::size_t(slot + slot_offset(l, {c & 1, c >> 1 & 1, c >> 2}, parity))]);
+          cell |= int(tissue[std::size_t(slot + slot_offset(l, cell_corner(c), parity))]);
         const bool inside = i + 1 < l.size.x && j + 1 < l.size.y && int(layer) + 1 < l.size.z;
         body.cells[std::size_t(slot)] = cell != 0 && inside ? Cell::kPlain : Cell::kEmpty;
 
@@ -123,9 +123,8 @@ PlacedBody place_body(const Exec& exec, const Model& model, const State& state, 
   Int3* guest_place = body.place.data() + slot_count(l) + body.pieces.copies.size();
   for (std::size_t n = 0; n < 8 * guests; n++) {
     const int c = int(n % 8);
-    guest_place[n] =
-        body.to_voxels(slot_node(l, body.pieces.guests[n / 8].slot) + Int3{c & 1, c >> 1 & 1, c >> 2},
-                       guest_displacement(model, state, body.pieces, int(n / 8), c));
+    guest_place[n] = body.to_voxels(slot_node(l, body.pieces.guests[n / 8].slot) + cell_corner(c),
+                                    guest_displacement(model, state, body.pieces, int(n / 8), c));
   }
   for (const SpecialCell& special : special_cells(model, state, body.pieces))
     if (Cell& cell = body.cells[std::size_t(special.slot)]; cell == Cell::kPlain) cell = Cell::kSpecial;

@@ -68,7 +68,7 @@ struct PlaceGuest {
     const PieceView& pieces = v.cuts.pieces;
     const int guest = int(n / 8), c = int(n % 8);
     v.place[std::size_t(pieces.first_guest_place) + n] =
-        v.to_voxels(slot_node(v.lattice, pieces.guests[guest].slot) + Int3{c & 1, c >> 1 & 1, c >> 2},
+        v.to_voxels(slot_node(v.lattice, pieces.guests[guest].slot) + cell_corner(c),
                     guest_displacement(v, pieces, guest, c));
   }
 };

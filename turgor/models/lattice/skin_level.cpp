@@ -35,7 +35,7 @@ CellLevels SkinLevel::operator()(int slot) const {
   std::array<Support, 8> corner;
   Support all;
   for (int c = 0; c < 8; c++) {
-    const Int3 offset{c & 1, c >> 1 & 1, c >> 2};
+    const Int3 offset = cell_corner(c);
     const int node = slot + slot_offset(fine_.cells, offset, cell.x & 1);
     const auto n = std::size_t(c), s = std::size_t(node);
     level[n] = node_level(model_, state_, node);

@@ -215,7 +215,7 @@ void look_at_cell(Builder& builder, Int3 cell) {
   int solids = 0;
   c.has_removed = false;
   for (int n = 0; n < 8; n++) {
-    const int slot = c.slot + slot_offset(l, {n & 1, n >> 1 & 1, n >> 2}, cell.x & 1);
+    const int slot = c.slot + slot_offset(l, cell_corner(n), cell.x & 1);
     solids += is_solid(builder.model, builder.state, slot);
     c.has_removed |= builder.state.removed[std::size_t(slot)] != 0;
   }
