@@ -8,7 +8,7 @@
 #include "app/bench_sfem.hpp"
 #include "app/bench_skin_tension.hpp"
 #include "app/commands.hpp"
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 
 namespace turgor {
 
@@ -23,9 +23,9 @@ ordered_json to_json(const SkinTensionTimes& t) {
           {"frame_with_ms", t.frame_with}};
 }
 
-ordered_json to_json(const ScheduleTimes& t) {
+ordered_json to_json(const OrderingTimes& t) {
   return {{"slabs_ms", t.slabs},
-          {"colours_ms", t.colours},
+          {"colours_ms", t.colors},
           {"gpu_ms", t.gpu > 0 ? ordered_json(t.gpu) : ordered_json()},
           {"gpu_one_by_one_ms", t.gpu_one_by_one > 0 ? ordered_json(t.gpu_one_by_one) : ordered_json()}};
 }
@@ -47,7 +47,7 @@ ordered_json to_json(const SkinTensionBench& bench) {
                     {"descent_sweep_fraction_of_copy_bandwidth", r.descent_bandwidth_fraction},
                     {"descent_sweep_fraction_of_arithmetic", r.descent_arithmetic_fraction},
                     {"descent_frame_one_thread_ms", r.descent_frame_one},
-                    {"descent_frame_ms", r.descent_frame},
+                    {"descent_frame_ms", r.vbd_frame},
                     {"pbd_frame_by_schedule", to_json(r.pbd_frames)},
                     {"descent_frame_by_schedule", to_json(r.descent_frames)},
                     {"residual_pbd_n", r.residual_pbd},
@@ -99,8 +99,8 @@ void print(const SkinTensionBench& bench) {
                fmt::format("{:.2f}, {:.2f}", r.descent_bandwidth_fraction, r.descent_arithmetic_fraction));
   fmt::print("\nGPU: {}\n{:<11}{:>40}{:>40}\n", bench.gpu, "frame [ms]",
              "paper's: slabs, colours, GPU (no graph)", "descent: slabs, colours, GPU (no graph)");
-  const auto by_schedule = [](const ScheduleTimes& t) {
-    return fmt::format("{:.1f}, {:.1f}, {}", t.slabs, t.colours,
+  const auto by_schedule = [](const OrderingTimes& t) {
+    return fmt::format("{:.1f}, {:.1f}, {}", t.slabs, t.colors,
                        t.gpu > 0 ? fmt::format("{:.2f} ({:.2f})", t.gpu, t.gpu_one_by_one) : "-");
   };
   for (const SkinTensionRow& r : bench.rows)
@@ -109,12 +109,12 @@ void print(const SkinTensionBench& bench) {
              "resample half/full[ms]", "growth: ns a node, pbd/desc");
   for (const SkinTensionRow& r : bench.rows) {
     const double nodes = double(r.nodes.x) * r.nodes.y * r.nodes.z;
-    fmt::print("{:<11}{:>24}{:>26}{:>26}{:>28}\n", r.name,
-               fmt::format("{:.1f} / {:.1f}", r.descent_frame_one, r.descent_frame),
-               fmt::format("{:.2e} / {:.2e}", r.residual_pbd, r.residual_descent),
-               fmt::format("{:.0f} / {:.0f}", r.resample_half, r.resample_full),
-               fmt::format("{:.1f} / {:.1f}", 1e6 * r.all_threads.frame_with / nodes,
-                           1e6 * r.descent_frame / nodes));
+    fmt::print(
+        "{:<11}{:>24}{:>26}{:>26}{:>28}\n", r.name,
+        fmt::format("{:.1f} / {:.1f}", r.descent_frame_one, r.vbd_frame),
+        fmt::format("{:.2e} / {:.2e}", r.residual_pbd, r.residual_descent),
+        fmt::format("{:.0f} / {:.0f}", r.resample_half, r.resample_full),
+        fmt::format("{:.1f} / {:.1f}", 1e6 * r.all_threads.frame_with / nodes, 1e6 * r.vbd_frame / nodes));
   }
   fmt::print(
       "\nA bar of {} tetrahedra, springs and volumes, 5 sweeps: {:.2f} ms on 1 thread, {:.2f} ms on {}.\n",

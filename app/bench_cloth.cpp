@@ -3,11 +3,11 @@
 #include "app/machine.hpp"
 #include "turgor/contact/cloth_obstacle.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/models/cloth/gpu_sheet.hpp"
+#include "turgor/models/cloth/build/sheet.hpp"
+#include "turgor/models/cloth/contact/obstacle.hpp"
+#include "turgor/models/cloth/device/gpu_sheet.hpp"
 #include "turgor/models/cloth/measure.hpp"
-#include "turgor/models/cloth/obstacle.hpp"
-#include "turgor/models/cloth/sheet.hpp"
-#include "turgor/models/cloth/system.hpp"
+#include "turgor/models/cloth/solver/system.hpp"
 
 namespace turgor {
 
@@ -55,7 +55,7 @@ double frame_ms(const Exec& exec, Piece& sheet) {
 double gpu_frame_ms(const Gpu& gpu, const Piece& sheet) {
   const auto there = put(gpu, sheet.model);
   if (!there) return 0;
-  KeptState state = sheet.state;
+  DeviceState state = sheet.state;
   state.step_on(*there);
   const auto frame = [&] { state.step(Exec(1), sheet.model, sheet.inputs, kDt); };
   frame();

@@ -1,8 +1,8 @@
 #include "app/bench_growth.hpp"
 
 #include "app/machine.hpp"
-#include "turgor/models/lattice/block_body.hpp"
-#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/build/block_body.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
 
 namespace turgor {
 

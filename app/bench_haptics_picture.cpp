@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/bench_haptics.hpp"
-#include "turgor/io/xml_text.hpp"
+#include "turgor/io/files/xml_text.hpp"
 
 namespace turgor {
 

@@ -76,7 +76,7 @@ PrecomputeRow measure_precompute(const Exec& exec, Int3 cells, double flops) {
 }
 
 /// A fingertip of 15 mm that slides in a circle at 100 mm/s, pressed in by `depth`.
-TickRow measure_tick(const sfem::Patch& patch, Vec3d centre, double depth) {
+TickRow measure_tick(const sfem::Patch& patch, Vec3d center, double depth) {
   constexpr double kRadius = 0.015, kCircle = 0.003, kTick = 1e-3;
   constexpr int kWarm = 200, kTicks = 2000;
   const std::vector<contact::Tool> tools{{contact::Sphere{kRadius}, 0.3}};
@@ -88,7 +88,7 @@ TickRow measure_tick(const sfem::Patch& patch, Vec3d centre, double depth) {
     const double angle = 0.1 * kTick / kCircle * n,
                  pressed = std::min(1.0, double(n) / kWarm) * (depth + 0.001);
     poses[0].pose.position =
-        centre + Vec3d{kCircle * std::cos(angle), kCircle * std::sin(angle), kRadius + 0.001 - pressed};
+        center + Vec3d{kCircle * std::cos(angle), kCircle * std::sin(angle), kRadius + 0.001 - pressed};
     const Timer timer;
     contact::touch(patch, state, tools, poses, kTick, forces);
     if (n < kWarm) continue;
@@ -100,15 +100,15 @@ TickRow measure_tick(const sfem::Patch& patch, Vec3d centre, double depth) {
 }
 
 std::vector<TickRow> measure_ticks(const Exec& exec) {
-  const Vec3d size{0.12, 0.12, 0.06}, centre{0.06, 0.06, 0.06};
+  const Vec3d size{0.12, 0.12, 0.06}, center{0.06, 0.06, 0.06};
   Model model = built(exec, hex_block(size, {12, 12, 6}), {3e3, 0.45}, is_bottom);
   compute(exec, model);
-  const std::vector<Vec3d> touches{centre};
+  const std::vector<Vec3d> touches{center};
   const std::vector<int> elements = sfem::patch_elements(model, touches, 0.02);
   const sfem::Patch patch = sfem::build_patch(model, elements, 3, touches).value();
   std::vector<TickRow> rows;
   for (const double depth : {0.0003, 0.001, 0.002, 0.004, 0.006, 0.008})
-    rows.push_back(measure_tick(patch, centre, depth));
+    rows.push_back(measure_tick(patch, center, depth));
   return rows;
 }
 

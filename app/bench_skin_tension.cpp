@@ -5,11 +5,11 @@
 #include "app/machine.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/phantom.hpp"
-#include "turgor/models/lattice/body_nodes.hpp"
-#include "turgor/models/lattice/gpu_body.hpp"
-#include "turgor/models/lattice/incision.hpp"
-#include "turgor/models/lattice/resample.hpp"
-#include "turgor/models/lattice/sweeps.hpp"
+#include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/device/gpu_body.hpp"
+#include "turgor/models/lattice/resample/resample.hpp"
+#include "turgor/models/lattice/solver/sweeps.hpp"
 
 namespace turgor {
 
@@ -23,7 +23,7 @@ constexpr int kFrames = 11;
 // one.
 constexpr double kPbdBytes = 32;                // read u, w, root; write u
 constexpr double kPbdFlops = 7 * 32;            // edges
-constexpr double kDescentBytes = 56;            // read u, u_before, v, w, root; write u
+constexpr double kVbdBytes = 56;                // read u, u_before, v, w, root; write u
 constexpr double kDescentFlops = 14 * 47 + 75;  // springs, and the node's own system
 
 struct DataSet {
@@ -49,7 +49,7 @@ Params solver_params(Method method, bool skin) {
   Params params;
   params.solver.method = method;
   params.skin.enabled = skin;
-  params.skin.law = method == Method::kPbd ? lattice::SkinLaw::kArea : lattice::SkinLaw::kFibre;
+  params.skin.law = method == Method::kPbd ? lattice::SkinLaw::kArea : lattice::SkinLaw::kFiber;
   return params;
 }
 
@@ -72,22 +72,22 @@ void frames_by_turns(const Exec& exec, const Model& a, const Model& b, double& m
 double gpu_frame_ms(const Gpu& gpu, const Model& model, lattice::Frames frames) {
   const auto body = lattice::put(gpu, model, frames);
   if (!body) return 0;
-  lattice::KeptState state = make_state(model);
+  lattice::DeviceState state = make_state(model);
   state.step_on(*body);
   const auto step = [&] { state.step(Exec(), model, {}, kDt); };
   step();
   return median_ms(kFrames, step);
 }
 
-ScheduleTimes measure_schedules(const Exec& exec, const BodyNodes& nodes, Params params) {
-  ScheduleTimes times;
+OrderingTimes measure_schedules(const Exec& exec, const BodyNodes& nodes, Params params) {
+  OrderingTimes times;
   const Model slabs = lattice::assemble(exec, nodes, nullptr, params).value();
-  params.solver.schedule = lattice::Schedule::kColours;
-  const Model colours = lattice::assemble(exec, nodes, nullptr, params).value();
-  frames_by_turns(exec, slabs, colours, times.slabs, times.colours);
+  params.solver.ordering = lattice::Ordering::kColors;
+  const Model colors = lattice::assemble(exec, nodes, nullptr, params).value();
+  frames_by_turns(exec, slabs, colors, times.slabs, times.colors);
   if (const Result<Gpu> gpu = open_gpu()) {
-    times.gpu = gpu_frame_ms(*gpu, colours, lattice::Frames::kAsGraphs);
-    times.gpu_one_by_one = gpu_frame_ms(*gpu, colours, lattice::Frames::kOneByOne);
+    times.gpu = gpu_frame_ms(*gpu, colors, lattice::Frames::kAsGraphs);
+    times.gpu_one_by_one = gpu_frame_ms(*gpu, colors, lattice::Frames::kOneByOne);
   }
   return times;
 }
@@ -114,7 +114,7 @@ double residual_after_frame(const Exec& exec, const Model& solver, const Model& 
     if (solver.params.solver.method == Method::kPbd)
       lattice::sweep_pbd(exec, solver, state);
     else
-      lattice::sweep_descent(exec, solver, state, inputs, kDt);
+      lattice::sweep_vbd(exec, solver, state, inputs, kDt);
   return lattice::measure_residual(exec, judge, state, inputs, kDt).rms;
 }
 
@@ -133,7 +133,7 @@ SkinTensionRow measure(const Exec& exec, const SkinTensionBench& limits, const D
   const CtVolume ct = shrunken_phantom(exec, data.kind, shrink);
   row.voxels = ct.grid.size;
   progress(0.4);
-  const Params pbd = solver_params(Method::kPbd, true), descent = solver_params(Method::kDescent, true);
+  const Params pbd = solver_params(Method::kPbd, true), vbd = solver_params(Method::kVbd, true);
   row.body_seconds = 1e-3 * median_ms(3, [&] { (void)lattice::build(exec, ct, {}, pbd); });
   const BodyNodes nodes = lattice::classify(exec, ct, nullptr, pbd).value();
   row.nodes = nodes.grid.size;
@@ -150,22 +150,20 @@ SkinTensionRow measure(const Exec& exec, const SkinTensionBench& limits, const D
                   row.bandwidth_fraction, row.arithmetic_fraction);
   }
   row.pbd_frames = measure_schedules(exec, nodes, pbd);
-  row.descent_frames = measure_schedules(exec, nodes, descent);
+  row.descent_frames = measure_schedules(exec, nodes, vbd);
   progress(0.7);
-  const Model model = lattice::assemble(exec, nodes, nullptr, descent).value();
+  const Model model = lattice::assemble(exec, nodes, nullptr, vbd).value();
   row.descent_frame_one = frame_ms(one, model);
-  row.descent_frame = frame_ms(exec, model);
+  row.vbd_frame = frame_ms(exec, model);
   {
-    const Model without =
-        lattice::assemble(exec, nodes, nullptr, solver_params(Method::kDescent, false)).value();
+    const Model without = lattice::assemble(exec, nodes, nullptr, solver_params(Method::kVbd, false)).value();
     State state = make_state(without);
-    const double sweep_ms =
-        median_ms(kFrames, [&] { lattice::sweep_descent(exec, without, state, {}, kDt); });
-    set_fractions(limits, double(slots_in(without.moving)), sweep_ms, kDescentBytes, kDescentFlops,
+    const double sweep_ms = median_ms(kFrames, [&] { lattice::sweep_vbd(exec, without, state, {}, kDt); });
+    set_fractions(limits, double(slots_in(without.moving)), sweep_ms, kVbdBytes, kDescentFlops,
                   row.descent_bandwidth_fraction, row.descent_arithmetic_fraction);
   }
   Params area = pbd;
-  area.solver.method = Method::kDescent;  // the paper's constraints, with stiffness in physical units
+  area.solver.method = Method::kVbd;  // the paper's constraints, with stiffness in physical units
   const Model judge = lattice::assemble(exec, nodes, nullptr, area).value();
   row.residual_pbd = residual_after_frame(exec, lattice::assemble(exec, nodes, nullptr, pbd).value(), judge);
   row.residual_descent = residual_after_frame(exec, judge, judge);

@@ -20,8 +20,8 @@ struct SkinTensionTimes {
 
 /// Frames of one body by both orders of a sweep, in turns, and on a GPU, where the state stays, as a graph
 /// and kernel by kernel; 0: there is none [ms].
-struct ScheduleTimes {
-  double slabs = 0, colours = 0, gpu = 0, gpu_one_by_one = 0;
+struct OrderingTimes {
+  double slabs = 0, colors = 0, gpu = 0, gpu_one_by_one = 0;
 };
 
 struct SkinTensionRow {
@@ -34,10 +34,10 @@ struct SkinTensionRow {
   // Of a sweep without skin, on all threads: of what copying and dense products reach.
   double bandwidth_fraction = 0, arithmetic_fraction = 0;
   double descent_bandwidth_fraction = 0, descent_arithmetic_fraction = 0;
-  double descent_frame_one = 0, descent_frame = 0;  // 5 sweeps with skin [ms]
-  ScheduleTimes pbd_frames, descent_frames;         // with skin, all threads
-  double residual_pbd = 0, residual_descent = 0;    // rms after a frame [N]
-  double resample_half = 0, resample_full = 0;      // to half and to full size [ms]
+  double descent_frame_one = 0, vbd_frame = 0;    // 5 sweeps with skin [ms]
+  OrderingTimes pbd_frames, descent_frames;       // with skin, all threads
+  double residual_pbd = 0, residual_descent = 0;  // rms after a frame [N]
+  double resample_half = 0, resample_full = 0;    // to half and to full size [ms]
 };
 
 struct SkinTensionBench {

@@ -9,7 +9,7 @@
 
 #include "app/result_folder.hpp"
 #include "turgor/core/progress.hpp"
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 #include "turgor/models/rhombus/half_space.hpp"
 #include "turgor/sim/bodies/rhombus/elastic_stiffness.hpp"
 #include "turgor/sim/report/plot.hpp"

@@ -9,7 +9,7 @@
 #include "app/commands.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/report/amount.hpp"
-#include "turgor/sim/report/doubts.hpp"
+#include "turgor/sim/report/plausibility.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -42,14 +42,14 @@ double frame_seconds(const Exec& exec, const Scene& scene, World& world) {
 
 std::string wall_time(double seconds) { return amount(1e9 * seconds, {"ns", "ns"}); }
 
-void print_bodies(const ShownWorld& shown) {
-  for (const ShownBody& body : shown.bodies) {
+void print_bodies(const WorldSnapshot& snapshot) {
+  for (const BodySnapshot& body : snapshot.bodies) {
     const Vec3d size = (body.box.high - body.box.low) * 1e3;
     fmt::print("  {:<12} {:<8} {:.0f} x {:.0f} x {:.0f} mm, {} triangles are drawn\n", body.name,
                model_name(body.id.kind), size.x, size.y, size.z, body.triangles.size());
   }
-  for (const ShownTool& tool : shown.tools)
-    fmt::print("  {:<12} tool     on {}\n", tool.name, shown_body(shown, tool.body).name);
+  for (const ToolSnapshot& tool : snapshot.tools)
+    fmt::print("  {:<12} tool     on {}\n", tool.name, body_snapshot(snapshot, tool.body).name);
 }
 
 }  // namespace
@@ -58,19 +58,19 @@ void check_scene(const Exec& exec, const Scene& scene) {
   const Timer loading;
   World world = required(load_world(exec, scene));
   const double load = loading.seconds();
-  ShownWorld shown;
-  show(exec, world, shown);
+  WorldSnapshot snapshot;
+  show(exec, world, snapshot);
   fmt::print("{}: a run would accept it\n", scene.file.string());
-  print_bodies(shown);
-  std::vector<std::string> doubts = notes_of(world);
-  for (std::string& doubt : odd_sizes(shown)) doubts.push_back(std::move(doubt));
+  print_bodies(snapshot);
+  std::vector<std::string> plausibility_warnings = notes_of(world);
+  for (std::string& doubt : odd_sizes(snapshot)) plausibility_warnings.push_back(std::move(doubt));
   const double frame = frame_seconds(exec, scene, world);
   const int frames = frame_count(scene);
   fmt::print("  loading      {}\n", wall_time(load));
   fmt::print("  memory       {}\n", amount(memory_taken(), {"bytes", "bytes"}));
   fmt::print("  simulating   {} frames of about {}: about {}, and pictures\n", frames, wall_time(frame),
              wall_time(frame * frames));
-  for (const std::string& doubt : doubts) fmt::print("warning: {}\n", doubt);
+  for (const std::string& doubt : plausibility_warnings) fmt::print("warning: {}\n", doubt);
 }
 
 }  // namespace turgor

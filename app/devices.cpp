@@ -8,7 +8,7 @@
 
 #include "app/commands.hpp"
 #include "turgor/core/one_line.hpp"
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 
 namespace turgor {
 

@@ -38,7 +38,7 @@ double resident_bytes() {
 /// Down to 5 mm and up again, once a second.
 void tap(World& world, double seconds) {
   TouchingTool& tool = world.tools[0];
-  const SurfacePlace place = place_on_surface(rest_surface(world, tool.body), {0.3, 0.5, 1}, true, 0.01);
+  const SurfaceSample place = place_on_surface(rest_surface(world, tool.body), {0.3, 0.5, 1}, true, 0.01);
   tool.path = {.rows = {}, .smooth = true};
   for (int n = 0; n <= int(2 * seconds) + 2; n++)
     tool.path.rows.push_back(
@@ -46,13 +46,14 @@ void tap(World& world, double seconds) {
 }
 
 /// Frames by the clock, until it is over.
-Status go_on(World& world, LiveTouch& touch, double seconds, const Progress& progress, HapticSoak& soak) {
+Status extrapolate(World& world, LiveTouch& touch, double seconds, const Progress& progress,
+                   HapticSoak& soak) {
   const Exec exec(1);
   const double settled = std::min(10.0, 0.2 * seconds);  // first uses of memory are over [s]
   while (time_of(world) < seconds) {
     if (const Result<FrameReport> frame = step(exec, world); !frame) return frame.error();
     touch.wait_for_frame();
-    soak.largest_force = std::max(soak.largest_force, norm(touch.felt()[0].reading.force));
+    soak.largest_force = std::max(soak.largest_force, norm(touch.haptic()[0].reading.force));
     if (time_of(world) < settled) soak.resident_before = resident_bytes();
     if (progress && world.frame % 60 == 0) progress(time_of(world) / seconds);
   }
@@ -89,7 +90,7 @@ Result<HapticSoak> soak_haptics(double minutes, const Progress& progress) {
   if (!live) return live.error();
   EmptyLoop empty(1000, haptics::LoopParams().priority);
   HapticSoak soak;
-  const Status status = go_on(*world, *live->touch, seconds, progress, soak);
+  const Status status = extrapolate(*world, *live->touch, seconds, progress, soak);
   soak.empty = empty.end();
   live->touch->stop();
   if (!status) return status.error();

@@ -9,8 +9,8 @@
 #include "turgor/geometry/label_measures.hpp"
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/io/file.hpp"
-#include "turgor/io/organ_names.hpp"
+#include "turgor/io/files/file.hpp"
+#include "turgor/io/volume/organ_names.hpp"
 
 namespace turgor {
 

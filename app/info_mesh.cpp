@@ -10,8 +10,8 @@
 #include "app/commands.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/geometry/surface_check.hpp"
-#include "turgor/io/solid_files.hpp"
-#include "turgor/io/surface_files.hpp"
+#include "turgor/io/mesh/solid_files.hpp"
+#include "turgor/io/mesh/surface_files.hpp"
 
 namespace turgor {
 

@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #include "app/commands.hpp"
-#include "turgor/io/unfinished.hpp"
+#include "turgor/io/files/unfinished.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/scene/nearest_name.hpp"
 

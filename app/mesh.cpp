@@ -10,10 +10,10 @@
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/geometry/organ_mesh.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/io/file.hpp"
-#include "turgor/io/mesh_files.hpp"
-#include "turgor/io/solid_files.hpp"
-#include "turgor/io/surface_files.hpp"
+#include "turgor/io/files/file.hpp"
+#include "turgor/io/mesh/mesh_files.hpp"
+#include "turgor/io/mesh/solid_files.hpp"
+#include "turgor/io/mesh/surface_files.hpp"
 #include "turgor/sim/scene/scene_label.hpp"
 
 namespace turgor {

@@ -10,8 +10,8 @@
 #include "app/commands.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/io/file.hpp"
-#include "turgor/io/mesh_files.hpp"
+#include "turgor/io/files/file.hpp"
+#include "turgor/io/mesh/mesh_files.hpp"
 
 namespace turgor {
 

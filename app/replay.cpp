@@ -38,11 +38,12 @@ void replay(const Exec& exec, const ReplayOptions& options) {
   const Json report = required(replay_felt_run(exec, options.file, goal, callbacks));
   bar.reset();
   if (!options.quiet) fmt::print("{}", summary_text(report, required(resolved_goal(out))));
-  const Json& felt = report.at("felt");
-  const bool same = felt.at("same_bits").get<bool>();
-  const std::string told = fmt::format(
-      "{} frames and {} ticks came to {} state {}", felt.at("frames").get<int>(),
-      felt.at("ticks").get<long>(), same ? "the same" : "another", felt.at("state_hash").get<std::string>());
+  const Json& haptic = report.at("felt");
+  const bool same = haptic.at("same_bits").get<bool>();
+  const std::string told =
+      fmt::format("{} frames and {} ticks came to {} state {}", haptic.at("frames").get<int>(),
+                  haptic.at("ticks").get<long>(), same ? "the same" : "another",
+                  haptic.at("state_hash").get<std::string>());
   if (!same)
     throw Failure{kNotFinite,
                   told + " was expected: another machine, compiler or version gives other last places"};

@@ -12,7 +12,7 @@
 #include "app/result_folder.hpp"
 #include "app/validate_sfem.hpp"
 #include "app/validation.hpp"
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 #include "turgor/sim/report/plot.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/view/annotate.hpp"
@@ -134,8 +134,8 @@ Image draw_map(const NoduleResult& result, const NoduleMap& map, const ColorScal
       const double force =
           (1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) + v * ((1 - u) * at(0, 1) + u * at(1, 1));
       image.at(px, py) = map_color(scale_fraction(scale, float(force)));
-      const double wx = result.low + (px + 0.5) / kSize * extent - result.centre_x;
-      const double wy = result.low + (kSize - py - 0.5) / kSize * extent - result.centre_y;
+      const double wx = result.low + (px + 0.5) / kSize * extent - result.center_x;
+      const double wy = result.low + (kSize - py - 0.5) / kSize * extent - result.center_y;
       if (std::abs(std::hypot(wx, wy) - result.radius) < 0.6 * extent / kSize)
         image.at(px, py) = {255, 255, 255};
     }
@@ -165,7 +165,7 @@ ordered_json report_nodule(const NoduleResult& result, const fs::path& folder) {
       "\nA nodule of {:.0f} mm, its centre {:.0f} mm below the surface at ({:.1f}, {:.1f}) mm: force 3 mm "
       "deep\n"
       "  {:<24}{:>8}{:>22}{:>12}{:>22}\n",
-      2e3 * result.radius, 1e3 * result.depth, 1e3 * result.centre_x, 1e3 * result.centre_y, "mesh", "nodes",
+      2e3 * result.radius, 1e3 * result.depth, 1e3 * result.center_x, 1e3 * result.center_y, "mesh", "nodes",
       "peak at [mm]", "stands out", "differs from fine");
   float low = 1e9f, high = 0;
   for (const NoduleMap& map : result.maps)

@@ -7,9 +7,9 @@
 #include "app/validate_cloth_sheet.hpp"
 #include "app/validation.hpp"
 #include "turgor/core/assert.hpp"
-#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/build/sheet.hpp"
 #include "turgor/models/cloth/measure.hpp"
-#include "turgor/models/cloth/sheet.hpp"
+#include "turgor/models/cloth/model/cloth.hpp"
 
 namespace turgor {
 

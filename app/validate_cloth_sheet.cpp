@@ -6,9 +6,9 @@
 #include <string>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/build/sheet.hpp"
 #include "turgor/models/cloth/measure.hpp"
-#include "turgor/models/cloth/sheet.hpp"
+#include "turgor/models/cloth/model/cloth.hpp"
 
 namespace turgor {
 
@@ -203,7 +203,7 @@ double drape_coefficient(const Exec& exec, const Cells& cells, double size) {
   return (shadow(cloth::model_surface(model, state)) - table) / ring;
 }
 
-std::string millimetres(double size) { return std::to_string(int(std::lround(1000 * size))) + " mm"; }
+std::string millimeters(double size) { return std::to_string(int(std::lround(1000 * size))) + " mm"; }
 
 }  // namespace
 
@@ -214,10 +214,10 @@ void add_sheet_figures(const Exec& exec, bool quick, std::vector<Figure>& figure
         if (!quick || size == 0.01)
           figures.push_back(near_figure(std::string("a strip pulled along its ") +
                                             (along_weft ? "weft" : "warp") + ", " + cells.name + " of " +
-                                            millimetres(size) + ": stiffness",
+                                            millimeters(size) + ": stiffness",
                                         "the fabric's", pulled(exec, cells, along_weft, size), 1, 0.02));
     for (const double c : {0.015, 0.02})
-      figures.push_back(near_figure(std::string("a strip over an edge, c = ") + millimetres(c) + ", " +
+      figures.push_back(near_figure(std::string("a strip over an edge, c = ") + millimeters(c) + ", " +
                                         cells.name + " of 4 mm: drop of its end",
                                     "heavy elastica (Peirce)", hanging(exec, cells, c, 0.06 / 14.5), 1,
                                     0.05));

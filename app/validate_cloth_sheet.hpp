@@ -5,7 +5,7 @@
 
 #include "app/validation.hpp"
 #include "turgor/core/exec.hpp"
-#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/model/cloth.hpp"
 
 namespace turgor {
 

@@ -4,8 +4,8 @@
 
 #include "app/validate_wound.hpp"
 #include "app/validation.hpp"
-#include "turgor/models/lattice/block_body.hpp"
-#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/build/block_body.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
 
 namespace turgor {
 

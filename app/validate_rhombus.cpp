@@ -180,11 +180,11 @@ Result<Ratios> compare(const Exec& exec, const Elements& e) {
         press(patch_at(exec, *elements, place, {1.7 * radius, 3}), place, radius, depth, 8).back().second;
     rhombus::State state = rhombus::make_state(model, 1);
     rhombus::TouchInput in{.position = place + Vec3d{0, 0, radius - depth}, .radius = radius};
-    rhombus::TouchForce felt;
-    rhombus::touch(model, state, {&in, 1}, 1e-3, {&felt, 1});
+    rhombus::TouchForce haptic;
+    rhombus::touch(model, state, {&in, 1}, 1e-3, {&haptic, 1});
     const rhombus::Foot foot = rhombus::find_foot(model.surface, model.tree, place);
     const double here = rhombus::stiffness_at(model, foot.at);
-    see(ratios.pressed, felt.force.z / pressed), see(ratios.uneven, felt.force.z / here / pressed);
+    see(ratios.pressed, haptic.force.z / pressed), see(ratios.uneven, haptic.force.z / here / pressed);
     const PulledDisc disc = pulled_disc(*elements, place, radius, e.cell);
     const double pull = 0.5 * disc.radius;
     const double chain =

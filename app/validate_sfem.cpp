@@ -149,7 +149,7 @@ Result<NoduleResult> validate_nodule(const Exec& exec, int columns, double width
   NoduleResult result;
   result.columns = result.rows = columns;
   result.low = 0.25 * width, result.high = 0.75 * width;
-  result.centre_x = width / 2 + 0.006, result.centre_y = width / 2 - 0.003;
+  result.center_x = width / 2 + 0.006, result.center_y = width / 2 - 0.003;
   result.radius = 0.006, result.depth = 0.010;
   struct Way {
     const char* mesh;
@@ -165,7 +165,7 @@ Result<NoduleResult> validate_nodule(const Exec& exec, int columns, double width
         hex_block({width, width, height}, {way.parts * cells, way.parts * cells, way.parts * cells / 2});
     Body body = held(mesh, {3e3, 0.45}, [](Vec3d x) { return x.z < 1e-9; });
     body.materials.push_back({6e4, 0.45});
-    body.inclusions.push_back({{result.centre_x, result.centre_y, height - result.depth}, result.radius, 1});
+    body.inclusions.push_back({{result.center_x, result.center_y, height - result.depth}, result.radius, 1});
     constexpr double kPatch = 0.0135;
     sfem::Params params;
     params.touch_depth = kPatch;

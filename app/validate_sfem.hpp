@@ -67,7 +67,7 @@ struct NoduleMap {
 struct NoduleResult {
   int columns = 0, rows = 0;
   double low = 0, high = 0;                                  // ends of the field along x and y [m]
-  double centre_x = 0, centre_y = 0, radius = 0, depth = 0;  // of the nodule below the surface [m]
+  double center_x = 0, center_y = 0, radius = 0, depth = 0;  // of the nodule below the surface [m]
   std::vector<NoduleMap> maps;                               // coarse, superposed, fine
 };
 /// `width` of the block [m], 5 mm the cells of its coarse mesh.

@@ -11,9 +11,9 @@
 #include "app/hayes.hpp"
 #include "app/wound_elements.hpp"
 #include "turgor/contact/lattice_touch.hpp"
-#include "turgor/models/lattice/block_body.hpp"
-#include "turgor/models/lattice/incision.hpp"
-#include "turgor/models/lattice/turned_block.hpp"
+#include "turgor/models/lattice/build/block_body.hpp"
+#include "turgor/models/lattice/build/turned_block.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
 
 namespace turgor {
 

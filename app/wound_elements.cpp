@@ -173,15 +173,15 @@ Element patch(const CutBlock& b, Vector2d size, const std::array<Vector3d, 4>& x
     const double near = 0.5 - 0.5 / std::sqrt(3.0), area = size.prod() / 4;
     const double s = point & 1 ? 1 - near : near, t = point >> 1 ? 1 - near : near;
     std::array<Vector2d, 4> c;
-    std::array<Vector3d, 2> fibre = {Vector3d::Zero(), Vector3d::Zero()};
+    std::array<Vector3d, 2> fiber = {Vector3d::Zero(), Vector3d::Zero()};
     for (int n = 0; n < 4; n++) {
       c[std::size_t(n)] = {(n & 1 ? 1 : -1) / size[0] * (n >> 1 ? t : 1 - t),
                            (n >> 1 ? 1 : -1) / size[1] * (n & 1 ? s : 1 - s)};
       for (int axis = 0; axis < 2; axis++)
-        fibre[std::size_t(axis)] += x[std::size_t(n)] * c[std::size_t(n)][axis];
+        fiber[std::size_t(axis)] += x[std::size_t(n)] * c[std::size_t(n)][axis];
     }
     for (int axis = 0; axis < 2; axis++) {
-      const Vector3d g = fibre[std::size_t(axis)];
+      const Vector3d g = fiber[std::size_t(axis)];
       const double length = g.norm(), strain = length - rest, more = strain > 0 ? b.amplification / rest : 0;
       e.energy += area * b.stiffness * strain * strain * (0.5 + more * strain / 3);
       const double pull = area * b.stiffness * strain * (1 + more * strain),
@@ -194,11 +194,11 @@ Element patch(const CutBlock& b, Vector2d size, const std::array<Vector3d, 4>& x
           e.second.block<3, 3>(3 * a, 3 * d) += second * (c[std::size_t(a)][axis] * c[std::size_t(d)][axis]);
       }
     }
-    const double sheared = fibre[0].dot(fibre[1]), k = area * b.shear;
+    const double sheared = fiber[0].dot(fiber[1]), k = area * b.shear;
     e.energy += 0.5 * k * sheared * sheared;
     std::array<Vector3d, 4> way;
     for (int a = 0; a < 4; a++) {
-      way[std::size_t(a)] = fibre[0] * c[std::size_t(a)][1] + fibre[1] * c[std::size_t(a)][0];
+      way[std::size_t(a)] = fiber[0] * c[std::size_t(a)][1] + fiber[1] * c[std::size_t(a)][0];
       e.gradient.segment<3>(3 * a) += k * sheared * way[std::size_t(a)];
     }
     for (int a = 0; a < 4; a++)

@@ -2,12 +2,12 @@
 // crossings. Rates: vertices a second; bytes a sweep must move at least.
 #include <benchmark/benchmark.h>
 
-#include "tests/models/cloth_meshes.hpp"
-#include "tests/models/cloth_sheets.hpp"
-#include "tests/models/cloth_storm.hpp"
+#include "tests/models/cloth/meshes.hpp"
+#include "tests/models/cloth/sheets.hpp"
+#include "tests/models/cloth/storm.hpp"
 #include "turgor/contact/cloth_obstacle.hpp"
 #include "turgor/geometry/surface_check.hpp"
-#include "turgor/models/cloth/system.hpp"
+#include "turgor/models/cloth/solver/system.hpp"
 
 namespace turgor::cloth {
 namespace {

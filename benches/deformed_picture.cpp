@@ -5,8 +5,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "turgor/models/lattice/gpu_body.hpp"
-#include "turgor/models/lattice/resample.hpp"
+#include "turgor/models/lattice/device/gpu_body.hpp"
+#include "turgor/models/lattice/resample/resample.hpp"
 #include "turgor/view/gpu_volume.hpp"
 #include "turgor/view/volume_view.hpp"
 
@@ -38,7 +38,7 @@ Scene make_scene(int n) {
       }
   Params params;
   params.skin.enabled = false;
-  params.solver.schedule = Schedule::kColours;
+  params.solver.ordering = Ordering::kColors;
   s.model = build(Exec(2), s.ct, {}, params).value();
   s.state = make_state(s.model);
   const Int3 size = s.model.lattice.size;
@@ -57,16 +57,16 @@ void bench_gpu(benchmark::State& state) {
   if (!gpu) return state.SkipWithError(gpu.error().message.c_str());
   static const Scene s = make_scene(512);
   const int pixels = 1024;
-  const Result<std::shared_ptr<BodyThere>> body = put(*gpu, s.model);
+  const Result<std::shared_ptr<BodyBackend>> body = put(*gpu, s.model);
   if (!body) return state.SkipWithError(body.error().message.c_str());
   (*body)->put_state(s.model, s.state);
-  const std::unique_ptr<VolumeThere> volume = volume_on(*gpu);
+  const std::unique_ptr<VolumeBackend> volume = volume_on(*gpu);
   for (auto _ : state) {
     const auto now = (*body)->resample(Exec(1), s.model, s.state, s.ct, s.ct.grid, kAlone);
     if (!now) return state.SkipWithError("no room for the deformed CT");
     if (!state.range(0)) continue;  // the CT alone
-    if (const Status shown = volume->show(now->samples->data(), s.ct.grid); !shown)
-      return state.SkipWithError(shown.error().message.c_str());
+    if (const Status snapshot = volume->show(now->samples->data(), s.ct.grid); !snapshot)
+      return state.SkipWithError(snapshot.error().message.c_str());
     benchmark::DoNotOptimize(volume->draw("skin", s.camera, pixels, pixels).value().pixels.data());
   }
   state.counters["a second"] = benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);

@@ -9,7 +9,7 @@
 #include "app/machine.hpp"
 #include "turgor/core/gpu_limits.hpp"
 #include "turgor/geometry/phantom.hpp"
-#include "turgor/models/lattice/gpu_body.hpp"
+#include "turgor/models/lattice/device/gpu_body.hpp"
 
 namespace {
 
@@ -35,9 +35,9 @@ constexpr Cost kPbdSweepHere{8 * (2 * kVector + 2 * kReal) + kByte, 7 * 32, 16};
 constexpr Cost kPbdSweepThere{8 * (2 * kVector + 2 * kByte) + kByte, 7 * 32, 16};
 /// Eight passes over u and root or Young's moduli of all; of the node itself u_before, v, w, removed and cut,
 /// and u, which moves.
-constexpr double kDescentBytes = 8 * (kVector + kReal) + 2 * kVector + kReal + 2 * kByte + kVector;
-constexpr Cost kSpringsSweep{kDescentBytes, 704, 8};
-constexpr Cost kSolidSweep{kDescentBytes, 2180, 8};
+constexpr double kVbdBytes = 8 * (kVector + kReal) + 2 * kVector + kReal + 2 * kByte + kVector;
+constexpr Cost kSpringsSweep{kVbdBytes, 704, 8};
+constexpr Cost kSolidSweep{kVbdBytes, 2180, 8};
 /// Twice forces, to which u, moduli, u_before, v, w and removed lead, and their sums over blocks; twice the
 /// way of every node. Loops over unknowns are among those of forces.
 constexpr Cost kForces{kVector + kReal + 2 * kVector + kReal + kByte + kVector, 1789, 19};
@@ -61,8 +61,8 @@ constexpr Body kBodies[] = {{"A abdomen", PhantomKind::kTorso, 4},
                             {"A in steps of 2 voxels", PhantomKind::kTorso, 2},
                             {"A, a node a voxel", PhantomKind::kTorso, 1, true}};
 constexpr Kind kKinds[] = {{"pbd", Method::kPbd, TissueLaw::kSprings},
-                           {"descent, springs", Method::kDescent, TissueLaw::kSprings},
-                           {"descent, solid", Method::kDescent, TissueLaw::kSolid}};
+                           {"descent, springs", Method::kVbd, TissueLaw::kSprings},
+                           {"descent, solid", Method::kVbd, TissueLaw::kSolid}};
 
 Cost cost_of_frame(const Kind& kind, bool there, int sweeps) {
   const bool solid = kind.law == TissueLaw::kSolid;
@@ -76,12 +76,12 @@ Model model_of(const Exec& exec, const CtVolume& ct, const Kind& kind, int block
   Params params;
   params.block = {block, block, block};
   params.tissue.law = kind.law;
-  params.skin.law = kind.method == Method::kPbd ? SkinLaw::kArea : SkinLaw::kFibre;
-  params.solver.method = kind.method, params.solver.schedule = Schedule::kColours;
+  params.skin.law = kind.method == Method::kPbd ? SkinLaw::kArea : SkinLaw::kFiber;
+  params.solver.method = kind.method, params.solver.ordering = Ordering::kColors;
   return build(exec, ct, {}, params).value();
 }
 
-double frame_ms(const Exec& exec, const Model& model, KeptState state, int frames) {
+double frame_ms(const Exec& exec, const Model& model, DeviceState state, int frames) {
   const auto step = [&] { state.step(exec, model, {.gravity = {0, 0, -1}}, kDt); };
   step(), step();
   return median_ms(frames, step);
@@ -137,9 +137,9 @@ int main() {
       if (!gpu) continue;
       double ms[2] = {};
       for (const Frames frames : {Frames::kAsGraphs, Frames::kOneByOne}) {
-        const Result<std::shared_ptr<BodyThere>> there = put(*gpu, model, frames);
+        const Result<std::shared_ptr<BodyBackend>> there = put(*gpu, model, frames);
         if (!there) return std::fprintf(stderr, "bench_gpu_frames: %s\n", there.error().message.c_str()), 2;
-        KeptState state = make_state(model);
+        DeviceState state = make_state(model);
         state.step_on(*there);
         ms[frames == Frames::kOneByOne] = frame_ms(exec, model, std::move(state), kFrames);
       }

@@ -2,9 +2,9 @@
 // a sweep must move at least.
 #include <benchmark/benchmark.h>
 
-#include "tests/models/block_body.hpp"
+#include "tests/models/lattice/block_body.hpp"
 #include "turgor/geometry/phantom.hpp"
-#include "turgor/models/lattice/sweeps.hpp"
+#include "turgor/models/lattice/solver/sweeps.hpp"
 
 namespace turgor::lattice {
 namespace {
@@ -20,7 +20,7 @@ Model tense_block(int nodes_per_side, Method method, bool skin, const TissuePara
   params.solver.method = method;
   params.tissue = tissue;
   params.skin.enabled = skin;
-  params.skin.law = method == Method::kPbd ? SkinLaw::kArea : SkinLaw::kFibre;
+  params.skin.law = method == Method::kPbd ? SkinLaw::kArea : SkinLaw::kFiber;
   return block_model(block, params);
 }
 
@@ -34,7 +34,7 @@ void sweep(benchmark::State& bench, Method method, bool skin, const TissueParams
     if (method == Method::kPbd)
       sweep_pbd(exec, model, state);
     else
-      sweep_descent(exec, model, state, inputs, kDt);
+      sweep_vbd(exec, model, state, inputs, kDt);
   const auto nodes = double(node_count(model.lattice));
   bench.counters["nodes"] = nodes;
   bench.counters["edges/s"] = benchmark::Counter((method == Method::kPbd ? 7 : 14) * nodes,
@@ -44,15 +44,13 @@ void sweep(benchmark::State& bench, Method method, bool skin, const TissueParams
 
 void pbd_sweep(benchmark::State& bench) { sweep(bench, Method::kPbd, false); }
 void pbd_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kPbd, true); }
-void descent_sweep(benchmark::State& bench) { sweep(bench, Method::kDescent, false); }
-void descent_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kDescent, true); }
+void descent_sweep(benchmark::State& bench) { sweep(bench, Method::kVbd, false); }
+void descent_sweep_with_skin(benchmark::State& bench) { sweep(bench, Method::kVbd, true); }
 
 /// Springs and twenty-four tetrahedra a node, against solid cells.
-void descent_sweep_with_volumes(benchmark::State& bench) {
-  sweep(bench, Method::kDescent, false, {.volume = 2});
-}
+void descent_sweep_with_volumes(benchmark::State& bench) { sweep(bench, Method::kVbd, false, {.volume = 2}); }
 void descent_sweep_of_cells(benchmark::State& bench) {
-  sweep(bench, Method::kDescent, false, {.law = TissueLaw::kSolid});
+  sweep(bench, Method::kVbd, false, {.law = TissueLaw::kSolid});
 }
 
 void sizes(benchmark::internal::Benchmark* b) {

@@ -1,12 +1,12 @@
 // The deformed CT of data A (512×512×300, block 4), half of it body: at half and at full resolution, on one
 // and two threads.
-#include "turgor/models/lattice/resample.hpp"
+#include "turgor/models/lattice/resample/resample.hpp"
 
 #include <cmath>
 
 #include <benchmark/benchmark.h>
 
-#include "turgor/models/lattice/surface.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "tests/models/sfem_bodies.hpp"
+#include "tests/models/sfem/bodies.hpp"
 #include "turgor/core/gpu.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/models/sfem/green.hpp"

@@ -29,11 +29,11 @@ const TouchingTool& tool_of(const tg_world& world, std::int32_t index) {
   return world.world->tools[std::size_t(index)];
 }
 
-const ShownBody& shown_now(tg_world& world, std::int32_t index) {
+const BodySnapshot& shown_now(tg_world& world, std::int32_t index) {
   const BodyId id = id_of(world, index);
-  if (!world.is_shown) show(world.exec, *world.world, world.shown);
+  if (!world.is_shown) show(world.exec, *world.world, world.snapshot);
   world.is_shown = true;
-  return shown_body(world.shown, id);
+  return body_snapshot(world.snapshot, id);
 }
 
 std::uint64_t topology_of(const tg_world& world, BodyId id) {
@@ -54,7 +54,7 @@ void copy_points(const std::vector<Vec3>& points, float* buffer, std::size_t cap
   copy_out(points.empty() ? nullptr : &points.data()->x, 3 * points.size(), buffer, capacity, written);
 }
 
-void read(const ShownBody& body, std::int32_t quantity, float* buffer, std::size_t capacity,
+void read(const BodySnapshot& body, std::int32_t quantity, float* buffer, std::size_t capacity,
           std::size_t* count) {
   switch (quantity) {
     case TG_POINTS:
@@ -93,12 +93,13 @@ tg_status tg_body_find(tg_world* world, const char* name, int32_t* body) {
 
 tg_status tg_body_get_info(tg_world* world, int32_t body, tg_body_info* info) {
   return with(world, [=](tg_world& w) {
-    const ShownBody& shown = shown_now(w, body);
+    const BodySnapshot& snapshot = shown_now(w, body);
     tg_body_info filled{};
-    visit_body(*w.world, shown.id, [&](const auto& one) { filled.name = one.name.c_str(); });
-    filled.model = model_name(shown.id.kind);
-    filled.vertices = std::int32_t(shown.x.size()), filled.triangles = std::int32_t(shown.triangles.size());
-    filled.topology_version = topology_of(w, shown.id);
+    visit_body(*w.world, snapshot.id, [&](const auto& one) { filled.name = one.name.c_str(); });
+    filled.model = model_name(snapshot.id.kind);
+    filled.vertices = std::int32_t(snapshot.x.size()),
+    filled.triangles = std::int32_t(snapshot.triangles.size());
+    filled.topology_version = topology_of(w, snapshot.id);
     give(filled, info);
   });
 }

@@ -20,13 +20,13 @@ contact::ToolCommand command_of(const tg_command& given) {
           .hold = given.hold != 0};
 }
 
-tg_reading reading_of(const contact::ToolReading& felt) {
-  return {{felt.force.x, felt.force.y, felt.force.z},
-          {felt.torque.x, felt.torque.y, felt.torque.z},
-          felt.depth,
-          felt.age,
-          felt.contacts,
-          felt.beyond_patch ? 1 : 0};
+tg_reading reading_of(const contact::ToolReading& haptic) {
+  return {{haptic.force.x, haptic.force.y, haptic.force.z},
+          {haptic.torque.x, haptic.torque.y, haptic.torque.z},
+          haptic.depth,
+          haptic.age,
+          haptic.contacts,
+          haptic.beyond_patch ? 1 : 0};
 }
 
 /// The caller's arrays, whose elements may be of an older or a newer header.

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "c/guard.hpp"
-#include "turgor/sim/live/led_ticks.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/live/driven_ticks.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/world.hpp"
 
 struct tg_world {
@@ -21,7 +21,7 @@ struct tg_world {
   std::optional<turgor::LedTicks> led;  // of tg_world_tick and tg_touch_tick
   bool touched = false;                 // between tg_touch_begin and tg_touch_end
   bool was_touched = false;
-  turgor::ShownWorld shown;
+  turgor::WorldSnapshot snapshot;
   bool is_shown = false;
   std::vector<turgor::contact::ToolCommand> commands;  // one for each tool, as the next
   std::vector<turgor::contact::ToolReading> readings;

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 
 namespace turgor::mpi {
 
@@ -58,7 +58,7 @@ Status write_displacement(const PartOfBody& part, const Grid& nodes, const std::
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (file < 0) return failure();
   Status status = Done{};
-  for (int k = part.model.own.begin; k < part.model.own.end && status; k++) {
+  for (int k = part.model.owned.begin; k < part.model.owned.end && status; k++) {
     const std::vector<Vec3> values = layer_in_mm(part, k);
     const std::size_t size = values.size() * sizeof(Vec3);
     const auto* bytes = reinterpret_cast<const char*>(values.data());

@@ -6,16 +6,16 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/models/lattice/fine_lattice.hpp"
+#include "turgor/models/lattice/cutting/fine_lattice.hpp"
 
 namespace turgor::mpi {
 
 namespace {
 
-using lattice::BladePath, lattice::CopyShift, lattice::CutEdge, lattice::EdgeAhead;
+using lattice::BladePath, lattice::VirtualNodeShift, lattice::CutEdge, lattice::PendingEdgeCut;
 
 /// The copies of nodes in layers as they are numbered here: they are in the order of slots.
-std::span<CopyShift> copies_of(const PartOfBody& part, Layers local) {
+std::span<VirtualNodeShift> virtual_nodes_of(const PartOfBody& part, Layers local) {
   const auto& places = part.state.parts.places;
   const auto first = [&](int layer) {
     return std::lower_bound(places.begin(), places.end(),
@@ -23,7 +23,7 @@ std::span<CopyShift> copies_of(const PartOfBody& part, Layers local) {
            places.begin();
   };
   const auto begin = std::size_t(first(local.begin));
-  return std::span(part.state.copies).subspan(begin, std::size_t(first(local.end)) - begin);
+  return std::span(part.state.virtual_nodes).subspan(begin, std::size_t(first(local.end)) - begin);
 }
 
 /// One layer as a message, and back.
@@ -34,7 +34,7 @@ std::vector<Real> packed(const PartOfBody& part, int layer) {
   message.reserve(3 * size);
   for (const auto* u : {&part.state.u.x, &part.state.u.y, &part.state.u.z})
     message.insert(message.end(), u->begin() + first, u->begin() + first + std::ptrdiff_t(size));
-  for (const CopyShift& c : copies_of(part, {layer, layer + 1}))
+  for (const VirtualNodeShift& c : virtual_nodes_of(part, {layer, layer + 1}))
     message.insert(message.end(), {c.x, c.y, c.z});
   return message;
 }
@@ -46,7 +46,7 @@ void unpack(const std::vector<Real>& message, const PartOfBody& part, int layer)
     std::copy_n(from, size, u->begin() + first);
     from += size;
   }
-  for (CopyShift& c : copies_of(part, {layer, layer + 1})) {
+  for (VirtualNodeShift& c : virtual_nodes_of(part, {layer, layer + 1})) {
     c = {from[0], from[1], from[2]};
     from += 3;
   }
@@ -71,18 +71,18 @@ void pass_layers(PartOfBody& part, int to, int sent, int from, int received) {
 }
 
 void after_phase(PartOfBody& part, int phase) {
-  const Layers own = part.model.own;
+  const Layers owned = part.model.owned;
   const int rank = part.ranks.rank;
-  if (phase == 0) return pass_layers(part, rank - 1, own.begin, rank + 1, own.end);
+  if (phase == 0) return pass_layers(part, rank - 1, owned.begin, rank + 1, owned.end);
   const int last = part.model.params.solver.method == lattice::Method::kPbd ? 0 : 1;  // below the border
-  pass_layers(part, rank + 1, own.end - last, rank - 1, own.begin - last);
+  pass_layers(part, rank + 1, owned.end - last, rank - 1, owned.begin - last);
 }
 
 /// A copy as all know it.
 struct KnownCopy {
   std::int64_t slot = 0;
   std::uint64_t place = 0;
-  CopyShift shift;
+  VirtualNodeShift shift;
 };
 /// Of the whole body: slots, and fine nodes by which copies are told apart.
 struct Numbers {
@@ -99,26 +99,28 @@ Numbers first_numbers(const PartOfBody& part) {
 void refresh_copies(PartOfBody& part) {
   lattice::State& state = part.state;
   const Numbers first = first_numbers(part);
-  std::vector<KnownCopy> own;
-  for (const CopyShift& shift : copies_of(part, part.model.own)) {
-    const auto& [slot, place] = state.parts.places[std::size_t(&shift - state.copies.data())];
-    own.push_back({slot + first.slot, place + first.place, shift});
+  std::vector<KnownCopy> owned;
+  for (const VirtualNodeShift& shift : virtual_nodes_of(part, part.model.owned)) {
+    const auto& [slot, place] = state.parts.places[std::size_t(&shift - state.virtual_nodes.data())];
+    owned.push_back({slot + first.slot, place + first.place, shift});
   }
-  for (const KnownCopy& known : join(part.ranks, own)) {
+  for (const KnownCopy& known : join(part.ranks, owned)) {
     const std::int64_t slot = known.slot - first.slot;
     if (slot < 0 || slot >= slot_count(part.model.lattice)) continue;
     const auto& places = state.parts.places;
     const auto same =
         std::find(std::lower_bound(places.begin(), places.end(), std::pair(int(slot), std::uint64_t(0))),
                   places.end(), std::pair(int(slot), known.place - first.place));
-    if (same != places.end()) state.copies[std::size_t(same - places.begin())] = known.shift;
+    if (same != places.end()) state.virtual_nodes[std::size_t(same - places.begin())] = known.shift;
   }
 }
 
 /// A layer's copies are the same ones here and where it is an own one: sweeps send them without their names.
 void check_copies(PartOfBody& part) {
-  const Layers own = part.model.own;
-  const auto count = [&](int layer) { return std::int64_t(copies_of(part, {layer, layer + 1}).size()); };
+  const Layers owned = part.model.owned;
+  const auto count = [&](int layer) {
+    return std::int64_t(virtual_nodes_of(part, {layer, layer + 1}).size());
+  };
   const auto compare = [&](int to, int sent, int from, int received) {
     const std::int64_t mine = count(sent), held = received >= 0 ? count(received) : 0;
     std::int64_t theirs = held;
@@ -127,8 +129,8 @@ void check_copies(PartOfBody& part) {
     TURGOR_ASSERT(theirs == held, "neighbours know the same copies of a layer's nodes");
   };
   const int rank = part.ranks.rank;
-  compare(rank - 1, own.begin, rank + 1, rank + 1 < part.ranks.count ? own.end : -1);
-  compare(rank + 1, own.end - 1, rank - 1, own.begin - 1);
+  compare(rank - 1, owned.begin, rank + 1, rank + 1 < part.ranks.count ? owned.end : -1);
+  compare(rank + 1, owned.end - 1, rank - 1, owned.begin - 1);
 }
 
 void refresh(PartOfBody& part) {
@@ -152,14 +154,14 @@ template <class Edge>
 void join_edges(const PartOfBody& part, int layers, std::vector<Edge>& edges) {
   const lattice::Model& model = part.model;
   const int stride = layer_stride(model.lattice), border = row_slot(model.lattice, -1, 0);
-  std::vector<KnownEdge<Edge>> own;
+  std::vector<KnownEdge<Edge>> owned;
   for (Edge edge : edges) {
     const int layer = (edge.slot - border) / stride;
     edge.slot -= border + layer * stride;
-    own.push_back({layer + model.lattice.first, edge});
+    owned.push_back({layer + model.lattice.first, edge});
   }
   edges.clear();
-  for (const KnownEdge<Edge>& known : join(part.ranks, own)) {
+  for (const KnownEdge<Edge>& known : join(part.ranks, owned)) {
     const int layer = known.layer - model.lattice.first;
     if (layer < 0 || layer >= layers) continue;
     edges.push_back(known.edge);
@@ -175,10 +177,10 @@ double processor_seconds() {
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-lattice::Others others_of(PartOfBody& part) {
+lattice::HaloExchange others_of(PartOfBody& part) {
   return {.after_phase = [&part](int phase) { after_phase(part, phase); },
           .refresh = [&part] { refresh(part); },
-          .largest = [](std::uint32_t own) { return largest(own); },
+          .largest = [](std::uint32_t owned) { return largest(owned); },
           .join_numbers = [&part](std::vector<double>& numbers) { numbers = join(part.ranks, numbers); },
           .join_skin = [&part](lattice::SkinNow& skin) { skin = join(part.ranks, skin); },
           .join_edges =
@@ -190,17 +192,17 @@ lattice::Others others_of(PartOfBody& part) {
               }};
 }
 
-std::vector<CopyShift> all_copies(const PartOfBody& part) {
-  const std::span<CopyShift> own = copies_of(part, part.model.own);
-  return join(part.ranks, std::vector<CopyShift>(own.begin(), own.end()));
+std::vector<VirtualNodeShift> all_copies(const PartOfBody& part) {
+  const std::span<VirtualNodeShift> owned = virtual_nodes_of(part, part.model.owned);
+  return join(part.ranks, std::vector<VirtualNodeShift>(owned.begin(), owned.end()));
 }
 
 std::uint64_t state_hash(const PartOfBody& part) {
   const std::uint64_t hash = chain(part.ranks, kHashSeed, [&](std::uint64_t below) {
     return lattice::hash_of_layers(part.model, part.state, below);
   });
-  const std::vector<CopyShift> copies = all_copies(part);
-  return copies.empty() ? hash : hash_values(std::span<const CopyShift>(copies), hash);
+  const std::vector<VirtualNodeShift> virtual_nodes = all_copies(part);
+  return virtual_nodes.empty() ? hash : hash_values(std::span<const VirtualNodeShift>(virtual_nodes), hash);
 }
 
 }  // namespace turgor::mpi

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "mpi/shares.hpp"
-#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::mpi {
@@ -34,10 +34,10 @@ struct PartOfBody {
 /// Of this process, since it began [s].
 double processor_seconds();
 
-lattice::Others others_of(PartOfBody& part);
+lattice::HaloExchange others_of(PartOfBody& part);
 
 /// Copies of nodes in the body's order, of all processes.
-std::vector<lattice::CopyShift> all_copies(const PartOfBody& part);
+std::vector<lattice::VirtualNodeShift> all_copies(const PartOfBody& part);
 
 /// As lattice::state_hash of the whole body in one process.
 std::uint64_t state_hash(const PartOfBody& part);

@@ -7,7 +7,7 @@
 
 #include "mpi/outside.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/models/lattice/body_nodes.hpp"
+#include "turgor/models/lattice/build/body_nodes.hpp"
 
 namespace turgor::mpi {
 
@@ -28,26 +28,26 @@ Layers own_cells(const Share& share, Int3 block, const Grid& ct, const DenseCell
   const auto first = [&](int layer) {
     return std::min(cells.size.z, (std::min(layer * block.z, ct.size.z) + cells.cell.z - 1) / cells.cell.z);
   };
-  return {first(share.own.begin), is_last ? cells.size.z : first(share.own.end)};
+  return {first(share.owned.begin), is_last ? cells.size.z : first(share.owned.end)};
 }
 
 /// The whole picture of what is dense, of which everybody adds some layers.
-void join_cells(const Ranks& ranks, Layers own, DenseCells& cells) {
+void join_cells(const Ranks& ranks, Layers owned, DenseCells& cells) {
   const std::ptrdiff_t layer = std::ptrdiff_t(cells.size.x) * cells.size.y;
   for (auto* mask : {&cells.any, &cells.all})
-    *mask = join(
-        ranks, std::vector<std::uint8_t>(mask->begin() + own.begin * layer, mask->begin() + own.end * layer));
+    *mask = join(ranks, std::vector<std::uint8_t>(mask->begin() + owned.begin * layer,
+                                                  mask->begin() + owned.end * layer));
 }
 
 /// The means of all layers that are held, of which own ones are known.
 template <class Value>
 std::vector<Value> held_layers(const Ranks& ranks, const Shares& shares, const Grid& nodes,
-                               const std::vector<Value>& own) {
+                               const std::vector<Value>& owned) {
   const Share& share = shares.of[std::size_t(ranks.rank)];
   const std::size_t size = std::size_t(nodes.size.x) * std::size_t(nodes.size.y);
   std::vector<Value> held(size * std::size_t(share.held.end - share.held.begin));
-  std::copy(own.begin(), own.end(),
-            held.begin() + std::ptrdiff_t(size) * (share.own.begin - share.held.begin));
+  std::copy(owned.begin(), owned.end(),
+            held.begin() + std::ptrdiff_t(size) * (share.owned.begin - share.held.begin));
   fetch_layers(ranks, shares, held.data(), size);
   return held;
 }
@@ -60,27 +60,27 @@ struct Known {
 Result<Known> read_part(const Exec& exec, const Ranks& ranks, const LatticeScene& scene, const Grid& ct,
                         const Share& share, const lattice::Params& params, const Grid& nodes) {
   DenseCells cells = lattice::make_dense_cells(ct);
-  const Layers own = own_cells(share, params.block, ct, cells, ranks.rank + 1 == ranks.count);
-  Layers slices = lattice::slices_around(ct, params.block, share.own);
-  if (own.begin < own.end) {
-    slices.begin = std::min(slices.begin, own.begin * cells.cell.z);
-    slices.end = std::max(slices.end, std::min(own.end * cells.cell.z, ct.size.z));
+  const Layers owned = own_cells(share, params.block, ct, cells, ranks.rank + 1 == ranks.count);
+  Layers slices = lattice::slices_around(ct, params.block, share.owned);
+  if (owned.begin < owned.end) {
+    slices.begin = std::min(slices.begin, owned.begin * cells.cell.z);
+    slices.end = std::max(slices.end, std::min(owned.end * cells.cell.z, ct.size.z));
   }
   const Result<std::vector<std::int16_t>> samples = slices_of(exec, scene.ct, slices);
   if (const Status read = agree(ranks, samples ? Status(Done{}) : Status(samples.error())); !read)
     return read.error();
   const CtPart part(ct, slices.begin, *samples);
-  lattice::pool_cells(exec, part, params.tissue.air_max, own, cells);
-  join_cells(ranks, own, cells);
-  const lattice::BesideBody beside = lattice::find_beside_body(exec, ct, cells);
-  return Known{lattice::average_blocks(exec, part, beside, params, nodes, share.own),
+  lattice::pool_cells(exec, part, params.tissue.air_max, owned, cells);
+  join_cells(ranks, owned, cells);
+  const lattice::Surroundings beside = lattice::find_beside_body(exec, ct, cells);
+  return Known{lattice::average_blocks(exec, part, beside, params, nodes, share.owned),
                std::int64_t(samples->size())};
 }
 
-std::int64_t own_count(const Grid& nodes, Layers own, const auto& counts_node) {
+std::int64_t own_count(const Grid& nodes, Layers owned, const auto& counts_node) {
   std::int64_t count = 0;
   const std::size_t layer = std::size_t(nodes.size.x) * std::size_t(nodes.size.y);
-  for (std::size_t n = std::size_t(own.begin) * layer; n < std::size_t(own.end) * layer; n++)
+  for (std::size_t n = std::size_t(owned.begin) * layer; n < std::size_t(owned.end) * layer; n++)
     count += counts_node(n);
   return count;
 }
@@ -88,9 +88,9 @@ std::int64_t own_count(const Grid& nodes, Layers own, const auto& counts_node) {
 Status fit_together(const LatticeScene& scene, const BodyNodes& nodes, LoadedPart& part) {
   lattice::Model& model = part.body.model;
   const auto is_body = [&](std::size_t n) { return lattice::is_body(nodes.tissue[n]); };
-  part.body_nodes = sum(own_count(nodes.grid, nodes.own, is_body));
+  part.body_nodes = sum(own_count(nodes.grid, nodes.owned, is_body));
   part.free_nodes =
-      sum(own_count(nodes.grid, nodes.own, [&](std::size_t n) { return is_body(n) && !nodes.fixed[n]; }));
+      sum(own_count(nodes.grid, nodes.owned, [&](std::size_t n) { return is_body(n) && !nodes.fixed[n]; }));
   if (part.body_nodes > std::numeric_limits<int>::max())
     return Error{
         fmt::format("{}: a body of {} nodes is too large: expected at most {}, choose a larger block",
@@ -134,7 +134,7 @@ Result<LoadedPart> load_part(const Exec& exec, const Ranks& ranks, const Lattice
   if (!known) return at_place(known.error().message);
   part.voxels_read = known->voxels;
   const std::vector<std::uint8_t> outside =
-      find_outside(ranks, part.nodes, share.own, known->hu, params.tissue.air_max);
+      find_outside(ranks, part.nodes, share.owned, known->hu, params.tissue.air_max);
   if (outside.empty())
     return at_place(
         fmt::format("the CT holds nothing but air: expected voxels above {} HU", int(params.tissue.air_max)));
@@ -143,7 +143,7 @@ Result<LoadedPart> load_part(const Exec& exec, const Ranks& ranks, const Lattice
   nodes.grid = part.nodes;
   nodes.grid.size.z = share.held.end - share.held.begin;
   nodes.first = share.held.begin;
-  nodes.own = {share.own.begin - nodes.first, share.own.end - nodes.first};
+  nodes.owned = {share.owned.begin - nodes.first, share.owned.end - nodes.first};
   nodes.join_skin = [&ranks](std::vector<lattice::SkinNodes>& skin) { skin = join(ranks, skin); };
   nodes.hu = held_layers(ranks, part.shares, part.nodes, known->hu);
   lattice::name_tissues(exec, held_layers(ranks, part.shares, part.nodes, outside), params, nodes.first,

@@ -6,7 +6,7 @@
 
 #include "turgor/core/disjoint_sets.hpp"
 #include "turgor/geometry/row_components.hpp"
-#include "turgor/models/lattice/body_nodes.hpp"
+#include "turgor/models/lattice/build/body_nodes.hpp"
 
 namespace turgor::mpi {
 
@@ -22,7 +22,7 @@ struct Part {
 /// Parts of all processes that are one: in the order of ranks, those of one rank in the order of their first
 /// nodes. The lowest number of those that are joined stands for them.
 struct JoinedParts {
-  RowComponents own;
+  RowComponents owned;
   std::size_t first_own = 0;  // own part 0 has this number
   std::vector<int> root;
   std::vector<Part> whole;  // of roots
@@ -33,7 +33,7 @@ struct JoinedParts {
 /// The numbers of parts in one own layer, −1 where there is none.
 std::vector<int> layer_of_parts(const JoinedParts& parts, Int3 size, int layer) {
   std::vector<int> found(std::size_t(size.x) * std::size_t(size.y), -1);
-  for (const CellRun& run : parts.own.runs)
+  for (const CellRun& run : parts.owned.runs)
     if (run.k == layer)
       std::fill_n(found.begin() + (std::ptrdiff_t(run.j) * size.x + run.begin), run.end - run.begin,
                   int(parts.first_own) + run.part);
@@ -41,19 +41,19 @@ std::vector<int> layer_of_parts(const JoinedParts& parts, Int3 size, int layer) 
 }
 
 /// Two parts that are one.
-struct Meeting {
+struct CcdPair {
   int below, above;
 
-  friend auto operator<=>(const Meeting&, const Meeting&) = default;
+  friend auto operator<=>(const CcdPair&, const CcdPair&) = default;
 };
 /// Which parts meet between the last layer of the rank below and the first one here.
-std::vector<Meeting> meeting_parts(const Ranks& ranks, const JoinedParts& parts, Int3 size) {
+std::vector<CcdPair> meeting_parts(const Ranks& ranks, const JoinedParts& parts, Int3 size) {
   const std::vector<int> top = layer_of_parts(parts, size, size.z - 1),
                          bottom = layer_of_parts(parts, size, 0);
   std::vector<int> below(top.size(), -1);
   pass(ranks, ranks.rank + 1, std::as_bytes(std::span(top)), ranks.rank - 1,
        std::as_writable_bytes(std::span(below)));
-  std::vector<Meeting> met;
+  std::vector<CcdPair> met;
   for (std::size_t n = 0; n < bottom.size(); n++)
     if (below[n] >= 0 && bottom[n] >= 0) met.push_back({below[n], bottom[n]});
   std::sort(met.begin(), met.end());
@@ -62,16 +62,16 @@ std::vector<Meeting> meeting_parts(const Ranks& ranks, const JoinedParts& parts,
 }
 
 /// Connected parts of a mask of own layers, over all ranks.
-JoinedParts join_parts(const Ranks& ranks, const Grid& nodes, Layers own, const Mask& mask) {
-  const Int3 size{nodes.size.x, nodes.size.y, own.end - own.begin};
-  JoinedParts parts{.own = row_components(mask, size), .root = {}, .whole = {}};
-  std::vector<Part> mine(parts.own.sizes.size());
+JoinedParts join_parts(const Ranks& ranks, const Grid& nodes, Layers owned, const Mask& mask) {
+  const Int3 size{nodes.size.x, nodes.size.y, owned.end - owned.begin};
+  JoinedParts parts{.owned = row_components(mask, size), .root = {}, .whole = {}};
+  std::vector<Part> mine(parts.owned.sizes.size());
   const int across = (lattice::long_axis(nodes) + 1) % 3, other = (across + 1) % 3;
-  for (const CellRun& run : parts.own.runs) {
+  for (const CellRun& run : parts.owned.runs) {
     Part& part = mine[std::size_t(run.part)];
     part.size += run.end - run.begin;
     for (const int i : {run.begin, run.end - 1}) {
-      const Int3 p{i, run.j, own.begin + run.k};
+      const Int3 p{i, run.j, owned.begin + run.k};
       part.is_at_side |=
           lattice::is_at_end(p, nodes.size, across) || lattice::is_at_end(p, nodes.size, other);
     }
@@ -98,7 +98,7 @@ JoinedParts join_parts(const Ranks& ranks, const Grid& nodes, Layers own, const 
 template <class Wanted>
 Mask marked(const JoinedParts& parts, const Grid& nodes, std::size_t count, const Wanted& wanted) {
   Mask mask(count);
-  for (const CellRun& run : parts.own.runs)
+  for (const CellRun& run : parts.owned.runs)
     if (wanted(parts.root_of(run.part)))
       std::fill_n(mask.begin() + std::ptrdiff_t(sample_index(nodes, run.begin, run.j, run.k)),
                   run.end - run.begin, std::uint8_t(1));
@@ -107,15 +107,15 @@ Mask marked(const JoinedParts& parts, const Grid& nodes, std::size_t count, cons
 
 }  // namespace
 
-Mask find_outside(const Ranks& ranks, const Grid& nodes, Layers own, const std::vector<std::int16_t>& hu,
+Mask find_outside(const Ranks& ranks, const Grid& nodes, Layers owned, const std::vector<std::int16_t>& hu,
                   double air_max) {
   Mask air(hu.size());
   for (std::size_t n = 0; n < hu.size(); n++) air[n] = hu[n] < air_max;
-  const JoinedParts of_air = join_parts(ranks, nodes, own, air);
+  const JoinedParts of_air = join_parts(ranks, nodes, owned, air);
   Mask rest =
       marked(of_air, nodes, hu.size(), [&](int root) { return of_air.whole[std::size_t(root)].is_at_side; });
   for (std::uint8_t& node : rest) node = 1 - node;
-  const JoinedParts of_rest = join_parts(ranks, nodes, own, rest);
+  const JoinedParts of_rest = join_parts(ranks, nodes, owned, rest);
   int largest = -1;
   for (std::size_t p = 0; p < of_rest.whole.size(); p++)
     if (const auto size = of_rest.whole[p].size;

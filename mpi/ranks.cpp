@@ -31,26 +31,26 @@ int message_size(std::size_t bytes) {
 
 }  // namespace
 
-std::vector<std::byte> join_bytes(const Ranks& ranks, std::span<const std::byte> own) {
-  const int size = message_size(own.size());
+std::vector<std::byte> join_bytes(const Ranks& ranks, std::span<const std::byte> owned) {
+  const int size = message_size(owned.size());
   std::vector<int> sizes(std::size_t(ranks.count)), begin(std::size_t(ranks.count) + 1);
   MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, MPI_COMM_WORLD);
   message_size(std::accumulate(sizes.begin(), sizes.end(), std::size_t(0)));
   std::partial_sum(sizes.begin(), sizes.end(), begin.begin() + 1);
   std::vector<std::byte> all(std::size_t(begin.back()));
-  MPI_Allgatherv(own.data(), size, MPI_BYTE, all.data(), sizes.data(), begin.data(), MPI_BYTE,
+  MPI_Allgatherv(owned.data(), size, MPI_BYTE, all.data(), sizes.data(), begin.data(), MPI_BYTE,
                  MPI_COMM_WORLD);
   return all;
 }
 
-std::uint32_t largest(std::uint32_t own) {
-  MPI_Allreduce(MPI_IN_PLACE, &own, 1, MPI_UINT32_T, MPI_MAX, MPI_COMM_WORLD);
-  return own;
+std::uint32_t largest(std::uint32_t owned) {
+  MPI_Allreduce(MPI_IN_PLACE, &owned, 1, MPI_UINT32_T, MPI_MAX, MPI_COMM_WORLD);
+  return owned;
 }
 
-std::int64_t sum(std::int64_t own) {
-  MPI_Allreduce(MPI_IN_PLACE, &own, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
-  return own;
+std::int64_t sum(std::int64_t owned) {
+  MPI_Allreduce(MPI_IN_PLACE, &owned, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  return owned;
 }
 
 void pass(const Ranks& ranks, int to, std::span<const std::byte> sent, int from,
@@ -80,8 +80,8 @@ std::uint64_t chain(const Ranks& ranks, std::uint64_t first,
   return first;
 }
 
-Status agree(const Ranks& ranks, const Status& own) {
-  const std::string message = own ? std::string() : own.error().message + '\0';
+Status agree(const Ranks& ranks, const Status& owned) {
+  const std::string message = owned ? std::string() : owned.error().message + '\0';
   const std::vector<char> all = join(ranks, std::vector<char>(message.begin(), message.end()));
   return all.empty() ? Status(Done{}) : Status(Error{all.data()});
 }

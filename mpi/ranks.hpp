@@ -26,18 +26,19 @@ struct Ranks {
 /// Ends all processes at once, where one cannot go on and the others may wait for it.
 [[noreturn]] void end_all(int exit_code);
 
-std::vector<std::byte> join_bytes(const Ranks& ranks, std::span<const std::byte> own);
+std::vector<std::byte> join_bytes(const Ranks& ranks, std::span<const std::byte> owned);
 /// Everybody's values, in the order of ranks.
 template <class T>
-requires std::is_trivially_copyable_v<T> std::vector<T> join(const Ranks& ranks, const std::vector<T>& own) {
-  const std::vector<std::byte> bytes = join_bytes(ranks, std::as_bytes(std::span(own)));
+requires std::is_trivially_copyable_v<T> std::vector<T> join(const Ranks& ranks,
+                                                             const std::vector<T>& owned) {
+  const std::vector<std::byte> bytes = join_bytes(ranks, std::as_bytes(std::span(owned)));
   std::vector<T> all(bytes.size() / sizeof(T));
   std::copy(bytes.begin(), bytes.end(), std::as_writable_bytes(std::span(all)).begin());
   return all;
 }
 
-std::uint32_t largest(std::uint32_t own);
-std::int64_t sum(std::int64_t own);
+std::uint32_t largest(std::uint32_t owned);
+std::int64_t sum(std::int64_t owned);
 
 /// Sends to one rank and receives as much from another; rank −1 and rank `count` are nobody.
 void pass(const Ranks& ranks, int to, std::span<const std::byte> sent, int from,
@@ -56,6 +57,6 @@ std::uint64_t chain(const Ranks& ranks, std::uint64_t first,
                     const std::function<std::uint64_t(std::uint64_t)>& next);
 
 /// The error of the lowest rank that has one, on all of them.
-Status agree(const Ranks& ranks, const Status& own);
+Status agree(const Ranks& ranks, const Status& owned);
 
 }  // namespace turgor::mpi

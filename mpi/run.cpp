@@ -12,7 +12,7 @@
 #include "mpi/load_part.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 #include "turgor/sim/output_folder.hpp"
 #include "turgor/sim/report/report.hpp"
 
@@ -45,11 +45,11 @@ struct Running {
   PartFacts facts;
 };
 
-Status load_cuts(Running& run, const lattice::Others& others) {
+Status load_cuts(Running& run, const lattice::HaloExchange& halo) {
   for (const IncisionScene& incision : run.scene.incisions) {
     Cut cut;
     cut.body = incision.body, cut.blade = incision.blade;
-    const auto trial = lattice::lay_blade(run.part.body.model, run.part.body.state, cut.blade, &others);
+    const auto trial = lattice::lay_blade(run.part.body.model, run.part.body.state, cut.blade, &halo);
     if (!trial) return Error{fmt::format("{}: {}", incision.place, trial.error().message)};
     run.cuts.push_back(std::move(cut));
   }
@@ -57,29 +57,29 @@ Status load_cuts(Running& run, const lattice::Others& others) {
 }
 
 /// As step(World&) does.
-Status step_frame(Running& run, const lattice::Others& others, bool measure_residual) {
+Status step_frame(Running& run, const lattice::HaloExchange& halo, bool measure_residual) {
   LatticeBody& body = run.part.body;
   const double dt = 1 / run.scene.frame_rate, end = (run.frames + 1) * dt * (1 + 1e-12);
   for (std::size_t c = 0; c < run.cuts.size(); c++)
-    if (const Status cut = advance_blade(body, run.cuts, int(c), end, &others); !cut) return cut;
+    if (const Status cut = advance_blade(body, run.cuts, int(c), end, &halo); !cut) return cut;
   const double from = run.frames * dt, to = from + dt;
-  const bool has_forces = body.model.params.solver.method == lattice::Method::kDescent;
+  const bool has_forces = body.model.params.solver.method == lattice::Method::kVbd;
   const lattice::Inputs inputs{.gravity = body.has_gravity ? run.scene.gravity : Vec3d{},
                                .measure_residual = measure_residual && has_forces,
-                               .others = &others};
+                               .halo = &halo};
   run.last = lattice::step(run.exec, body.model, body.state.change(), inputs, to - from);
   run.frames++;
   return Done{};
 }
 
 Status simulate_part(Running& run, PartOfBody& part) {
-  const lattice::Others others = others_of(part);
-  if (const Status loaded = load_cuts(run, others); !loaded) return loaded;
+  const lattice::HaloExchange halo = others_of(part);
+  if (const Status loaded = load_cuts(run, halo); !loaded) return loaded;
   const Timer timer;
   const double processor_before = processor_seconds();
   const int frames = frame_count(run.scene);
   while (run.frames < frames && run.last.finite)
-    if (const Status done = step_frame(run, others, run.frames + 1 == frames); !done) return done;
+    if (const Status done = step_frame(run, halo, run.frames + 1 == frames); !done) return done;
   run.facts.step_seconds = timer.seconds();
   run.facts.exchange_seconds = part.traffic.seconds;
   run.facts.work_seconds = processor_seconds() - processor_before - part.traffic.processor_seconds;
@@ -98,8 +98,8 @@ std::int64_t peak_memory() {
 double largest_displacement(const PartOfBody& part) {
   const lattice::Model& model = part.model;
   Real farthest = 0;
-  for (int s = row_slot(model.lattice, -1, model.own.begin); s < row_slot(model.lattice, -1, model.own.end);
-       s++)
+  for (int s = row_slot(model.lattice, -1, model.owned.begin);
+       s < row_slot(model.lattice, -1, model.owned.end); s++)
     if (const auto n = std::size_t(s); lattice::is_solid(model, part.state, s))
       farthest = std::max(farthest, dot(part.state.u[n], part.state.u[n]));
   return std::sqrt(double(std::bit_cast<Real>(largest(std::bit_cast<std::uint32_t>(farthest)))));
@@ -108,9 +108,9 @@ double largest_displacement(const PartOfBody& part) {
 std::int64_t cut_edge_count(const PartOfBody& part) {
   const lattice::Model& model = part.model;
   std::int64_t count = 0;
-  for (int s = row_slot(model.lattice, -1, model.own.begin); s < row_slot(model.lattice, -1, model.own.end);
-       s++)
-    count += std::popcount(unsigned(part.state.cut[std::size_t(s)] & ~lattice::kParted));
+  for (int s = row_slot(model.lattice, -1, model.owned.begin);
+       s < row_slot(model.lattice, -1, model.owned.end); s++)
+    count += std::popcount(unsigned(part.state.cut[std::size_t(s)] & ~lattice::kIsCut));
   return sum(count);
 }
 
@@ -119,7 +119,7 @@ Json layers_json(Layers l) { return Json::array({l.begin, l.end}); }
 Json report_of(const Running& run, const PartOfBody& part) {
   Json processes = Json::array();
   for (const PartFacts& f : join(run.ranks, std::vector<PartFacts>{run.facts}))
-    processes.push_back({{"layers", layers_json(f.share.own)},
+    processes.push_back({{"layers", layers_json(f.share.owned)},
                          {"layers_held", layers_json(f.share.held)},
                          {"voxels_read", f.voxels_read},
                          {"memory_bytes", f.memory},
@@ -156,15 +156,15 @@ struct SharedFolder {
 };
 Result<SharedFolder> create_folder(const Ranks& ranks, const fs::path& goal) {
   SharedFolder shared;
-  Status own = Done{};
+  Status owned = Done{};
   if (ranks.rank == 0) {
     Result<OutputFolder> created = OutputFolder::create(goal);
     if (created)
       shared.folder.emplace(std::move(*created));
     else
-      own = created.error();
+      owned = created.error();
   }
-  if (const Status all = agree(ranks, own); !all) return all.error();
+  if (const Status all = agree(ranks, owned); !all) return all.error();
   const std::string name = shared.folder ? shared.folder->path().string() : std::string();
   const std::vector<char> told = join(ranks, std::vector<char>(name.begin(), name.end()));
   shared.path = std::string(told.begin(), told.end());

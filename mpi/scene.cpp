@@ -20,12 +20,12 @@ Status check(const std::string& place, std::initializer_list<Refusal> refusals) 
 }
 
 Status check_body(const LatticeScene& body) {
-  using lattice::TissueLaw, lattice::Schedule;
+  using lattice::TissueLaw, lattice::Ordering;
   const lattice::Params& params = body.params;
   const bool solid = params.tissue.law == TissueLaw::kSolid;
   return check(
       body.place,
-      {{params.solver.schedule == Schedule::kColours, "solver.schedule",
+      {{params.solver.ordering == Ordering::kColors, "solver.schedule",
         "a sweep by slabs of layers: expected \"slabs\""},
        {params.solver.sleep > 0, "solver.sleep", "bodies that are awake: expected 0"},
        {solid && params.solver.coarse, "solver.coarse",

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mpi/ranks.hpp"
-#include "turgor/models/lattice/others.hpp"
+#include "turgor/models/lattice/model/halo.hpp"
 
 namespace turgor::mpi {
 
@@ -13,7 +13,7 @@ using lattice::Layers;
 
 /// Layers are numbered as in the whole body.
 struct Share {
-  Layers own, held;  // held: the own ones, and others' beside them
+  Layers owned, held;  // held: the own ones, and others' beside them
 };
 
 struct Shares {
@@ -37,8 +37,8 @@ inline Result<Shares> share_layers(int layers, const Ranks& ranks, bool is_cut) 
     return std::min(layers, int(std::int64_t(pairs) * rank / ranks.count) * lattice::kPairLayers);
   };
   for (int r = 0; r < ranks.count; r++) {
-    const Layers own{first(r), first(r + 1)};
-    shares.of.push_back({own, {std::max(0, own.begin - below), std::min(layers, own.end + above)}});
+    const Layers owned{first(r), first(r + 1)};
+    shares.of.push_back({owned, {std::max(0, owned.begin - below), std::min(layers, owned.end + above)}});
   }
   return shares;
 }
@@ -60,8 +60,8 @@ void fetch_layers(const Ranks& ranks, const Shares& shares, Value* first_held, s
   for (int r = 0; r < ranks.count; r++) {
     if (r == ranks.rank) continue;
     const Share& theirs = shares.of[std::size_t(r)];
-    if (const Layers l = common(mine.own, theirs.held); l.begin < l.end) sent.push_back(piece(r, l));
-    if (const Layers l = common(theirs.own, mine.held); l.begin < l.end) received.push_back(piece(r, l));
+    if (const Layers l = common(mine.owned, theirs.held); l.begin < l.end) sent.push_back(piece(r, l));
+    if (const Layers l = common(theirs.owned, mine.held); l.begin < l.end) received.push_back(piece(r, l));
   }
   swap_pieces(sent, received);
 }

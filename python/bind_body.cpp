@@ -20,7 +20,7 @@ PyBody find_body(nb::object owner, const std::string& name) {
   return *found;
 }
 
-const ShownBody& shown_of(const PyBody& body) { return shown_body(body.world->shown(), body.id); }
+const BodySnapshot& shown_of(const PyBody& body) { return body_snapshot(body.world->snapshot(), body.id); }
 
 /// Samples [k, j, i], and where they are: spacing [m], origin [m], directions of i, j, k as columns.
 using VolumeParts = std::tuple<Array<std::int16_t>, Array<double>, Array<double>, Array<double>>;

@@ -160,12 +160,12 @@ Array<double> tick(PyWorld& world, const Poses& poses, const std::optional<Holds
   const PyWorld::Entered entered(world);
   const std::size_t ticks = poses.shape(0), tools = poses.shape(1);
   check_poses(ticks, tools, world.scene().tools.size(), hold, 1);
-  std::vector<double> felt(ticks * tools * 6);
+  std::vector<double> haptic(ticks * tools * 6);
   {
     const nb::gil_scoped_release others;
-    world.tick(ticks, poses.data(), hold ? hold->data() : nullptr, felt.data());
+    world.tick(ticks, poses.data(), hold ? hold->data() : nullptr, haptic.data());
   }
-  return shaped_array(std::move(felt), {ticks, tools, 6});
+  return shaped_array(std::move(haptic), {ticks, tools, 6});
 }
 
 /// Poses of all worlds below each other: worlds · ticks rows.
@@ -180,12 +180,12 @@ Array<double> tick_all(const std::vector<PyWorld*>& worlds, const Poses& poses,
     check_poses(ticks, tools, world->scene().tools.size(), hold, worlds.size());
     entered.push_back(std::make_unique<PyWorld::Entered>(*world));
   }
-  std::vector<double> felt(worlds.size() * ticks * tools * 6);
+  std::vector<double> haptic(worlds.size() * ticks * tools * 6);
   {
     const nb::gil_scoped_release others;
-    tick_worlds(worlds, ticks, tools, poses.data(), hold ? hold->data() : nullptr, felt.data(), threads);
+    tick_worlds(worlds, ticks, tools, poses.data(), hold ? hold->data() : nullptr, haptic.data(), threads);
   }
-  return shaped_array(std::move(felt), {worlds.size(), ticks, tools, 6});
+  return shaped_array(std::move(haptic), {worlds.size(), ticks, tools, 6});
 }
 
 void step_frames(PyWorld& world, int frames) {

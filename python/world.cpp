@@ -127,11 +127,11 @@ World& PyWorld::world() const {
   return *world_;
 }
 
-ShownWorld& PyWorld::shown() {
+WorldSnapshot& PyWorld::snapshot() {
   world();
-  if (!is_shown_ || has_writers_) show(exec_, *world_, shown_);
+  if (!is_shown_ || has_writers_) show(exec_, *world_, snapshot_);
   is_shown_ = true;
-  return shown_;
+  return snapshot_;
 }
 
 TouchingTool& PyWorld::tool(const std::string& name) const {

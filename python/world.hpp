@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "turgor/sim/live/led_ticks.hpp"
+#include "turgor/sim/live/driven_ticks.hpp"
 #include "turgor/sim/report/measures.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/world.hpp"
 #include "turgor/sim/world_state.hpp"
 
@@ -59,7 +59,7 @@ class PyWorld {
   World& world() const;
   const Measures& measures() const { return world(), measures_; }
   /// As it is now.
-  ShownWorld& shown();
+  WorldSnapshot& snapshot();
   /// Somebody may write into the bodies from here on, so that they are shown anew whenever they are looked
   /// at.
   void expect_writers() { has_writers_ = true; }
@@ -89,7 +89,7 @@ class PyWorld {
   Measures measures_;
   std::vector<contact::ToolCommand> commands_;
   std::vector<contact::ToolReading> readings_;
-  ShownWorld shown_;
+  WorldSnapshot snapshot_;
   bool is_shown_ = false, has_writers_ = false;
   std::atomic<bool> busy_{false};
 };

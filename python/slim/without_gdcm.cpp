@@ -1,5 +1,6 @@
-// In place of turgor/io/dicom_decode.cpp in the slim module: DICOM is read where its samples are as they are.
-#include "turgor/io/dicom.hpp"
+// In place of turgor/io/dicom/dicom_decode.cpp in the slim module: DICOM is read where its samples are as
+// they are.
+#include "turgor/io/dicom/dicom.hpp"
 
 namespace turgor::io {
 

@@ -1,8 +1,8 @@
-// In place of turgor/io/hdf5_file.cpp in the slim module: every file is refused with a sentence. Green's
-// functions are computed anew each time then; nothing else of a simulation needs such files.
+// In place of turgor/io/files/hdf5_file.cpp in the slim module: every file is refused with a sentence.
+// Green's functions are computed anew each time then; nothing else of a simulation needs such files.
 #include <utility>
 
-#include "turgor/io/hdf5_file.hpp"
+#include "turgor/io/files/hdf5_file.hpp"
 
 namespace turgor {
 

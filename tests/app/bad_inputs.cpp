@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 #include "turgor/core/gpu.hpp"
 
 namespace turgor {

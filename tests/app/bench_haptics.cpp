@@ -1,5 +1,5 @@
 // The Z-width as people measure it: a table, a file of figures, a picture.
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 
 namespace turgor {
 namespace {

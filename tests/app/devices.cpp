@@ -1,5 +1,5 @@
 // `turgor devices` as people see it.
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 #include "turgor/core/timing.hpp"
 
 namespace turgor {

@@ -2,7 +2,7 @@
 // commands every option must be one that there is.
 #include <regex>
 
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 
 namespace turgor {
 namespace {

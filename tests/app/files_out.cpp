@@ -1,7 +1,7 @@
 // What the program leaves when it cannot write: a sentence, a code, and everything as it was before.
 #include <csignal>
 
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 
 namespace turgor {
 namespace {

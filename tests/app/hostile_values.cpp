@@ -1,6 +1,6 @@
 // What a flag or a scene can say, however absurd, is answered with a result or a sentence: never with a
 // signal, never with silence that lasts. Runs the program on tiny scenes with a limit on time and memory.
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 
 namespace turgor {
 namespace {

@@ -1,5 +1,5 @@
 // The commands that handle data: phantom, info, import.
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 
 namespace turgor::test {
 namespace {

@@ -1,5 +1,5 @@
 // What a run makes of a CT and of a segmentation beside it: whose names, whose grid, and what it doubts.
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 
 namespace turgor {
 namespace {

@@ -1,8 +1,8 @@
 // `turgor mesh` as people run it, on the phantom and on real data.
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/geometry/stuffing.hpp"
-#include "turgor/io/solid_files.hpp"
+#include "turgor/io/mesh/solid_files.hpp"
 
 namespace turgor::test {
 namespace {

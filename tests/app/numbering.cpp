@@ -3,10 +3,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "app/program.hpp"
-#include "turgor/io/hdf5_file.hpp"
-#include "turgor/io/mesh_files.hpp"
-#include "turgor/io/surface_files.hpp"
+#include "tests/app/program.hpp"
+#include "turgor/io/files/hdf5_file.hpp"
+#include "turgor/io/mesh/mesh_files.hpp"
+#include "turgor/io/mesh/surface_files.hpp"
 
 namespace turgor {
 namespace {

@@ -1,7 +1,7 @@
 // Bodies and tools as people run them: what a run leaves behind, and what wrong inputs are told.
-#include "app/program.hpp"
-#include "sim/sfem_scene_text.hpp"
-#include "turgor/io/surface_files.hpp"
+#include "tests/app/program.hpp"
+#include "tests/sim/sfem_scene_text.hpp"
+#include "turgor/io/mesh/surface_files.hpp"
 
 namespace turgor {
 namespace {
@@ -31,7 +31,7 @@ TEST(Palpation, LeavesForcesPicturesMeshesAndAReport) {
   EXPECT_EQ(report["bodies"][0]["model"], "sfem");
 }
 
-TEST(Palpation, SurfacesInMillimetresAndRasAreTheSameBody) {
+TEST(Palpation, SurfacesInMillimetersAndRasAreTheSameBody) {
   const fs::path folder = fresh_folder();
   write(folder / "s.toml", sfem_scene_text(kCache));
   ASSERT_EQ(run_program("run s.toml -q --out metres", folder).code, 0);
@@ -39,12 +39,12 @@ TEST(Palpation, SurfacesInMillimetresAndRasAreTheSameBody) {
       "run --replay metres/recording.h5 --out mm --set output.mesh_unit=mm --set output.mesh_frame=RAS",
       folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
-  const Result<ReadSurface> metres = read_surface(folder / "metres" / "pad.obj"),
+  const Result<ReadSurface> meters = read_surface(folder / "metres" / "pad.obj"),
                             turned = read_surface(folder / "mm" / "pad.obj", 0.001);
-  ASSERT_TRUE(metres && turned);
-  EXPECT_EQ(metres->mesh.triangles, turned->mesh.triangles);
-  for (std::size_t v = 0; v < metres->mesh.vertices.size(); v++) {
-    const Vec3 a = metres->mesh.vertices[v], b = turned->mesh.vertices[v];
+  ASSERT_TRUE(meters && turned);
+  EXPECT_EQ(meters->mesh.triangles, turned->mesh.triangles);
+  for (std::size_t v = 0; v < meters->mesh.vertices.size(); v++) {
+    const Vec3 a = meters->mesh.vertices[v], b = turned->mesh.vertices[v];
     ASSERT_NEAR(norm(a - Vec3{-b.x, -b.y, b.z}), 0, 2e-6) << v;  // a .obj in metres ends at the micrometre
   }
   const std::string vtu = bytes_of(folder / "mm" / "meshes" / "pad-0030.vtu");

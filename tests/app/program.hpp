@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "folders.hpp"
-#include "shell.hpp"
+#include "tests/folders.hpp"
+#include "tests/shell.hpp"
 
 namespace turgor::test {
 

@@ -1,5 +1,5 @@
 // A run in real time, as people start it.
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 
 namespace turgor {
 namespace {
@@ -42,8 +42,8 @@ TEST(RealTime, a_run_in_a_hand_tells_how_its_loop_went) {
 TEST(RealTime, a_felt_run_is_done_again_to_the_same_bits_without_the_clock) {
   const fs::path folder = fresh_folder();
   write(folder / "pad.toml", kPressedPad);
-  const Ended felt = run_program("run pad.toml --real-time -q --out o", folder);
-  ASSERT_EQ(felt.code, 0) << felt.printed;
+  const Ended haptic = run_program("run pad.toml --real-time -q --out o", folder);
+  ASSERT_EQ(haptic.code, 0) << haptic.printed;
   const Ended again = run_program("--threads 1 replay o/felt.h5 --out again", folder);
   EXPECT_EQ(again.code, 0) << again.printed;
   EXPECT_NE(again.printed.find("came to the same state"), std::string::npos) << again.printed;

@@ -1,7 +1,7 @@
 // Rhombus chains as people use them: phantoms, a run with forceps and its replay, a calibration.
 #include <cmath>
 
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 
 namespace turgor {
 namespace {

@@ -3,7 +3,7 @@
 #include <sstream>
 #include <vector>
 
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 
 namespace turgor {
 namespace {

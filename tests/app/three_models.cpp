@@ -1,5 +1,5 @@
 // One fingertip on all three models, at a size that a test can wait for.
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 
 namespace turgor {
 namespace {

@@ -1,5 +1,5 @@
 // turgor validate as people and CI use it.
-#include "app/program.hpp"
+#include "tests/app/program.hpp"
 
 namespace turgor {
 namespace {

@@ -243,8 +243,8 @@ TEST(CInterface, ACopyGoesOnToTheSameBits) {
   const Owned c(kPad);
   std::vector<tg_command> commands(50, finger_at(0.0335));
   std::vector<tg_reading> readings(50), others(50);
-  const auto tick = [&](tg_world* world, std::vector<tg_reading>& felt) {
-    return tg_world_tick(world, commands.data(), sizeof commands[0], felt.data(), sizeof felt[0], 50);
+  const auto tick = [&](tg_world* world, std::vector<tg_reading>& haptic) {
+    return tg_world_tick(world, commands.data(), sizeof commands[0], haptic.data(), sizeof haptic[0], 50);
   };
   ASSERT_EQ(tick(c.world, readings), TG_OK) << tg_error();
   tg_world* copy = nullptr;
@@ -263,14 +263,14 @@ TEST(CInterface, AHapticThreadFeelsWhileAnotherMakesFrames) {
   const Owned c(kPad);
   ASSERT_EQ(tg_touch_begin(c.world), TG_OK) << tg_error();
   std::atomic<bool> ends{false};
-  double felt = 0;
+  double haptic = 0;
   std::atomic<int> bad{0}, ticks{0};
-  std::thread haptic([&] {
+  std::thread haptic_thread([&] {
     tg_reading reading;
     while (!ends || ticks < 200) {
       const tg_command command = finger_at(0.036 - 1e-5 * std::min(ticks.load(), 300));
       bad += tg_touch_tick(c.world, &command, sizeof command, &reading, sizeof reading) != TG_OK;
-      felt = std::max(felt, reading.force[2]);
+      haptic = std::max(haptic, reading.force[2]);
       ticks++;
     }
   });
@@ -280,9 +280,9 @@ TEST(CInterface, AHapticThreadFeelsWhileAnotherMakesFrames) {
     EXPECT_EQ(tg_body_get_info(c.world, 0, &info), TG_OK) << tg_error();
   }
   ends = true;
-  haptic.join();
+  haptic_thread.join();
   EXPECT_EQ(bad, 0);
-  EXPECT_GT(felt, 0.01);
+  EXPECT_GT(haptic, 0.01);
   EXPECT_EQ(tg_touch_end(c.world), TG_OK) << tg_error();
   EXPECT_EQ(tg_touch_begin(c.world), TG_MISUSE);
 }

@@ -1,6 +1,6 @@
 #include "turgor/contact/cloth_obstacle.hpp"
 
-#include "tests/models/cloth_sheets.hpp"
+#include "tests/models/cloth/sheets.hpp"
 
 namespace turgor::contact {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "contact/half_space.hpp"
+#include "tests/contact/half_space.hpp"
 
 namespace turgor::contact {
 namespace {
@@ -44,9 +44,9 @@ Case sphere_case(int side, double friction, double depth, double slide) {
   const auto n = Eigen::Index(3 * patch.points.size());
   Case out{Eigen::Map<const MatrixXd>(patch.compliance.data(), n, n), VectorXd(n)};
   const double radius = 20 * s.spacing;
-  const Vec3d centre{0.2 * s.spacing, 0.1 * s.spacing, radius - depth};
+  const Vec3d center{0.2 * s.spacing, 0.1 * s.spacing, radius - depth};
   for (int i = 0; i < int(patch.points.size()); i++) {
-    const Vec3d d = patch.points[std::size_t(i)].x - centre, normal = normalized(d);
+    const Vec3d d = patch.points[std::size_t(i)].x - center, normal = normalized(d);
     const Vec3d apart = normal * (norm(d) - radius) - Vec3d{slide, 0, 0};
     for (int axis = 0; axis < 3; axis++) out.b[3 * i + axis] = apart[axis];
     out.normal.push_back(normal);
@@ -55,9 +55,9 @@ Case sphere_case(int side, double friction, double depth, double slide) {
   return out;
 }
 
-Coulomb load(const Case& in) {
+FrictionalContactProblem load(const Case& in) {
   const int k = int(in.normal.size());
-  Coulomb p = make_coulomb(k);
+  FrictionalContactProblem p = make_frictional_contact_problem(k);
   p.count = k;
   p.held = in.held;
   for (int j = 0; j < 3 * k; j++)
@@ -68,7 +68,9 @@ Coulomb load(const Case& in) {
   return p;
 }
 
-VectorXd forces(const Coulomb& p) { return Eigen::Map<const VectorXd>(p.force.data(), 3 * p.count); }
+VectorXd forces(const FrictionalContactProblem& p) {
+  return Eigen::Map<const VectorXd>(p.force.data(), 3 * p.count);
+}
 
 /// The largest violation of any condition, relative to the largest force or separation.
 double violation(const Case& in, const VectorXd& force) {
@@ -145,12 +147,12 @@ VectorXd by_small_steps(const Case& in, double tolerance) {
   return force;
 }
 
-TEST(Coulomb, without_friction_the_forces_are_those_of_the_one_set_of_sites_that_can_touch) {
+TEST(FrictionalContactProblem, without_friction_the_forces_are_those_of_the_one_set_of_sites_that_can_touch) {
   std::mt19937 random(1);
   double worst = 0;
   for (int trial = 0; trial < 200; trial++) {
     const Case in = random_case(2 + trial % 9, 0, random);
-    Coulomb p = load(in);
+    FrictionalContactProblem p = load(in);
     EXPECT_TRUE(solve(p, {.tolerance = 1e-9}).converged);
     const VectorXd exact = frictionless_by_trial(in);
     worst = std::max(worst, (forces(p) - exact).norm() / std::max(exact.norm(), 1e-3));
@@ -159,7 +161,7 @@ TEST(Coulomb, without_friction_the_forces_are_those_of_the_one_set_of_sites_that
   RecordProperty("worst", std::to_string(worst));
 }
 
-TEST(Coulomb, one_site_obeys_the_law_wherever_it_is_pushed) {
+TEST(FrictionalContactProblem, one_site_obeys_the_law_wherever_it_is_pushed) {
   std::mt19937 random(2);
   std::normal_distribution<double> normal;
   double worst = 0;
@@ -167,7 +169,7 @@ TEST(Coulomb, one_site_obeys_the_law_wherever_it_is_pushed) {
   for (int trial = 0; trial < 20000; trial++) {
     Case in = random_case(1, std::array{0.0, 0.1, 0.5, 1.5}[std::size_t(trial % 4)], random);
     in.b *= std::pow(10, 2 * normal(random));
-    Coulomb p = load(in);
+    FrictionalContactProblem p = load(in);
     solve(p);
     slips += p.state[0] == SiteState::kSlip;
     worst = std::max(worst, violation(in, forces(p)));
@@ -176,14 +178,14 @@ TEST(Coulomb, one_site_obeys_the_law_wherever_it_is_pushed) {
   EXPECT_LT(worst, 1e-12);
 }
 
-TEST(Coulomb, many_sites_obey_the_law_to_rounding) {
+TEST(FrictionalContactProblem, many_sites_obey_the_law_to_rounding) {
   std::mt19937 random(3);
   double worst = 0;
   int unsolved = 0;
   for (int trial = 0; trial < 400; trial++) {
     const Case in = random_case(2 + trial % 31, 0.1 + 0.2 * (trial % 4), random);
-    Coulomb p = load(in);
-    const CoulombReport report = solve(p, {.tolerance = 1e-9});
+    FrictionalContactProblem p = load(in);
+    const FrictionalContactReport report = solve(p, {.tolerance = 1e-9});
     unsolved += !report.converged;
     if (report.converged) worst = std::max(worst, violation(in, forces(p)));
   }
@@ -191,10 +193,10 @@ TEST(Coulomb, many_sites_obey_the_law_to_rounding) {
   EXPECT_LT(worst, 1e-7);
 }
 
-TEST(Coulomb, a_dragged_sphere_has_the_forces_of_a_slow_independent_method) {
+TEST(FrictionalContactProblem, a_dragged_sphere_has_the_forces_of_a_slow_independent_method) {
   for (const double slide : {0.0, 1e-5, 1e-4, 1e-3}) {
     const Case in = sphere_case(5, 0.3, 4e-4, slide);
-    Coulomb p = load(in);
+    FrictionalContactProblem p = load(in);
     EXPECT_TRUE(solve(p, {.tolerance = 1e-9}).converged);
     const VectorXd slow = by_small_steps(in, 1e-13);
     EXPECT_LT(violation(in, forces(p)), 1e-7) << slide;
@@ -202,7 +204,8 @@ TEST(Coulomb, a_dragged_sphere_has_the_forces_of_a_slow_independent_method) {
   }
 }
 
-TEST(Coulomb, a_drag_below_the_cone_sticks_and_one_above_it_slides_with_mu_times_the_normal_force) {
+TEST(FrictionalContactProblem,
+     a_drag_below_the_cone_sticks_and_one_above_it_slides_with_mu_times_the_normal_force) {
   for (const double mu : {0.1, 0.4, 0.8}) {
     const HalfSpace s{.side = 1};
     const Mat3d d = half_space_answer(s, 0, 0);
@@ -212,7 +215,7 @@ TEST(Coulomb, a_drag_below_the_cone_sticks_and_one_above_it_slides_with_mu_times
       for (int j = 0; j < 3; j++)
         for (int i = 0; i < 3; i++) in.c(i, j) = d.column[j][i];
       in.b << -part * mu * normal_force * d.column[0].x, 0, depth;
-      Coulomb p = load(in);
+      FrictionalContactProblem p = load(in);
       solve(p);
       EXPECT_EQ(p.state[0], part < 1 ? SiteState::kStick : SiteState::kSlip);
       EXPECT_NEAR(p.force[0], std::min(part, 1.0) * mu * normal_force, 1e-12 * normal_force);
@@ -221,63 +224,63 @@ TEST(Coulomb, a_drag_below_the_cone_sticks_and_one_above_it_slides_with_mu_times
   }
 }
 
-TEST(Coulomb, held_sites_have_the_forces_of_the_capacitance_matrix) {
+TEST(FrictionalContactProblem, held_sites_have_the_forces_of_the_capacitance_matrix) {
   std::mt19937 random(4);
   for (const int k : {1, 5, 30}) {
     Case in = random_case(k, 0.3, random);
     in.held = k;
-    Coulomb p = load(in);
+    FrictionalContactProblem p = load(in);
     EXPECT_TRUE(solve(p, {.tolerance = 1e-9}).converged);
     const VectorXd exact = in.c.llt().solve(-in.b);
     EXPECT_LT((forces(p) - exact).norm() / exact.norm(), 1e-12);
   }
 }
 
-TEST(Coulomb, held_and_touching_sites_obey_the_law_together) {
+TEST(FrictionalContactProblem, held_and_touching_sites_obey_the_law_together) {
   std::mt19937 random(5);
   double worst = 0;
   for (int trial = 0; trial < 100; trial++) {
     Case in = random_case(4 + trial % 20, 0.3, random);
     in.held = 1 + trial % 3;
-    Coulomb p = load(in);
+    FrictionalContactProblem p = load(in);
     EXPECT_TRUE(solve(p, {.tolerance = 1e-9}).converged);
     worst = std::max(worst, violation(in, forces(p)));
   }
   EXPECT_LT(worst, 1e-7);
 }
 
-TEST(Coulomb, two_held_sites_at_the_same_place_share_nothing_that_is_not_finite) {
+TEST(FrictionalContactProblem, two_held_sites_at_the_same_place_share_nothing_that_is_not_finite) {
   std::mt19937 random(6);
   Case in = random_case(3, 0.3, random);
   in.held = 2;
   in.c.middleRows(3, 3) = in.c.middleRows(0, 3).eval();
   in.c.middleCols(3, 3) = in.c.middleCols(0, 3).eval();
   in.b.segment(3, 3) = in.b.segment(0, 3).eval();
-  Coulomb p = load(in);
+  FrictionalContactProblem p = load(in);
   solve(p);
   EXPECT_TRUE(forces(p).allFinite());
   EXPECT_LT((in.b + in.c * forces(p)).head(6).norm(), 1e-9);
 }
 
-TEST(Coulomb, sites_that_are_not_pushed_bear_no_force) {
+TEST(FrictionalContactProblem, sites_that_are_not_pushed_bear_no_force) {
   std::mt19937 random(7);
   Case in = random_case(6, 0.5, random);
   for (int i = 0; i < 6; i++)
     for (int axis = 0; axis < 3; axis++) in.b[3 * i + axis] = in.normal[std::size_t(i)][axis];
-  Coulomb p = load(in);
+  FrictionalContactProblem p = load(in);
   EXPECT_EQ(solve(p).sweeps, 1);
   EXPECT_EQ(forces(p).norm(), 0);
 }
 
-TEST(Coulomb, newton_steps_finish_what_sweeps_begin) {
+TEST(FrictionalContactProblem, newton_steps_finish_what_sweeps_begin) {
   for (const int side : {3, 4, 5, 6}) {
     const Case in = sphere_case(side, 0.3, 1e-3, 2e-4);
-    Coulomb p = load(in);
-    const CoulombReport cold = solve(p, {.tolerance = 1e-10});
+    FrictionalContactProblem p = load(in);
+    const FrictionalContactReport cold = solve(p, {.tolerance = 1e-10});
     const VectorXd guess = 1.01 * forces(p);
     p = load(in);
     std::copy_n(guess.data(), guess.size(), p.force.begin());
-    const CoulombReport warm = solve(p, {.tolerance = 1e-10});
+    const FrictionalContactReport warm = solve(p, {.tolerance = 1e-10});
     EXPECT_TRUE(cold.converged && warm.converged) << side;
     EXPECT_LE(warm.sweeps, 12) << side;
     std::printf("%d sites: cold %d sweeps, %d Newton steps; warm %d, %d\n", side * side, cold.sweeps,

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "models/sfem_bodies.hpp"
+#include "tests/models/sfem/bodies.hpp"
 #include "turgor/contact/touch.hpp"
 #include "turgor/models/sfem/patch.hpp"
 #include "turgor/models/sfem/patch_assembly.hpp"

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "contact/bonded_layer.hpp"
+#include "tests/contact/bonded_layer.hpp"
 #include "turgor/contact/lattice_touch.hpp"
-#include "turgor/models/lattice/body_nodes.hpp"
+#include "turgor/models/lattice/build/body_nodes.hpp"
 
 namespace turgor::contact {
 namespace {

@@ -6,11 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "contact/bonded_layer.hpp"
-#include "geometry/shapes.hpp"
-#include "models/block_body.hpp"
-#include "turgor/models/lattice/colours.hpp"
-#include "turgor/models/lattice/incision.hpp"
+#include "tests/contact/bonded_layer.hpp"
+#include "tests/geometry/shapes.hpp"
+#include "tests/models/lattice/block_body.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/model/colors.hpp"
 
 namespace turgor::contact {
 namespace {
@@ -52,14 +52,14 @@ struct Pressed {
 
   /// In equal steps; returns the force on the tool after each.
   std::vector<Vec3d> go(const Exec& exec, Vec3d to, int steps, bool hold = false) {
-    std::vector<Vec3d> felt;
+    std::vector<Vec3d> haptic;
     const Vec3d from = at[0].pose.position;
     for (int n = 1; n <= steps; n++) {
       at[0] = {{from + (to - from) * (double(n) / steps), {}}, hold};
       EXPECT_TRUE(contact::step(exec, model, state, touch, tools, at, {}, kDt, forces).finite);
-      felt.push_back(forces[0].force);
+      haptic.push_back(forces[0].force);
     }
-    return felt;
+    return haptic;
   }
 };
 
@@ -131,10 +131,10 @@ TEST(lattice_touch, what_the_tool_feels_is_what_the_held_nodes_bear) {
   block.at[0].pose.position.z = block.top + 0.012;
   block.go(Exec(2), middle(size, 0.004, block.top + 0.009), 20);
   block.go(Exec(2), block.at[0].pose.position, 150);
-  const double felt = block.forces[0].force.z, borne = reaction(block);
-  std::printf("on the tool %.5f N, at the bottom %.5f N\n", felt, borne);
-  EXPECT_GT(felt, 0.05);
-  EXPECT_NEAR(std::abs(borne), felt, 0.01 * felt) << "N";
+  const double haptic = block.forces[0].force.z, borne = reaction(block);
+  std::printf("on the tool %.5f N, at the bottom %.5f N\n", haptic, borne);
+  EXPECT_GT(haptic, 0.05);
+  EXPECT_NEAR(std::abs(borne), haptic, 0.01 * haptic) << "N";
 }
 
 TEST(lattice_touch, a_plate_on_a_column_is_carried_by_e_a_d_over_l) {
@@ -320,33 +320,33 @@ TEST(lattice_touch, two_tools_pinch_with_opposite_forces) {
 }
 
 TEST(lattice_touch, equal_bits_on_1_2_and_8_threads) {
-  for (const lattice::Schedule schedule : {lattice::Schedule::kSlabs, lattice::Schedule::kColours}) {
+  for (const lattice::Ordering ordering : {lattice::Ordering::kSlabs, lattice::Ordering::kColors}) {
     std::set<std::uint64_t> hashes;
     std::set<double> forces;
     const Int3 size{15, 13, 9};
     for (const int threads : {1, 2, 8}) {
       Pressed block(size, 0.004, 5, {Capsule{0.008, 0.01}, 0.4}, middle(size, 0.004, 1));
-      block.model.params.solver.schedule = schedule;
+      block.model.params.solver.ordering = ordering;
       block.at[0].pose.position.z = block.top + 0.019;
       block.go(Exec(threads), middle(size, 0.004, block.top + 0.015) + Vec3d{0.004, 0.002, 0}, 12);
       hashes.insert(lattice::state_hash(block.model, block.state));
       forces.insert(norm(block.forces[0].force));
     }
-    EXPECT_EQ(hashes.size(), 1u) << "schedule " << int(schedule);
+    EXPECT_EQ(hashes.size(), 1u) << "schedule " << int(ordering);
     EXPECT_EQ(forces.size(), 1u);
     EXPECT_GT(*forces.begin(), 1e-3) << "N";
   }
 }
 
-TEST(lattice_touch, a_place_that_touches_leans_on_no_node_of_its_own_colour) {
+TEST(lattice_touch, a_place_that_touches_leans_on_no_node_of_its_own_color) {
   const Int3 size{13, 11, 9};
   Pressed block(size, 0.004, 10, {Sphere{0.01}, 0.3}, middle(size, 0.004, 1));
   const lattice::BodySurface surface = lattice::build_surface(block.model, block.state);
   int between = 0;
   for (const LatticePlace& place : make_lattice_touch(block.model, block.state, surface, block.at).places) {
     if (place.other < 0) continue;
-    EXPECT_NE(lattice::colour_of(slot_node(block.model.lattice, place.slot)),
-              lattice::colour_of(slot_node(block.model.lattice, place.other)));
+    EXPECT_NE(lattice::color_of(slot_node(block.model.lattice, place.slot)),
+              lattice::color_of(slot_node(block.model.lattice, place.other)));
     between++;
   }
   EXPECT_GT(between, 100);

@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "allocations.hpp"
-#include "models/block_body.hpp"
-#include "tests/models/cloth_sheets.hpp"
+#include "tests/allocations.hpp"
+#include "tests/models/cloth/sheets.hpp"
+#include "tests/models/lattice/block_body.hpp"
 #include "turgor/contact/cloth_obstacle.hpp"
 
 namespace turgor::contact {
@@ -116,26 +116,26 @@ void expect_slow_press_like_its_frames(Tissue tissue, Vec3d inwards, double dept
   const double in = (depth + 0.002) / kSpeed;
   const Way way = press(surface - inwards * tissue.radius, inwards, depth, kSpeed);
   tissue.begin(way(0));
-  Felt felt;
-  const auto frame = [&](const Pose& pose) { return tissue.frame(pose, felt.memory); };
-  felt.go(way, 0, in + 0.8, frame);
-  const double pressed = felt.worst(), jump = felt.touch.largest_jump,
-               rest = norm(felt.by_tick.back() - felt.by_frame.back());
-  felt.go(way, in + 0.8, in + 1.6, frame);
+  Felt haptic;
+  const auto frame = [&](const Pose& pose) { return tissue.frame(pose, haptic.memory); };
+  haptic.go(way, 0, in + 0.8, frame);
+  const double pressed = haptic.worst(), jump = haptic.touch.largest_jump,
+               rest = norm(haptic.by_tick.back() - haptic.by_frame.back());
+  haptic.go(way, in + 0.8, in + 1.6, frame);
   std::printf(
       "ball of %.0f mm, %.0f mm in: %.4f N; between frames off by %.4f N, at rest by %.1e N; a new plane "
       "jumps by up to %.4f N, felt as at most %.5f N a tick\n",
-      tissue.radius * 1e3, depth * 1e3, felt.largest, pressed, rest, jump, felt.steepest);
-  EXPECT_GT(felt.largest, 0.01) << "N";
-  EXPECT_LT(pressed, 0.05 * felt.largest);
-  EXPECT_LT(rest, 1e-3 * felt.largest);
-  EXPECT_LT(jump, 0.05 * felt.largest);
-  EXPECT_LT(felt.touch.largest_jump, 0.3 * felt.largest) << "while it leaves ten times as fast";
-  EXPECT_LT(felt.steepest, 0.1 * felt.largest) << "likewise";
-  EXPECT_GE(felt.least_push, 0) << "no adhesion";
-  EXPECT_LE(felt.most_rubbing, tissue.friction * (1 + 1e-9));
-  EXPECT_EQ(felt.touch.force, Vec3d{}) << "away";
-  EXPECT_EQ(felt.allocations, 0u);
+      tissue.radius * 1e3, depth * 1e3, haptic.largest, pressed, rest, jump, haptic.steepest);
+  EXPECT_GT(haptic.largest, 0.01) << "N";
+  EXPECT_LT(pressed, 0.05 * haptic.largest);
+  EXPECT_LT(rest, 1e-3 * haptic.largest);
+  EXPECT_LT(jump, 0.05 * haptic.largest);
+  EXPECT_LT(haptic.touch.largest_jump, 0.3 * haptic.largest) << "while it leaves ten times as fast";
+  EXPECT_LT(haptic.steepest, 0.1 * haptic.largest) << "likewise";
+  EXPECT_GE(haptic.least_push, 0) << "no adhesion";
+  EXPECT_LE(haptic.most_rubbing, tissue.friction * (1 + 1e-9));
+  EXPECT_EQ(haptic.touch.force, Vec3d{}) << "away";
+  EXPECT_EQ(haptic.allocations, 0u);
 }
 
 TEST(LocalContact, a_slow_press_on_a_lattice_is_felt_as_its_frames_solve_it) {
@@ -151,11 +151,11 @@ std::vector<Vec3d> felt_in_lattice(const Mat3d& axes, Vec3d origin) {
   const Vec3d middle = tissue.build(), inwards = axes * normalized(Vec3d{0.4, -0.2, -1});
   const Way way = press(middle + axes * Vec3d{0, 0, tissue.radius}, inwards, 0.003, 0.01);
   tissue.begin(way(0));
-  Felt felt;
-  felt.go(way, 0, 0.6, [&](const Pose& pose) { return tissue.frame(pose, felt.memory); });
-  EXPECT_LT(norm(felt.touch.contact.force - tissue.forces[0].force), 1e-9) << "as the frame summed it";
+  Felt haptic;
+  haptic.go(way, 0, 0.6, [&](const Pose& pose) { return tissue.frame(pose, haptic.memory); });
+  EXPECT_LT(norm(haptic.touch.contact.force - tissue.forces[0].force), 1e-9) << "as the frame summed it";
   std::vector<Vec3d> all;
-  for (const Vec3d force : felt.by_tick) all.push_back(transposed(axes) * force);
+  for (const Vec3d force : haptic.by_tick) all.push_back(transposed(axes) * force);
   return all;
 }
 
@@ -180,13 +180,13 @@ TEST(LocalContact, a_ball_that_is_dragged_rubs_no_more_than_coulomb_allows) {
     return middle + Vec3d{along - 0.02, 0, tissue.radius - depth};
   };
   tissue.begin(way(0));
-  Felt felt;
-  felt.go(way, 0, 1.8, [&](const Pose& pose) { return tissue.frame(pose, felt.memory); });
-  std::printf("dragged: %.3f of the push, %.5f N a tick of %.4f N\n", felt.most_rubbing, felt.steepest,
-              felt.largest);
-  EXPECT_LE(felt.most_rubbing, 0.3 * (1 + 1e-9));
-  EXPECT_GT(felt.most_rubbing, 0.25) << "it slides";
-  EXPECT_LT(felt.steepest, 0.05 * felt.largest);
+  Felt haptic;
+  haptic.go(way, 0, 1.8, [&](const Pose& pose) { return tissue.frame(pose, haptic.memory); });
+  std::printf("dragged: %.3f of the push, %.5f N a tick of %.4f N\n", haptic.most_rubbing, haptic.steepest,
+              haptic.largest);
+  EXPECT_LE(haptic.most_rubbing, 0.3 * (1 + 1e-9));
+  EXPECT_GT(haptic.most_rubbing, 0.25) << "it slides";
+  EXPECT_LT(haptic.steepest, 0.05 * haptic.largest);
 }
 
 TEST(LocalContact, between_two_frames_the_force_follows_the_plane_s_stiffness) {
@@ -271,20 +271,20 @@ TEST(LocalContact, a_taut_sheet_bears_a_tool_by_tick_as_it_does_by_frame) {
     const double radius = bounding_radius(sheet.ball), middle = 0.5 * (sheet.n - 1) * sheet.spacing;
     const Way way = press({middle, middle, radius + 0.002}, {0, 0, -1}, 0.02, 0.04);
     sheet.at = {way(0), {}};
-    Felt felt;
-    const auto frame = [&](const Pose& pose) { return sheet.frame(pose, felt.memory); };
-    felt.go(way, 0, 1.3, frame);
-    const double rest = norm(felt.by_tick.back() - felt.by_frame.back());
+    Felt haptic;
+    const auto frame = [&](const Pose& pose) { return sheet.frame(pose, haptic.memory); };
+    haptic.go(way, 0, 1.3, frame);
+    const double rest = norm(haptic.by_tick.back() - haptic.by_frame.back());
     std::printf("sheet: %.4f N, between frames off by %.4f N, at rest by %.1e N; %.5f N a tick\n",
-                felt.largest, felt.worst(), rest, felt.steepest);
-    EXPECT_GT(felt.by_frame.back().z, 0.01) << "N: the sheet bears the ball";
-    EXPECT_LT(rest, 0.02 * felt.largest);
-    EXPECT_LT(felt.worst(), 0.25 * felt.largest) << "while it swings";
-    felt.go(way, 1.3, 2.2, frame);
-    EXPECT_GE(felt.least_push, 0);
-    EXPECT_LE(felt.most_rubbing, 0.3 * (1 + 1e-9));
-    EXPECT_EQ(felt.touch.force, Vec3d{}) << "N: away";
-    EXPECT_EQ(felt.allocations, 0u);
+                haptic.largest, haptic.worst(), rest, haptic.steepest);
+    EXPECT_GT(haptic.by_frame.back().z, 0.01) << "N: the sheet bears the ball";
+    EXPECT_LT(rest, 0.02 * haptic.largest);
+    EXPECT_LT(haptic.worst(), 0.25 * haptic.largest) << "while it swings";
+    haptic.go(way, 1.3, 2.2, frame);
+    EXPECT_GE(haptic.least_push, 0);
+    EXPECT_LE(haptic.most_rubbing, 0.3 * (1 + 1e-9));
+    EXPECT_EQ(haptic.touch.force, Vec3d{}) << "N: away";
+    EXPECT_EQ(haptic.allocations, 0u);
   }
 }
 

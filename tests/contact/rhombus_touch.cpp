@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "allocations.hpp"
+#include "tests/allocations.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
 
 namespace turgor::contact {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "allocations.hpp"
+#include "tests/allocations.hpp"
 #include "turgor/geometry/hex_block.hpp"
 
 namespace turgor::contact {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "allocations.hpp"
-#include "contact/touched_half_space.hpp"
+#include "tests/allocations.hpp"
+#include "tests/contact/touched_half_space.hpp"
 #include "turgor/geometry/ball_mesh.hpp"
 
 using turgor::test::allocations;
@@ -71,24 +71,24 @@ TEST(Touch, a_tool_that_is_far_or_just_leaves_feels_nothing) {
 
 TEST(Touch, no_point_stays_in_the_tool) {
   Touched scene({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
-  const ToolForce felt = scene.settle(above(0.3e-3, 0.1e-3, 1.5e-3), 30);
-  EXPECT_LT(felt.largest_penetration, 1e-6);
-  EXPECT_GT(felt.contacts, 10);
-  EXPECT_EQ(felt.dropped, 0);
+  const ToolForce haptic = scene.settle(above(0.3e-3, 0.1e-3, 1.5e-3), 30);
+  EXPECT_LT(haptic.largest_penetration, 1e-6);
+  EXPECT_GT(haptic.contacts, 10);
+  EXPECT_EQ(haptic.dropped, 0);
 }
 
 TEST(Touch, force_and_pressure_sum_to_the_same) {
   Touched scene({.side = 15}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
-  const ToolForce felt = scene.settle(above(0, 0, 1e-3));
+  const ToolForce haptic = scene.settle(above(0, 0, 1e-3));
   std::vector<double> pressure(scene.state.x.size());
   contact_pressure(scene.state.surface, scene.state.force, pressure);
   double sum = 0;
   for (std::size_t i = 0; i < pressure.size(); i++) sum += pressure[i] * scene.state.surface.area[i];
-  EXPECT_NEAR(sum, felt.force.z, 1e-12);
-  EXPECT_NEAR(felt.area, felt.contacts * 1e-6, 1e-12);
+  EXPECT_NEAR(sum, haptic.force.z, 1e-12);
+  EXPECT_NEAR(haptic.area, haptic.contacts * 1e-6, 1e-12);
   Vec3d on_points;
   for (const Vec3d f : scene.state.force) on_points += f;
-  EXPECT_NEAR(norm(on_points + felt.force), 0, 1e-12);
+  EXPECT_NEAR(norm(on_points + haptic.force), 0, 1e-12);
 }
 
 TEST(Touch, a_drag_below_friction_sticks_and_comes_back_and_a_long_one_slides_at_the_cone) {
@@ -98,10 +98,10 @@ TEST(Touch, a_drag_below_friction_sticks_and_comes_back_and_a_long_one_slides_at
   EXPECT_LT(scene.forces[0].force.x, -0.02 * first.z);  // resists the drag
   EXPECT_LT(std::abs(scene.forces[0].force.x), 0.4 * first.z);
   scene.move(above(5e-5, 0, 1e-3), above(3e-3, 0, 1e-3));
-  const ToolForce felt = scene.forces[0];
-  EXPECT_EQ(felt.sliding, felt.contacts);
+  const ToolForce haptic = scene.forces[0];
+  EXPECT_EQ(haptic.sliding, haptic.contacts);
   // On a sphere the normals differ, so that the whole ratio is near μ, not equal to it.
-  EXPECT_NEAR(-felt.force.x / felt.force.z, 0.4, 0.1);
+  EXPECT_NEAR(-haptic.force.x / haptic.force.z, 0.4, 0.1);
 }
 
 TEST(Touch, a_stuck_contact_keeps_its_force_for_ten_thousand_ticks) {
@@ -152,9 +152,9 @@ TEST(Touch, two_tools_press_as_one_when_far_apart_and_help_each_other_when_near)
 TEST(Touch, a_tool_smaller_than_the_triangles_touches_between_the_points) {
   Touched scene({.side = 7, .spacing = 10e-3}, {{Sphere{2e-3}, 0.3}});
   for (const Vec3d at : {Vec3d{6.5e-3, 3e-3, 1.5e-3}, Vec3d{5e-3, 0, 1.5e-3}, Vec3d{3e-3, 3e-3, 1.5e-3}}) {
-    const ToolForce felt = scene.settle(at, 50);
-    EXPECT_GT(felt.force.z, 0);
-    EXPECT_GE(felt.contacts, 1);
+    const ToolForce haptic = scene.settle(at, 50);
+    EXPECT_GT(haptic.force.z, 0);
+    EXPECT_GE(haptic.contacts, 1);
     scene.settle({0, 0, 1});
   }
 }
@@ -199,9 +199,9 @@ TEST(Touch, a_press_deeper_than_the_radius_goes_on_and_one_of_three_radii_does_n
 
 TEST(Touch, a_tool_that_appears_inside_the_body_feels_nothing_until_it_has_come_out) {
   Touched scene({.side = 21}, {{Sphere{kRadius}, 0.3}}, {.capacity = 64});
-  const ToolForce felt = scene.press({0, 0, -3e-3});
-  EXPECT_TRUE(felt.inside);
-  EXPECT_EQ(felt.force, Vec3d{});
+  const ToolForce haptic = scene.press({0, 0, -3e-3});
+  EXPECT_TRUE(haptic.inside);
+  EXPECT_EQ(haptic.force, Vec3d{});
   scene.move({0, 0, -3e-3}, above(0, 0, 0.1e-3));
   EXPECT_TRUE(scene.forces[0].inside);
   scene.move(above(0, 0, 0.1e-3), above(0, 0, -0.1e-3));
@@ -221,9 +221,9 @@ TEST(Touch, a_pose_that_is_not_one_gives_no_force_and_says_so) {
   Touched scene({}, {{Sphere{kRadius}, 0.3}});
   const double force = scene.settle(above(0, 0, 1e-3)).force.z;
   for (const Vec3d bad : {Vec3d{NAN, 0, 0}, Vec3d{0, INFINITY, 0}}) {
-    const ToolForce felt = scene.press(bad);
-    EXPECT_TRUE(felt.invalid_pose);
-    EXPECT_EQ(felt.force, Vec3d{});
+    const ToolForce haptic = scene.press(bad);
+    EXPECT_TRUE(haptic.invalid_pose);
+    EXPECT_EQ(haptic.force, Vec3d{});
   }
   const std::vector<ToolPose> squeezed{{{above(0, 0, 1e-3), {{{1, 0, 0}, {0, 1, 0}, {0, 0, 2}}}}, false}};
   touch(scene.patch, scene.state, scene.tools, squeezed, kTick, scene.forces);
@@ -240,9 +240,9 @@ TEST(Touch, a_tool_larger_than_the_patch_says_so) {
 
 TEST(Touch, sites_beyond_the_capacity_are_counted) {
   Touched scene({.side = 21}, {{Sphere{20e-3}, 0.3}}, {.capacity = 8});
-  const ToolForce felt = scene.press({0, 0, 19e-3});
-  EXPECT_LE(felt.contacts, 8);
-  EXPECT_GT(felt.dropped, 0);
+  const ToolForce haptic = scene.press({0, 0, 19e-3});
+  EXPECT_LE(haptic.contacts, 8);
+  EXPECT_GT(haptic.dropped, 0);
 }
 
 TEST(Touch, a_displacement_from_elsewhere_moves_the_surface_under_the_tool) {
@@ -285,14 +285,14 @@ TEST(Touch, clusters_bear_what_all_points_would_and_allocate_nothing) {
     const std::size_t before = allocations;
     touch(few.patch, few.state, few.tools, poses, kTick, few.forces);
     counted += allocations - before;
-    const ToolForce felt = few.forces[0];
+    const ToolForce haptic = few.forces[0];
     const ToolForce exact = all.press(at);
-    coarsest = std::max(coarsest, felt.level);
-    EXPECT_EQ(felt.dropped, 0);
+    coarsest = std::max(coarsest, haptic.level);
+    EXPECT_EQ(haptic.dropped, 0);
     EXPECT_EQ(exact.level, 0);
-    EXPECT_LE(felt.contacts, 32);
+    EXPECT_LE(haptic.contacts, 32);
     // On the way back the clusters stay coarse a little longer, so that they do not change to and fro.
-    EXPECT_NEAR(felt.force.z, exact.force.z, (i <= 100 ? 0.03 : 0.05) * exact.force.z + 2e-4) << i;
+    EXPECT_NEAR(haptic.force.z, exact.force.z, (i <= 100 ? 0.03 : 0.05) * exact.force.z + 2e-4) << i;
   }
   EXPECT_EQ(counted, 0u);
   EXPECT_GE(coarsest, 2);

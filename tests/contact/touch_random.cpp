@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "contact/touched_half_space.hpp"
+#include "tests/contact/touched_half_space.hpp"
 
 namespace turgor::contact {
 namespace {
@@ -32,8 +32,8 @@ double fuzz(std::vector<Tool> tools, int ticks) {
     if (random() % 1000 == 0) poses[0].pose.position.x = NAN;
     touch(scene.patch, scene.state, scene.tools, poses, tick % 100 == 0 ? 0 : kTick, scene.forces);
     unsolved += scene.state.solution.residual > 1e-3;
-    for (const ToolForce& felt : scene.forces) {
-      const double size = norm(felt.force) + norm(felt.torque);
+    for (const ToolForce& haptic : scene.forces) {
+      const double size = norm(haptic.force) + norm(haptic.torque);
       if (!(size <= largest)) largest = size;
     }
     if (!std::isfinite(largest)) break;

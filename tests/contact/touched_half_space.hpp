@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "contact/half_space.hpp"
+#include "tests/contact/half_space.hpp"
 #include "turgor/contact/touch.hpp"
 
 namespace turgor::contact {

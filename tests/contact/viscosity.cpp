@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "contact/half_space.hpp"
+#include "tests/contact/half_space.hpp"
 #include "turgor/contact/touch.hpp"
 
 namespace turgor::contact {

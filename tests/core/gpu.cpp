@@ -22,7 +22,7 @@ TEST(gpu, arrays_come_back_as_they_went_over) {
   const std::array<float, 5> there{1, 2, 3, 4, 5};
   std::array<float, 5> back{};
   GpuArray<float> array(5);
-  ASSERT_TRUE(array.is_there());
+  ASSERT_TRUE(array.is_allocated());
   array.upload(there);
   array.download(back);
   EXPECT_EQ(there, back);

@@ -35,9 +35,9 @@ int main() {
   check(bool(writer), "a recording begins");
   RunEvents events;
   float farthest_back = 0;  // at half a swing
-  events.snapshot = [&](const World& now, const ShownWorld& shown) {
-    farthest_back = std::min(farthest_back, shown.bodies.back().displacement[0].x);
-    return writer->add_snapshot(now, shown);
+  events.snapshot = [&](const World& now, const WorldSnapshot& snapshot) {
+    farthest_back = std::min(farthest_back, snapshot.bodies.back().displacement[0].x);
+    return writer->add_snapshot(now, snapshot);
   };
   const Result<Simulated> done = simulate(exec, *scene, *world, events);
   check(bool(done), "it runs");
@@ -50,15 +50,16 @@ int main() {
   check(report["bodies"].size() == 1 && report["bodies"][0]["model"] == "spring", "it is reported");
   check(report["bodies"][0]["displacement_mm"] == 30.0, "with its numbers");
 
-  check(bool(writer->finish(*world, done->shown, done->measures.pressed, "{\"timing\": 0}")),
+  check(bool(writer->finish(*world, done->snapshot, done->measures.pressed, "{\"timing\": 0}")),
         "it is recorded");
   const Result<Recording> recording = Recording::open(file);
   check(recording && recording->snapshot_count() == 5, "with all snapshots");
   Result<World> drawn = load_world(exec, *recording->scene({}), {}, Purpose::kDraw);
-  ShownWorld shown;
-  check(drawn && recording->restore(exec, 4, *drawn, shown), "and restored");
-  check(shown.bodies.size() == 1 && shown.bodies[0].x == done->shown.bodies[0].x, "to the same places");
-  check(shown.bodies[0].triangles.size() > 100, "with its surface");
+  WorldSnapshot snapshot;
+  check(drawn && recording->restore(exec, 4, *drawn, snapshot), "and restored");
+  check(snapshot.bodies.size() == 1 && snapshot.bodies[0].x == done->snapshot.bodies[0].x,
+        "to the same places");
+  check(snapshot.bodies[0].triangles.size() > 100, "with its surface");
   check(state_hash(*drawn) == state_hash(*world), "and the same bits");
 
   const Result<Scene> misspelt = parse_scene("[body.a]\nmodel = \"spring\"\nmas = 1\n", "s.toml");

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <fstream>
 
-#include "folders.hpp"
 #include "fuzz_input.hpp"
+#include "tests/folders.hpp"
 #include "turgor/io/ct.hpp"
 
 namespace {

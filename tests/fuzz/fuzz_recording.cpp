@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <fstream>
 
-#include "folders.hpp"
 #include "fuzz_input.hpp"
+#include "tests/folders.hpp"
 #include "turgor/sim/recording/recording.hpp"
 
 namespace {
@@ -27,10 +27,10 @@ void replay(const turgor::Recording& recording) {
   static const turgor::World untouched = small_world();
   if (!recording.check_world(untouched)) return;
   turgor::World world = small_world();
-  turgor::ShownWorld shown;
+  turgor::WorldSnapshot snapshot;
   std::vector<turgor::Pressed> pressed;
   for (int s = 0; s < std::min(recording.snapshot_count(), 4); s++) {
-    if (!recording.restore(kOne, s, world, shown)) return;
+    if (!recording.restore(kOne, s, world, snapshot)) return;
     for (const turgor::LatticeBody& body : world.lattice_bodies)
       for (const float x : body.state->u.x) require(std::isfinite(x));
     for (const turgor::ClothBody& body : world.cloth_bodies)

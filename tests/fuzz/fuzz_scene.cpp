@@ -22,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   for_each_kind(*scene, *scene,
                 [&](BodyKind, const auto& bodies, const auto&) { counts.push_back(bodies.size()); });
   if (std::accumulate(counts.begin(), counts.end(), std::size_t(0)) == 0) std::abort();
-  const auto is_there = [&](BodyId id) {
+  const auto is_allocated = [&](BodyId id) {
     return id.kind != BodyKind::kCloth && id.index >= 0 &&
            std::size_t(id.index) < counts[std::size_t(id.kind)];
   };
@@ -38,10 +38,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     if (!(body.material.young > 0) || !(body.material.poisson < 0.5) || body.patch.refinement < kByElements)
       std::abort();
   for (const ToolScene& tool : scene->tools)
-    if (!is_there(tool.body)) std::abort();
+    if (!is_allocated(tool.body)) std::abort();
   for (const ClothScene& cloth : scene->cloth_bodies)
     for (const ObstacleScene& obstacle : cloth.obstacles)
       if (const auto* body = std::get_if<BodyId>(&obstacle.shape))
-        if (!is_there(*body)) std::abort();
+        if (!is_allocated(*body)) std::abort();
   return 0;
 }

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <fstream>
 
-#include "folders.hpp"
 #include "fuzz_input.hpp"
-#include "turgor/io/solid_files.hpp"
+#include "tests/folders.hpp"
+#include "turgor/io/mesh/solid_files.hpp"
 
 namespace {
 

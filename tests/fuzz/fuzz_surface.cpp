@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <fstream>
 
-#include "folders.hpp"
 #include "fuzz_input.hpp"
-#include "turgor/io/surface_files.hpp"
+#include "tests/folders.hpp"
+#include "turgor/io/mesh/surface_files.hpp"
 
 namespace {
 

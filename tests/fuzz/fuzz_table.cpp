@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <fstream>
 
-#include "folders.hpp"
 #include "fuzz_input.hpp"
+#include "tests/folders.hpp"
 #include "turgor/sim/tools/force_curve.hpp"
 #include "turgor/sim/tools/hand.hpp"
 #include "turgor/sim/tools/tool_path.hpp"

@@ -28,13 +28,13 @@ TEST(BccLattice, twelve_equal_tetrahedra_a_cube_have_the_cube_s_volume) {
   EXPECT_NEAR(sum, 0.125, 1e-15);
 }
 
-TEST(BccLattice, every_point_has_six_neighbours_at_a_cube_and_eight_at_half_its_diagonal) {
+TEST(BccLattice, every_point_has_six_neighbors_at_a_cube_and_eight_at_half_its_diagonal) {
   std::vector<int> far(std::size_t(point_count(kLattice))), near(far.size());
   for (std::int64_t id = 0; id < point_count(kLattice); id++) {
     const BccPoint p = point_of(kLattice, id);
-    const BccNeighbours neighbours = higher_neighbours(p);
-    for (int i = 0; i < neighbours.count; i++) {
-      const BccPoint q = neighbours.point[std::size_t(i)];
+    const BccNeighbors neighbors = higher_neighbors(p);
+    for (int i = 0; i < neighbors.count; i++) {
+      const BccPoint q = neighbors.point[std::size_t(i)];
       if (!contains(kLattice, q)) continue;
       ASSERT_GT(point_id(kLattice, q), id);
       auto& list = p.grid == q.grid ? far : near;

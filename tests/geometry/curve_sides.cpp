@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "turgor/geometry/hex_block.hpp"
 #include "turgor/geometry/organ_mesh.hpp"
 #include "turgor/geometry/quadratic.hpp"
@@ -31,10 +31,10 @@ double thinnest(const SolidMesh& mesh) {
 struct Off {
   double corner = 0, middle = 0;
 };
-Off off_the_ball(const SolidMesh& mesh, Vec3d centre, double radius) {
+Off off_the_ball(const SolidMesh& mesh, Vec3d center, double radius) {
   Off off;
   for (const auto [a, b, c] : surface(mesh).triangles) {
-    const auto from = [&](Vec3d x) { return std::abs(norm(x - centre) - radius); };
+    const auto from = [&](Vec3d x) { return std::abs(norm(x - center) - radius); };
     const Vec3d x[] = {mesh.vertices[std::size_t(a)], mesh.vertices[std::size_t(b)],
                        mesh.vertices[std::size_t(c)]};
     for (const Vec3d corner : x) off.corner = std::max(off.corner, from(corner));
@@ -44,11 +44,11 @@ Off off_the_ball(const SolidMesh& mesh, Vec3d centre, double radius) {
 }
 
 TEST(CurveSides, every_node_of_a_ball_s_outline_is_on_it_where_flat_sides_bulge_to_keep_the_volume) {
-  const Vec3d centre{0.1, -0.3, 0.02};
-  const TriMesh ball = test::sphere_surface(centre, 0.05, 5);
+  const Vec3d center{0.1, -0.3, 0.02};
+  const TriMesh ball = test::sphere_surface(center, 0.05, 5);
   for (const double size : {0.03, 0.02, 0.015}) {
-    const Off curved = off_the_ball(filled(ball, size, Sides::kCurved), centre, 0.05);
-    const Off flat = off_the_ball(filled(ball, size, Sides::kFlat), centre, 0.05);
+    const Off curved = off_the_ball(filled(ball, size, Sides::kCurved), center, 0.05);
+    const Off flat = off_the_ball(filled(ball, size, Sides::kFlat), center, 0.05);
     EXPECT_LT(curved.corner, 2e-5) << "what the triangles of the given surface are off";
     EXPECT_GT(flat.corner, 10 * curved.corner);
     // The sagitta of a facet whose corners are half of the longest edge, 5/4 of the size, apart.

@@ -5,7 +5,7 @@
 namespace turgor {
 namespace {
 
-TEST(LabelMeasures, ABoxHasItsVolumeItsCentreAndItsMean) {
+TEST(LabelMeasures, ABoxHasItsVolumeItsCenterAndItsMean) {
   LabelVolume labels{
       {.size = {10, 8, 6}, .spacing = {1e-3, 2e-3, 3e-3}, .origin = {0.1, 0.2, 0.3}, .axes = {}}, {}};
   labels.samples.resize(480);

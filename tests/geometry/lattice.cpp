@@ -20,7 +20,7 @@ TEST(lattice, slots_are_unique_and_know_their_node) {
       }
 }
 
-TEST(lattice, offsets_lead_to_neighbours) {
+TEST(lattice, offsets_lead_to_neighbors) {
   const Lattice l = make_lattice({6, 5, 4}, {1, 1, 1});
   for (int k = 1; k < 3; k++)
     for (int j = 1; j < 4; j++)
@@ -31,7 +31,7 @@ TEST(lattice, offsets_lead_to_neighbours) {
                       node_slot(l, Int3{i, j, k} + offset));
 }
 
-TEST(lattice, neighbours_off_the_border_have_slots_of_their_own_that_hold_no_node) {
+TEST(lattice, neighbors_off_the_border_have_slots_of_their_own_that_hold_no_node) {
   const Lattice l = make_lattice({7, 3, 3}, {1, 1, 1});
   std::set<int> nodes;
   for (int n = 0; n < node_count(l); n++) nodes.insert(node_slot(l, n % 7, n / 7 % 3, n / 21));

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/mesh_checks.hpp"
+#include "tests/geometry/mesh_checks.hpp"
 #include "turgor/geometry/hex_block.hpp"
 
 namespace turgor {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/mesh_checks.hpp"
-#include "geometry/shapes.hpp"
+#include "tests/geometry/mesh_checks.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "turgor/geometry/label_measures.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 #include "turgor/geometry/phantom.hpp"
@@ -99,7 +99,7 @@ TEST(OrganMesh, a_plate_much_thinner_than_the_lattice_is_refused) {
       << meshed.error().message;
 }
 
-TEST(OrganMesh, a_surface_in_millimetres_is_refused_before_memory_is_spent) {
+TEST(OrganMesh, a_surface_in_millimeters_is_refused_before_memory_is_spent) {
   const auto meshed = mesh_of_surface(Exec(1), test::box_surface({200, 150, 100}), 0.008);
   ASSERT_FALSE(meshed);
   EXPECT_NE(meshed.error().message.find("not in metres"), std::string::npos) << meshed.error().message;

@@ -20,7 +20,7 @@ TEST(Quadratic, every_edge_has_one_node_in_its_middle_which_its_elements_share) 
     for (const auto [a, b] : kTetEdges) EXPECT_LT(norm(x(node_between(a, b)) - (x(a) + x(b)) / 2), 1e-15);
   }
   EXPECT_NEAR(volume(mesh), volume(linear), 1e-15);
-  EXPECT_EQ(face_neighbours(mesh), face_neighbours(linear));
+  EXPECT_EQ(face_neighbors(mesh), face_neighbors(linear));
 }
 
 TEST(Quadratic, eight_linear_parts_fill_an_element_and_lie_the_right_way_round) {

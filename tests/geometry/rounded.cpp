@@ -36,7 +36,7 @@ double unevenness(const TriMesh& mesh, Vec3d middle) {
   return high / low;
 }
 
-TEST(Rounded, a_star_becomes_a_ball_of_its_volume_about_its_centre) {
+TEST(Rounded, a_star_becomes_a_ball_of_its_volume_about_its_center) {
   TriMesh mesh = star(1.2);
   EXPECT_GT(unevenness(mesh, {}), 2);
   const TriMesh round = rounded(mesh);

@@ -69,7 +69,7 @@ inline TriMesh coil_surface(double ring, double offset, double tube) {
 }
 
 /// An icosahedron, its triangles cut in four `times` times, pushed onto a sphere.
-inline TriMesh sphere_surface(Vec3d centre, double radius, int times) {
+inline TriMesh sphere_surface(Vec3d center, double radius, int times) {
   const double g = std::numbers::phi;
   std::vector<Vec3d> x{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
                        {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
@@ -94,7 +94,7 @@ inline TriMesh sphere_surface(Vec3d centre, double radius, int times) {
     triangles = finer;
   }
   TriMesh mesh{.triangles = triangles};
-  for (const Vec3d p : x) mesh.vertices.push_back(Vec3(centre + normalized(p) * radius));
+  for (const Vec3d p : x) mesh.vertices.push_back(Vec3(center + normalized(p) * radius));
   return mesh;
 }
 

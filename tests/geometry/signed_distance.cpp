@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "turgor/geometry/stuffing.hpp"
 
 namespace turgor {
@@ -43,11 +43,11 @@ Ball tilted_ball(Vec3d spacing, double radius) {
   Ball ball{
       {.spacing = spacing, .origin = {0.3, -0.2, 0.1}, .axes = {{{c, s, 0}, {-s, c, 0}, {0, 0, 1}}}}, {}, 0};
   for (int axis = 0; axis < 3; axis++) ball.grid.size[axis] = int(2.4 * radius / spacing[axis]) + 3;
-  const Vec3d centre = point_at(ball.grid, Vec3d(ball.grid.size) * 0.5 + Vec3d{-0.4, 0.2, 0.1});
+  const Vec3d center = point_at(ball.grid, Vec3d(ball.grid.size) * 0.5 + Vec3d{-0.4, 0.2, 0.1});
   for (int k = 0; k < ball.grid.size.z; k++)
     for (int j = 0; j < ball.grid.size.y; j++)
       for (int i = 0; i < ball.grid.size.x; i++)
-        ball.inside.push_back(norm(point_at(ball.grid, {double(i), double(j), double(k)}) - centre) < radius);
+        ball.inside.push_back(norm(point_at(ball.grid, {double(i), double(j), double(k)}) - center) < radius);
   ball.voxel_volume =
       double(std::count(ball.inside.begin(), ball.inside.end(), 1)) * sample_volume(ball.grid);
   return ball;

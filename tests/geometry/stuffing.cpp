@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/mesh_checks.hpp"
+#include "tests/geometry/mesh_checks.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/geometry/mesh_quality.hpp"
 
@@ -17,9 +17,9 @@ SolidMesh stuffed(const SignedDistance& shape, double size, const Exec& exec = E
   return stuff(exec, sample(exec, shape, lattice_around(shape, size, 0)));
 }
 
-SignedDistance sphere(Vec3d centre, double radius) {
+SignedDistance sphere(Vec3d center, double radius) {
   const Vec3d r{radius, radius, radius};
-  return {[=](Vec3d p) { return norm(p - centre) - radius; }, centre - r, centre + r};
+  return {[=](Vec3d p) { return norm(p - center) - radius; }, center - r, center + r};
 }
 
 SignedDistance torus(double ring, double tube) {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 
 namespace turgor {
 namespace {
@@ -102,7 +102,7 @@ TEST(SurfaceCheck, a_vertex_pushed_through_the_opposite_side_makes_triangles_cro
   EXPECT_EQ(crossing_triangles(Exec(1), ball), crossing_triangles(Exec(4), ball));
 }
 
-TEST(SurfaceCheck, coplanar_neighbours_do_not_cross) {
+TEST(SurfaceCheck, coplanar_neighbors_do_not_cross) {
   EXPECT_TRUE(crossing_triangles(Exec(1), test::surface_of(hex_block({0.1, 0.1, 0.1}, {7, 7, 7}))).empty());
 }
 

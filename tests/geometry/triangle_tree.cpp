@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 
 namespace turgor {
 namespace {

@@ -29,7 +29,7 @@ TEST(coupling, a_hand_that_rests_in_a_body_feels_both_springs_in_series) {
       reading.force.z = stiffness * std::max(0.0, -tool.pose.position.z);
     }
     const double series = 1 / (1 / stiffness + 1 / coupling.stiffness);
-    EXPECT_NEAR(felt(tool, reading).force.z, 0.004 * series, 1e-6 * series);
+    EXPECT_NEAR(haptic(tool, reading).force.z, 0.004 * series, 1e-6 * series);
     EXPECT_NEAR(reading.force.z, 0.004 * series, 1e-6 * series);  // the model's force is the same one
   }
 }
@@ -61,7 +61,7 @@ TEST(coupling, a_turned_hand_feels_the_torque_that_holds_the_tool) {
            kTick, tool);
     reading.torque = rotation_vector(tool.pose.axes) * -3.0;
   }
-  EXPECT_NEAR(felt(tool, reading).torque.y, -0.2 * 3 * 1 / (3.0 + 1), 1e-5);
+  EXPECT_NEAR(haptic(tool, reading).torque.y, -0.2 * 3 * 1 / (3.0 + 1), 1e-5);
 }
 
 /// How far a hand that presses a wall still moves in the last half second [m].
@@ -82,7 +82,7 @@ double shaking(double wall, bool coupled) {
     contact::Pose pose = asked.hand.pose;
     if (coupled) follow(coupling, pose, reading, kTick, tool), pose = tool.pose;
     reading.force.z = wall * std::max(0.0, -pose.position.z);
-    asked.wanted.force = coupled ? felt(tool, reading).force : reading.force;
+    asked.wanted.force = coupled ? haptic(tool, reading).force : reading.force;
     output = make_safe(safety, asked, kTick);
     const double z = device.pose().position.z;
     if (device.time() > 2) low = std::min(low, z), high = std::max(high, z);
@@ -104,7 +104,7 @@ TEST(coupling, numbers_that_are_not_finite_move_no_tool_and_are_handed_on_for_sa
   reading.force.x = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < 10; i++) follow(coupling, at({1e-3, 0, 0}), reading, kTick, tool);
   EXPECT_EQ(tool.pose.position, (Vec3d{1e-3, 0, 0}));
-  EXPECT_TRUE(std::isnan(felt(tool, reading).force.x));
+  EXPECT_TRUE(std::isnan(haptic(tool, reading).force.x));
 }
 
 }  // namespace

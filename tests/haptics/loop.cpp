@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "allocations.hpp"
-#include "haptics/still_device.hpp"
+#include "tests/allocations.hpp"
+#include "tests/haptics/still_device.hpp"
 #include "turgor/haptics/real_time.hpp"
 #include "turgor/haptics/virtual_device.hpp"
 

@@ -24,7 +24,7 @@ double pressed_and_released(double stiffness, double depth, int ticks, double& d
     const double z = -depth * (1 - std::abs(2.0 * i / ticks - 1));
     observe(params, state, at(z), kTick);
     deepest = std::max(deepest, state.energy);
-    state.felt = {.force = {0, 0, -stiffness * z}};
+    state.haptic = {.force = {0, 0, -stiffness * z}};
   }
   return state.energy;
 }
@@ -51,7 +51,7 @@ TEST(passivity, friction_is_energy_taken_and_a_push_is_energy_given) {
     Passivity state;
     for (int i = 0; i <= 100; i++) {
       observe(params, state, at(1e-4 * i), kTick);
-      state.felt = {.force = {0, 0, sign * 2}};
+      state.haptic = {.force = {0, 0, sign * 2}};
     }
     EXPECT_NEAR(state.energy, sign < 0 ? 0.02 : -0.02, 1e-12);
   }
@@ -65,7 +65,7 @@ TEST(passivity, a_lever_that_gives_by_turning_what_it_takes_by_moving_owes_nothi
     const Vec3d turn{0, 0, 2e-3 * i};
     observe(params, state, {.position = {1e-3 * i, 0, 0}, .axes = rotation(turn)}, kTick);
     EXPECT_NEAR(state.energy, 0, 1e-12);
-    state.felt = {.force = {-2, 0, 0}, .torque = {0, 0, 1}};  // −2 N·1 mm + 1 N·m·2 mrad = 0
+    state.haptic = {.force = {-2, 0, 0}, .torque = {0, 0, 1}};  // −2 N·1 mm + 1 N·m·2 mrad = 0
   }
 }
 
@@ -74,10 +74,10 @@ TEST(passivity, rubbing_for_long_buys_no_more_than_a_body_can_give_back) {
   Passivity state;
   for (int i = 0; i < 100000; i++) {
     observe(params, state, at(1e-4 * i), kTick);
-    state.felt = {.force = {0, 0, -2}};
+    state.haptic = {.force = {0, 0, -2}};
   }
   EXPECT_NEAR(state.energy, 2 * params.reach, 1e-12);
-  state.felt = {};
+  state.haptic = {};
   observe(params, state, at(10), kTick);
   EXPECT_EQ(state.energy, 0);
 }

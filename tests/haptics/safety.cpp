@@ -121,7 +121,7 @@ TEST(safety, energy_that_was_given_away_is_taken_back) {
   }
   EXPECT_LT(safety.passivity.lowest, -1e-4);
   EXPECT_GT(safety.counts.damped, 90u);
-  EXPECT_NEAR(safety.passivity.felt.force.z, 1 - 0.1 * safety.params.passivity.damping, 0.05);
+  EXPECT_NEAR(safety.passivity.haptic.force.z, 1 - 0.1 * safety.params.passivity.damping, 0.05);
 }
 
 TEST(safety, a_jump_becomes_a_slope) {
@@ -138,9 +138,9 @@ TEST(safety, a_tick_that_comes_late_may_not_jump_farther_than_two) {
 
 TEST(safety, the_vector_is_saturated_and_keeps_its_direction) {
   Safety safety = begun();
-  const DeviceOutput felt = after(safety, asking({30, -40, 0}), 50);
-  EXPECT_NEAR(felt.force.x, 6, 1e-9);
-  EXPECT_NEAR(felt.force.y, -8, 1e-9);
+  const DeviceOutput haptic = after(safety, asking({30, -40, 0}), 50);
+  EXPECT_NEAR(haptic.force.x, 6, 1e-9);
+  EXPECT_NEAR(haptic.force.y, -8, 1e-9);
   EXPECT_EQ(safety.counts.saturated, 45u);  // all but the five on the way
 }
 
@@ -157,11 +157,11 @@ TEST(safety, the_smaller_limit_of_user_and_device_holds) {
 TEST(safety, a_model_that_falls_silent_becomes_damping_and_then_nothing) {
   Safety safety = begun();
   after(safety, asking({0, 0, 2}, 0.09), 100);
-  EXPECT_NEAR(safety.passivity.felt.force.z, 2, 1e-9);
+  EXPECT_NEAR(safety.passivity.haptic.force.z, 2, 1e-9);
   Asked silent = asking({0, 0, 2}, 0.11);
   silent.hand.velocity = {0, 0.1, 0};
   EXPECT_NEAR(after(safety, silent, 50).force.y, -0.1 * safety.params.silent_damping, 1e-9);
-  EXPECT_NEAR(safety.passivity.felt.force.z, 0, 1e-9);
+  EXPECT_NEAR(safety.passivity.haptic.force.z, 0, 1e-9);
   EXPECT_NEAR(after(safety, silent, 700).force.y, -0.05 * safety.params.silent_damping, 2e-3);
   EXPECT_EQ(norm(after(safety, silent, 300).force), 0);
   EXPECT_EQ(safety.counts.silent, 1050u);
@@ -190,7 +190,7 @@ TEST(safety, an_answer_that_is_missed_once_is_no_loss) {
   gone.answered = false;
   for (int i = 0; i < 1000; i++) make_safe(safety, i % 20 ? asking({0, 0, 2}) : gone, kTick);
   EXPECT_FALSE(safety.is_lost);
-  EXPECT_NEAR(safety.passivity.felt.force.z, 2, 1e-9);
+  EXPECT_NEAR(safety.passivity.haptic.force.z, 2, 1e-9);
 }
 
 TEST(safety, a_loop_that_stalled_does_not_take_its_device_for_lost) {
@@ -229,7 +229,7 @@ TEST(safety, whatever_a_model_and_a_device_say_the_force_stays_within_limit_and_
   Asked asked;
   DeviceOutput before;
   const SafetyParams& p = safety.params;
-  std::uint64_t felt = 0;
+  std::uint64_t haptic = 0;
   for (int i = 0; i < 100000; i++) {
     if (garbage.random() % 4 == 0) asked.wanted = {garbage.vector(), garbage.vector(), garbage.number()};
     asked.hand = {.pose = garbage.pose(), .velocity = garbage.vector(), .angular_velocity = garbage.vector()};
@@ -244,14 +244,14 @@ TEST(safety, whatever_a_model_and_a_device_say_the_force_stays_within_limit_and_
     ASSERT_LE(safety.is_lost ? 0 : norm(out.force - before.force), p.force * part) << i;
     ASSERT_LE(safety.is_lost ? 0 : norm(out.torque - before.torque), p.torque * part) << i;
     ASSERT_LE(safety.is_lost ? 0 : std::abs(out.grip_force - before.grip_force), p.grip_force * part) << i;
-    felt += norm(out.force) > 0.1;
+    haptic += norm(out.force) > 0.1;
     before = out;
     if (safety.start != SoftStart::kFull || safety.is_lost) {  // on with it
       safety.is_lost = false, safety.unheard = 0;
       safety.start = SoftStart::kFull, safety.gain = 1;
     }
   }
-  EXPECT_GT(felt, 20000u);  // it was not all zero
+  EXPECT_GT(haptic, 20000u);  // it was not all zero
   const SafetyCounts& c = safety.counts;
   for (const std::uint64_t count : {c.not_finite, c.silent, c.damped, c.slewed, c.saturated, c.jumped})
     EXPECT_GT(count, 10u);

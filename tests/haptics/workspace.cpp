@@ -17,9 +17,9 @@ TEST(workspace, a_hand_to_the_right_moves_the_tool_along_its_right_in_the_world)
 }
 
 TEST(workspace, newtons_are_felt_one_to_one_in_the_direction_they_have) {
-  const DeviceOutput felt = to_device(turned(), {.force = {0, 3, 0}, .torque = {0.1, 0, 0}});
-  EXPECT_LT(norm(felt.force - Vec3d{3, 0, 0}), 1e-12);  // against its right
-  EXPECT_LT(norm(felt.torque - Vec3d{0, -0.1, 0}), 1e-12);
+  const DeviceOutput haptic = to_device(turned(), {.force = {0, 3, 0}, .torque = {0.1, 0, 0}});
+  EXPECT_LT(norm(haptic.force - Vec3d{3, 0, 0}), 1e-12);  // against its right
+  EXPECT_LT(norm(haptic.torque - Vec3d{0, -0.1, 0}), 1e-12);
   Workspace weak = turned();
   weak.force_scale = 0.5;
   EXPECT_LT(norm(to_device(weak, {.force = {0, 3, 0}}).force - Vec3d{1.5, 0, 0}), 1e-12);

@@ -5,11 +5,11 @@
 
 #include <sys/stat.h>
 
-#include "folders.hpp"
-#include "refused.hpp"
-#include "turgor/io/file.hpp"
-#include "turgor/io/solid_files.hpp"
-#include "turgor/io/surface_files.hpp"
+#include "tests/folders.hpp"
+#include "tests/refused.hpp"
+#include "turgor/io/files/file.hpp"
+#include "turgor/io/mesh/solid_files.hpp"
+#include "turgor/io/mesh/surface_files.hpp"
 
 namespace turgor {
 namespace {
@@ -74,7 +74,7 @@ TEST_P(EveryFormat, GivesBackLabels) {
   EXPECT_EQ(read->labels.samples, labels.samples);
 }
 
-TEST_P(EveryFormat, GivesBackDisplacementsInMillimetres) {
+TEST_P(EveryFormat, GivesBackDisplacementsInMillimeters) {
   const std::filesystem::path folder = fresh_folder();
   VectorVolume field{make_ct().grid, {}};
   for (std::size_t n = 0; n < sample_count(field.grid); n++)

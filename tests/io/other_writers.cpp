@@ -3,7 +3,7 @@
 #include <gdcmSequenceOfFragments.h>
 #include <gdcmWriter.h>
 
-#include "io/dicom_series.hpp"
+#include "tests/io/dicom/dicom_series.hpp"
 
 namespace turgor {
 namespace {

@@ -4,7 +4,7 @@
 #include "turgor/geometry/label_measures.hpp"
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/models/lattice/body_nodes.hpp"
+#include "turgor/models/lattice/build/body_nodes.hpp"
 
 namespace turgor {
 namespace {

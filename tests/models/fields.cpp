@@ -1,11 +1,11 @@
 // What visit_fields says of a field is what hashes and sizes do with it.
-#include "turgor/models/cloth/fields.hpp"
+#include "turgor/models/cloth/model/fields.hpp"
 
-#include "tests/models/block_body.hpp"
-#include "tests/models/cloth_sheets.hpp"
+#include "tests/models/cloth/sheets.hpp"
+#include "tests/models/lattice/block_body.hpp"
 #include "turgor/core/field.hpp"
 #include "turgor/geometry/label_measures.hpp"
-#include "turgor/models/lattice/fields.hpp"
+#include "turgor/models/lattice/model/fields.hpp"
 
 namespace turgor {
 namespace {
@@ -70,7 +70,7 @@ TEST(Fields, MemoryGrowsByWhatAFieldGrows) {
   const cloth::Model sheet = cloth::must_build(cloth::flat_sheet(6), {.collision = {.thickness = 0.004}});
   cloth::State lying = cloth::make_state(sheet);
   const std::size_t less = cloth::memory_bytes(sheet, lying);
-  lying.near_points.index.reserve(100);  // a field within a field
+  lying.spatial_hash.index.reserve(100);  // a field within a field
   lying.contacts.found.resize(2);
   lying.contacts.found[1].reserve(3);
   EXPECT_EQ(cloth::memory_bytes(sheet, lying), less + 100 * sizeof(int) + 3 * sizeof(cloth::Contact));

@@ -1,7 +1,7 @@
 // In place of a GPU: the other side of the bus is the host too, and what goes over or back is counted.
 #pragma once
 
-#include "turgor/models/lattice/body_on.hpp"
+#include "turgor/models/lattice/device/device_body.hpp"
 
 namespace turgor::lattice {
 
@@ -15,7 +15,7 @@ class CountedArray {
  public:
   CountedArray() = default;
   explicit CountedArray(std::size_t count) : values_(count) {}
-  bool is_there() const { return true; }
+  bool is_allocated() const { return true; }
   T* data() const { return const_cast<T*>(values_.data()); }
   std::size_t size() const { return values_.size(); }
   void upload(std::span<const T> from) {
@@ -56,9 +56,9 @@ struct HostSide {
 
 /// As put() does it with a GPU.
 template <class R>
-std::shared_ptr<BodyThere> put_on_host(const Model& model) {
-  Rooms<HostSide<R>> rooms;
-  return std::make_shared<BodyOn<HostSide<R>>>(model, rooms);
+std::shared_ptr<BodyBackend> put_on_host(const Model& model) {
+  DeviceAllocator<HostSide<R>> rooms;
+  return std::make_shared<DeviceBody<HostSide<R>>>(model, rooms);
 }
 
 }  // namespace turgor::lattice

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "folders.hpp"
 #include "mpi/scene.hpp"
-#include "shell.hpp"
+#include "tests/folders.hpp"
+#include "tests/shell.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/sim/run.hpp"
@@ -99,7 +99,7 @@ void expect_the_same(const std::string& scene, std::initializer_list<int> proces
     ASSERT_EQ(ended.code, 0) << ended.printed;
     const nlohmann::json report = report_of(folder);
     EXPECT_EQ(report["state_hash"], hash_text(alone.hash)) << count << " processes";
-    EXPECT_EQ(report["copies"], state.copies.size());
+    EXPECT_EQ(report["copies"], state.virtual_nodes.size());
     EXPECT_EQ(report["body_nodes"], alone.world.lattice_bodies[0].model.body_nodes);
     EXPECT_EQ(report["free_nodes"], alone.world.lattice_bodies[0].model.free_nodes);
     EXPECT_EQ(report["processes"].size(), std::size_t(count));

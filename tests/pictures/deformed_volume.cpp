@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "models/cut_ball.hpp"
-#include "models/host_side.hpp"
+#include "tests/models/host_side.hpp"
+#include "tests/models/lattice/cut_ball.hpp"
 #include "turgor/core/gpu.hpp"
-#include "turgor/view/volume_on.hpp"
+#include "turgor/view/device_volume.hpp"
 #include "turgor/view/volume_view.hpp"
 
 namespace turgor {
@@ -23,8 +23,8 @@ constexpr int kWidth = 120, kHeight = 90, kMost = 20;
 constexpr CtWish kHere{.here = true, .there = false}, kThere{.here = false, .there = true},
     kBoth{.here = true, .there = true};
 
-PicturesThere pictures_on_host() {
-  return PicturesThere([] { return Result(std::unique_ptr<VolumeThere>(new VolumeOn<Side>)); });
+DevicePictures pictures_on_host() {
+  return DevicePictures([] { return Result(std::unique_ptr<VolumeBackend>(new DeviceVolume<Side>)); });
 }
 
 LatticeBody body_of(const CutBall& ball) {
@@ -75,7 +75,7 @@ TEST(DeformedVolume, of_a_body_elsewhere_is_drawn_there_and_a_camera_that_moves_
               body.state.resample(kExec, body.model, body.ct, body.ct.grid, {.keep_surroundings = false})
                   .ct.samples);
     step(body), step(body);  // the picture is that of the CT that was made
-    PicturesThere pictures = pictures_on_host();
+    DevicePictures pictures = pictures_on_host();
     for (const double aside : {0.03, -0.04, 0.0}) {
       Bus::over = Bus::back = 0;
       const Camera camera = camera_of(body.ct.grid, aside);
@@ -118,7 +118,7 @@ TEST(DeformedVolume, without_room_for_a_picture_a_sentence_says_so_and_a_run_dra
   const CutBall ball({});
   const LatticeBody body = body_elsewhere(ball);
   const Camera camera = camera_of(body.ct.grid, 0.03);
-  PicturesThere pictures([]() -> Result<std::unique_ptr<VolumeThere>> { return Error{"no room"}; });
+  DevicePictures pictures([]() -> Result<std::unique_ptr<VolumeBackend>> { return Error{"no room"}; });
   const DeformedCt ct = make_deformed_ct(kExec, body, 0, kThere, kMost);
   const Result<Image> image = draw_deformed(kExec, ct, pictures, "skin", camera, kWidth, kHeight);
   ASSERT_FALSE(image);

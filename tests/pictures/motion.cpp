@@ -10,8 +10,8 @@ namespace turgor {
 namespace {
 
 /// A sheet of n × n squares, cut along its middle column: both lips lie there at rest, unconnected.
-ShownBody cut_sheet(int n) {
-  ShownBody body;
+BodySnapshot cut_sheet(int n) {
+  BodySnapshot body;
   body.name = "</script>", body.look = Look::kCloth;
   const int columns = n + 2, cut = n / 2;  // the middle column stands twice
   for (int j = 0; j <= n; j++)
@@ -29,12 +29,12 @@ ShownBody cut_sheet(int n) {
   return body;
 }
 
-ShownWorld at_time(double time, Real opening) {
-  ShownWorld shown{.time = time, .frame = 0, .bodies = {cut_sheet(60)}, .tools = {}, .obstacles = {}};
-  ShownBody& body = shown.bodies[0];
+WorldSnapshot at_time(double time, Real opening) {
+  WorldSnapshot snapshot{.time = time, .frame = 0, .bodies = {cut_sheet(60)}, .tools = {}, .obstacles = {}};
+  BodySnapshot& body = snapshot.bodies[0];
   for (std::size_t v = 0; v < body.x.size(); v++)
     body.x[v].x = body.rest[v].x + (int(v) % 62 <= 30 ? -opening : opening);
-  return shown;
+  return snapshot;
 }
 
 Motion moved(int frames, const MotionLimits& limits = {}) {
@@ -61,7 +61,7 @@ TEST(Motion, LipsOfAWoundStayApartInACoarserSurface) {
 TEST(Motion, MovementsAreThoseOfTheVerticesShown) {
   const Motion motion = moved(3);
   const MovingSurface& surface = motion.things.at(0).surfaces.at(0);
-  const ShownWorld last = at_time(0.1, 0.002f);
+  const WorldSnapshot last = at_time(0.1, 0.002f);
   for (std::size_t v = 0; v < surface.vertex.size(); v++) {
     const Vec3 now = surface.rest[v] + motion.frames[2].moved[0][v];
     EXPECT_EQ(now, last.bodies[0].x[std::size_t(surface.vertex[v])]);
@@ -79,10 +79,10 @@ TEST(Motion, TakesNoMoreMemoryThanItsLimitAndKeepsTheFirstAndTheLastMoment) {
 TEST(Motion, SurfacesThatNoKeptMomentShowsTakeNoMemory) {
   Motion motion;
   for (int f = 0; f < 60; f++) {  // a cut that grows: other triangles each time
-    ShownWorld shown = at_time(0.05 * f, 0);
-    shown.bodies[0].triangles.resize(shown.bodies[0].triangles.size() - std::size_t(f));
-    shown.bodies[0].wall_begin = shown.bodies[0].triangles.size();
-    add_moment(shown, motion, {.triangles = 40'000, .numbers = 400'000});
+    WorldSnapshot snapshot = at_time(0.05 * f, 0);
+    snapshot.bodies[0].triangles.resize(snapshot.bodies[0].triangles.size() - std::size_t(f));
+    snapshot.bodies[0].wall_begin = snapshot.bodies[0].triangles.size();
+    add_moment(snapshot, motion, {.triangles = 40'000, .numbers = 400'000});
   }
   const std::vector<MovingSurface>& surfaces = motion.things.at(0).surfaces;
   const auto kept = std::count_if(surfaces.begin(), surfaces.end(),
@@ -122,7 +122,7 @@ TEST(Motion, NoNameEndsTheScript) {
 
 TEST(Motion, ANewCutMakesANewSurface) {
   Motion motion = moved(2);
-  ShownWorld cut = at_time(0.2, 0.002f);
+  WorldSnapshot cut = at_time(0.2, 0.002f);
   cut.bodies[0].triangles.resize(cut.bodies[0].triangles.size() - 10), cut.bodies[0].wall_begin -= 10;
   add_moment(cut, motion);
   EXPECT_EQ(motion.things[0].surfaces.size(), 2u);

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "sim/block_scene.hpp"
-#include "turgor/io/mesh_files.hpp"
-#include "turgor/io/surface_files.hpp"
-#include "turgor/models/lattice/resample.hpp"
+#include "tests/sim/block_scene.hpp"
+#include "turgor/io/mesh/mesh_files.hpp"
+#include "turgor/io/mesh/surface_files.hpp"
+#include "turgor/models/lattice/resample/resample.hpp"
 #include "turgor/pictures/picture_parts.hpp"
 #include "turgor/sim/run.hpp"
 #include "turgor/view/mesh_view.hpp"
@@ -90,7 +90,7 @@ Lips lips_of_ct(const LatticeBody& body, const Station& at, const Lips& near) {
 
 /// Of a picture from straight above: how wide walls are seen there, which are all that changes when walls are
 /// painted in another colour. Nothing where there is no OpenGL.
-std::optional<double> gape_of_picture(const ShownBody& body, const Station& at, const Lips& near) {
+std::optional<double> gape_of_picture(const BodySnapshot& body, const Station& at, const Lips& near) {
   constexpr int kPixels = 800;
   constexpr double kSide = 0.06, kAway = 3;
   const TriMesh whole = shown_mesh(body);
@@ -136,16 +136,17 @@ void expect_one_wound(const Scene& scene, const fs::path& folder) {
   const LatticeBody& body = world->lattice_bodies[0];
   const lattice::BladePath& path = *world->cuts[0].path;
   const Station at = middle_of(body, path);
-  ShownWorld seen;
+  WorldSnapshot seen;
   show(exec, *world, seen);
-  const ShownBody& shown = seen.bodies[0];
+  const BodySnapshot& snapshot = seen.bodies[0];
   const std::size_t n = path.skin.size() / 2;
   double along = 0;
   for (std::size_t m = 0; m < n; m++) along += norm(path.skin[m + 1] - path.skin[m]);
   const double report = gape_of_report(done->measures.cuts[0].wound, along);
-  ASSERT_TRUE(write_obj(folder / "body.obj", shown_mesh(shown)));
-  const Lips mesh = lips_of_mesh(folder / "body.obj", shown.wall_begin, at), ct = lips_of_ct(body, at, mesh);
-  const std::optional<double> picture = gape_of_picture(shown, at, mesh);
+  ASSERT_TRUE(write_obj(folder / "body.obj", shown_mesh(snapshot)));
+  const Lips mesh = lips_of_mesh(folder / "body.obj", snapshot.wall_begin, at),
+             ct = lips_of_ct(body, at, mesh);
+  const std::optional<double> picture = gape_of_picture(snapshot, at, mesh);
   std::printf("  report %.2f mm, mesh %.2f, deformed CT %.2f, picture %.2f\n", report * 1e3,
               mesh.gape() * 1e3, ct.gape() * 1e3, picture.value_or(0) * 1e3);
   EXPECT_GT(report, 0.004) << "m: an open wound";

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "sim/four_kinds.hpp"
-#include "turgor/io/hdf5_file.hpp"
+#include "tests/sim/four_kinds.hpp"
+#include "turgor/io/files/hdf5_file.hpp"
 #include "turgor/pictures/motion.hpp"
 #include "turgor/view/video.hpp"
 
@@ -207,9 +207,9 @@ TEST(RunScene, IsToldWhatHappensAndEndsWhereItIsAsked) {
     return Progress();
   };
   callbacks.frame = [&](const World& now) { return frames.push_back(now.frame), now.frame < 7; };
-  callbacks.snapshot = [&](const ShownWorld& shown) -> Status {
-    EXPECT_EQ(shown.bodies.size(), 4u);
-    return snapshots.push_back(shown.frame), Done{};
+  callbacks.snapshot = [&](const WorldSnapshot& snapshot) -> Status {
+    EXPECT_EQ(snapshot.bodies.size(), 4u);
+    return snapshots.push_back(snapshot.frame), Done{};
   };
   const Scene scene = test::four_kinds_scene(folder, {"output.video=false"});
   const Json report = must_run(scene, folder / "out", callbacks);
@@ -234,9 +234,9 @@ TEST(RunScene, ForcepsOnARhombusBodyAloneAreDrawnWithTheirJawsAsTheyAreAlsoInARe
   ASSERT_TRUE(scene) << scene.error().message;
   std::set<double> openings;
   RunCallbacks callbacks;
-  callbacks.snapshot = [&](const ShownWorld& shown) -> Status {
-    openings.insert(shown.tools[0].opening);
-    EXPECT_TRUE(shown.tools[0].has_jaws);
+  callbacks.snapshot = [&](const WorldSnapshot& snapshot) -> Status {
+    openings.insert(snapshot.tools[0].opening);
+    EXPECT_TRUE(snapshot.tools[0].has_jaws);
     return Done{};
   };
   const Json ran = must_run(*scene, folder / "ran", callbacks);
@@ -254,8 +254,8 @@ TEST(RunScene, ForcepsOnARhombusBodyAloneAreDrawnWithTheirJawsAsTheyAreAlsoInARe
 TEST(RunScene, AnErrorLeavesNothingBehind) {
   const fs::path folder = test::fresh_folder();
   RunCallbacks callbacks;
-  callbacks.snapshot = [](const ShownWorld& shown) -> Status {
-    return shown.frame < 5 ? Status(Done{}) : Status(Error{"the disk is full"});
+  callbacks.snapshot = [](const WorldSnapshot& snapshot) -> Status {
+    return snapshot.frame < 5 ? Status(Done{}) : Status(Error{"the disk is full"});
   };
   const Scene scene = test::four_kinds_scene(folder, {"output.video=false"});
   const Result<Json> report = run_scene(Exec(2), scene, {.out = folder / "out"}, callbacks);

@@ -7,13 +7,13 @@
 namespace turgor {
 namespace {
 
-ShownWorld with_vertices(std::vector<Vec3> x) {
-  ShownWorld shown;
-  ShownBody& body = shown.bodies.emplace_back();
+WorldSnapshot with_vertices(std::vector<Vec3> x) {
+  WorldSnapshot snapshot;
+  BodySnapshot& body = snapshot.bodies.emplace_back();
   body.rest = {{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}};
   body.triangles = {{0, 1, 2}};
   body.x = std::move(x);
-  return shown;
+  return snapshot;
 }
 
 TEST(Views, ACameraOfTwoMomentsShowsAllOfBoth) {
@@ -21,15 +21,15 @@ TEST(Views, ACameraOfTwoMomentsShowsAllOfBoth) {
   Outputs outputs;
   outputs.scene = &scene;
   outputs.views = {{.name = "body", .caption = "the body", .camera = {.eye = {0.3, -1, 0.2}, .target = {}}}};
-  const ShownWorld first = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}}),
-                   last = with_vertices({{0.4f, -0.3f, 0.2f}, {0.5f, -0.2f, 0}, {0.2f, -0.1f, 0.6f}});
+  const WorldSnapshot first = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}}),
+                      last = with_vertices({{0.4f, -0.3f, 0.2f}, {0.5f, -0.2f, 0}, {0.2f, -0.1f, 0.6f}});
   for (const bool colored : {false, true}) {
     outputs.views[0].colored = colored;
     const Camera camera = camera_of_both(outputs, first, last);
     const CameraFrame frame = camera_frame(camera);
     double farthest = 0;  // from the middle of the picture, where its upper edge is at 1
-    for (const ShownWorld* shown : {&first, &last})
-      for (const Vec3 x : shown->bodies[0].x) {
+    for (const WorldSnapshot* snapshot : {&first, &last})
+      for (const Vec3 x : snapshot->bodies[0].x) {
         const Vec3d seen = Vec3d(x) - camera.eye;
         const double half = -dot(seen, frame.back) * frame.tan_half;
         ASSERT_GT(half, 0);
@@ -42,8 +42,8 @@ TEST(Views, ACameraOfTwoMomentsShowsAllOfBoth) {
   }
 }
 
-TEST(Views, WhatIsInABodyIsSeenThroughItButDoesNotHideItsColours) {
-  ShownBody body = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}}).bodies[0];
+TEST(Views, WhatIsInABodyIsSeenThroughItButDoesNotHideItsColors) {
+  BodySnapshot body = with_vertices({{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}}).bodies[0];
   body.normals.assign(3, {0, -1, 0});
   body.displacement.assign(3, {});
   body.wall_begin = 1;

@@ -1,5 +1,5 @@
-// In place of CUDA's own header, for tests: what turgor's .cu files need of it, so that they are C++ and run on
-// a machine without a GPU (pretended_gpu.cpp). A kernel's threads are many here too. Memory "there" can be
+// In place of CUDA's own header, for tests: what turgor's .cu files need of it, so that they are C++ and run
+// on a machine without a GPU (pretended_gpu.cpp). A kernel's threads are many here too. Memory "there" can be
 // touched by kernels and copies alone: whoever reads it from here, or behind its end, is stopped at once.
 // That kernels touch no memory of the host it cannot see.
 #pragma once
@@ -69,15 +69,14 @@ struct PretendedKernel {
   void (*call)(std::size_t count, const void* argument);  // for the thread that threadIdx says
 };
 template <class Argument, void (*kKernel)(std::size_t, Argument)>
-inline const PretendedKernel pretended_kernel{
-    sizeof(Argument), [](std::size_t count, const void* argument) {
-      kKernel(count, *static_cast<const Argument*>(argument));
-    }};
+inline const PretendedKernel pretended_kernel{sizeof(Argument), [](std::size_t count, const void* argument) {
+                                                kKernel(count, *static_cast<const Argument*>(argument));
+                                              }};
 
 /// From now on so much memory is free there; less than what is asked for is an error of the runtime.
 void pretend_memory(std::size_t bytes);
-/// Since the program began: kernels that ran, graphs that were launched and that were made; bytes that went over
-/// and back, and how often something did.
+/// Since the program began: kernels that ran, graphs that were launched and that were made; bytes that went
+/// over and back, and how often something did.
 struct PretendedCounts {
   long kernels = 0, launches = 0, graphs = 0;
   std::size_t over = 0, back = 0;

@@ -65,8 +65,8 @@ TEST(PretendedGpuDeathTest, what_a_gpu_would_fall_over_ends_the_program) {
 
 TEST(PretendedGpu, what_it_has_no_room_for_is_said) {
   const std::size_t free = open_gpu().value().free_bytes;
-  EXPECT_TRUE(GpuArray<char>(std::size_t(1) << 20).is_there());
-  EXPECT_FALSE(GpuArray<char>(free + 1).is_there());
+  EXPECT_TRUE(GpuArray<char>(std::size_t(1) << 20).is_allocated());
+  EXPECT_FALSE(GpuArray<char>(free + 1).is_allocated());
 }
 
 }  // namespace

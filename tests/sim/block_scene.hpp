@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "folders.hpp"
+#include "tests/folders.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/sim/scene/scene.hpp"
 #include "turgor/sim/world.hpp"

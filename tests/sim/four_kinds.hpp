@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/block_scene.hpp"
+#include "tests/sim/block_scene.hpp"
 
 namespace turgor::test {
 

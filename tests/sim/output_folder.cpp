@@ -10,8 +10,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "folders.hpp"
-#include "turgor/io/file.hpp"
+#include "tests/folders.hpp"
+#include "turgor/io/files/file.hpp"
 
 namespace turgor {
 namespace {

@@ -1,6 +1,6 @@
 #include "turgor/sim/run.hpp"
 
-#include "sim/four_kinds.hpp"
+#include "tests/sim/four_kinds.hpp"
 
 namespace turgor {
 namespace {
@@ -14,12 +14,14 @@ TEST(Simulate, CallsOnceAFrameAndOnceASnapshot) {
   RunEvents events;
   events.progress = [&](double fraction) { finished = fraction; };
   events.frame = [&](const World& now) { return frames.push_back(now.frame), true; };
-  events.snapshot = [&](const World& now, const ShownWorld& shown) -> Status {
-    EXPECT_EQ(now.frame, shown.frame);
-    snapshots.push_back(shown.frame);
+  events.snapshot = [&](const World& now, const WorldSnapshot& snapshot) -> Status {
+    EXPECT_EQ(now.frame, snapshot.frame);
+    snapshots.push_back(snapshot.frame);
     return Done{};
   };
-  events.picture = [&](const ShownWorld& shown) -> Status { return pictures.push_back(shown.frame), Done{}; };
+  events.picture = [&](const WorldSnapshot& snapshot) -> Status {
+    return pictures.push_back(snapshot.frame), Done{};
+  };
   events.wants_picture = [](const World& w) { return w.frame % 4 == 0; };
   const Result<Simulated> done = simulate(exec, scene, world, events);
   ASSERT_TRUE(done) << done.error().message;
@@ -28,7 +30,7 @@ TEST(Simulate, CallsOnceAFrameAndOnceASnapshot) {
   EXPECT_EQ(pictures, (std::vector<int>{4, 8, 12}));
   EXPECT_EQ(finished, 1);
   EXPECT_TRUE(done->stopped.empty());
-  EXPECT_EQ(done->shown.frame, 15);
+  EXPECT_EQ(done->snapshot.frame, 15);
   EXPECT_EQ(done->measures.frame_seconds.size(), 15u);
 }
 
@@ -39,8 +41,8 @@ TEST(Simulate, EndsWithASnapshotWhereAFrameSaysSo) {
   std::vector<int> snapshots;
   RunEvents events;
   events.frame = [](const World& now) { return now.frame < 3; };
-  events.snapshot = [&](const World&, const ShownWorld& shown) -> Status {
-    return snapshots.push_back(shown.frame), Done{};
+  events.snapshot = [&](const World&, const WorldSnapshot& snapshot) -> Status {
+    return snapshots.push_back(snapshot.frame), Done{};
   };
   const Result<Simulated> done = simulate(exec, scene, world, events);
   ASSERT_TRUE(done);
@@ -55,8 +57,8 @@ TEST(Simulate, AnErrorOfASnapshotIsTheErrorOfTheRun) {
   const Scene scene = test::block_scene(test::fresh_folder());
   World world = test::block_world(exec, scene);
   RunEvents events;
-  events.snapshot = [](const World&, const ShownWorld& shown) -> Status {
-    return shown.frame < 5 ? Status(Done{}) : Status(Error{"the disk is full"});
+  events.snapshot = [](const World&, const WorldSnapshot& snapshot) -> Status {
+    return snapshot.frame < 5 ? Status(Done{}) : Status(Error{"the disk is full"});
   };
   const Result<Simulated> done = simulate(exec, scene, world, events);
   ASSERT_FALSE(done);
@@ -75,7 +77,7 @@ Ended run_looked_at(const std::filesystem::path& folder, const std::string& ever
   const Scene scene = test::four_kinds_scene(folder, {"output.snapshots.every=" + every});
   World world = test::block_world(exec, scene);
   RunEvents events;
-  events.picture = [](const ShownWorld&) -> Status { return Done{}; };
+  events.picture = [](const WorldSnapshot&) -> Status { return Done{}; };
   events.wants_picture = [picture_every](const World& w) {
     return picture_every > 0 && w.frame % picture_every == 0;
   };

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "folders.hpp"
+#include "tests/folders.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor::test {

@@ -1,6 +1,6 @@
 #include "turgor/sim/world.hpp"
 
-#include "sim/block_scene.hpp"
+#include "tests/sim/block_scene.hpp"
 
 namespace turgor {
 namespace {
@@ -68,7 +68,7 @@ TEST(World, FractionsOfTheBodysBoxFindItsSurface) {
   EXPECT_TRUE(lattice::lay_blade(model, world.lattice_bodies[0].state, blade));
 }
 
-TEST(World, AStepInMetresBecomesWholeVoxels) {
+TEST(World, AStepInMetersBecomesWholeVoxels) {
   const std::filesystem::path folder = fresh_folder();
   std::string text = test::block_scene_text("block.nii");
   text.replace(text.find("block = 2"), 9, "step = 0.0115");

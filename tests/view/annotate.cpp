@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "view/shapes.hpp"
+#include "tests/view/shapes.hpp"
 
 namespace turgor {
 namespace {
@@ -64,8 +64,8 @@ TEST(Annotate, AScaleBarIsAsLongAsItSaysAtTheCamerasTarget) {
     const Camera camera{.eye = {0, -distance, 0}, .target = {0, 0, 0}, .up = {0, 0, 1}, .field_of_view = 40};
     Image image = make_image(800, 500);
     const PixelBox bar = draw_scale_bar(image, camera);
-    const double metres_a_pixel = 2 * distance * std::tan(20 * 3.14159265358979 / 180) / 500;
-    const double length = (bar.right - bar.left) * metres_a_pixel;
+    const double meters_a_pixel = 2 * distance * std::tan(20 * 3.14159265358979 / 180) / 500;
+    const double length = (bar.right - bar.left) * meters_a_pixel;
     const double power = std::pow(10, std::floor(std::log10(length * 1.02)));
     const double leading = length / power;
     EXPECT_TRUE(std::abs(leading - 1) < 0.03 || std::abs(leading - 2) < 0.06 || std::abs(leading - 5) < 0.15)

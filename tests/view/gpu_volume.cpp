@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/view/volume_scene.hpp"
 #include "turgor/view/transfer.hpp"
 #include "turgor/view/volume_view.hpp"
-#include "view/volume_scene.hpp"
 
 namespace turgor {
 namespace {
@@ -14,7 +14,7 @@ TEST(gpu_volume, the_picture_drawn_there_is_the_one_drawn_here) {
   const Result<Gpu> gpu = open_gpu();
   if (!gpu) GTEST_SKIP() << gpu.error().message;
   const CtVolume ct = test::layered_ct({60, 70, 50});
-  const std::unique_ptr<VolumeThere> there = volume_on(*gpu);
+  const std::unique_ptr<VolumeBackend> there = volume_on(*gpu);
   ASSERT_TRUE(there->show(ct));
   for (const std::string& preset : volume_presets())
     for (int turn = 0; turn < 2; turn++) {

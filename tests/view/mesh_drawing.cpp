@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/view/shapes.hpp"
 #include "turgor/view/gl_context.hpp"
-#include "view/shapes.hpp"
 
 namespace turgor {
 namespace {
@@ -52,7 +52,7 @@ TEST_F(MeshDrawingTest, a_quick_picture_shows_the_bodies_of_a_full_one_where_tha
     EXPECT_LE(test::difference(full.at(x, y), quick.at(x, y)), 6) << "the backdrop at " << x << ", " << y;
 }
 
-TEST_F(MeshDrawingTest, colours_of_a_quantity_are_those_of_the_map_in_a_quick_picture_too) {
+TEST_F(MeshDrawingTest, colors_of_a_quantity_are_those_of_the_map_in_a_quick_picture_too) {
   const ColorScale scale{.low = 0, .high = 2, .label = "", .factor = 1};
   TriMesh low = test::sphere({-0.12f, 0, 0}, 0.08f), high = test::sphere({0.12f, 0, 0}, 0.08f);
   low.scalars.assign(low.vertices.size(), 0.0f), high.scalars.assign(high.vertices.size(), 2.0f);

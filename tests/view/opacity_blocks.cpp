@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "view/shapes.hpp"
+#include "tests/view/shapes.hpp"
 
 namespace turgor {
 namespace {

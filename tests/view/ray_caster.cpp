@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/view/shapes.hpp"
 #include "turgor/view/color.hpp"
 #include "turgor/view/smooth.hpp"
-#include "view/shapes.hpp"
 
 namespace turgor {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "view/shapes.hpp"
+#include "tests/view/shapes.hpp"
 
 namespace turgor {
 namespace {
@@ -80,16 +80,16 @@ TEST(Section, LettersStandAtTheFourSides) {
   }
 }
 
-TEST(Section, GreyValuesFollowTheWindow) {
+TEST(Section, GrayValuesFollowTheWindow) {
   const Grid grid = test::centered_grid({64, 64, 64}, {0.001, 0.001, 0.001}, {});
-  const auto grey_of = [&grid](int hu, Window window) {
+  const auto gray_of = [&grid](int hu, Window window) {
     const CtVolume ct = test::fill_volume(grid, [hu](Vec3d) { return hu; });
     return draw_section(ct, Plane::kAxial, {}, window, 200).at(100, 70).r;
   };
-  EXPECT_EQ(grey_of(-200, {400, 0}), 0);
-  EXPECT_EQ(grey_of(200, {400, 0}), 255);
-  EXPECT_NEAR(grey_of(40, {350, 40}), 128, 1);
-  EXPECT_NEAR(grey_of(100, {400, 0}), 191, 1);
+  EXPECT_EQ(gray_of(-200, {400, 0}), 0);
+  EXPECT_EQ(gray_of(200, {400, 0}), 255);
+  EXPECT_NEAR(gray_of(40, {350, 40}), 128, 1);
+  EXPECT_NEAR(gray_of(100, {400, 0}), 191, 1);
 }
 
 TEST(Section, ScaleBarIsAsLongAsItSays) {

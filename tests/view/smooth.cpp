@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/view/shapes.hpp"
 #include "turgor/view/sample.hpp"
-#include "view/shapes.hpp"
 
 namespace turgor {
 namespace {

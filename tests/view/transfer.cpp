@@ -24,7 +24,7 @@ TEST(Transfer, MeanIsTheMeanOverTheValuesBetween) {
   }
 }
 
-TEST(Transfer, OpacityOfAMillimetreIsWhatThePointSays) {
+TEST(Transfer, OpacityOfAMillimeterIsWhatThePointSays) {
   const Transfer transfer(kRamp);
   EXPECT_NEAR(1 - std::exp(-transfer.mean(150, 150).extinction * 0.001f), 0.5, 1e-4);
   EXPECT_NEAR(1 - std::exp(-transfer.mean(9000, 9000).extinction * 0.001f), 0.5, 1e-4);

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "small_disk.hpp"
-#include "turgor/io/image.hpp"
+#include "tests/small_disk.hpp"
+#include "turgor/io/files/image.hpp"
 
 namespace turgor {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "tests/view/shapes.hpp"
 #include "turgor/view/camera.hpp"
-#include "view/shapes.hpp"
 
 namespace turgor::test {
 

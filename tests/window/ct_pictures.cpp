@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "models/host_side.hpp"
-#include "turgor/view/volume_on.hpp"
-#include "window/window_test.hpp"
+#include "tests/models/host_side.hpp"
+#include "tests/window/window_test.hpp"
+#include "turgor/view/device_volume.hpp"
 
 namespace turgor {
 namespace {
@@ -13,7 +13,7 @@ using namespace test;
 using CtPicturesTest = WindowTest;
 
 /// A volume that is elsewhere, on the host in place of a GPU.
-struct HeldHere final : lattice::SamplesThere {
+struct HeldHere final : lattice::DeviceSamples {
   CtVolume ct = block_ct();
 
   const std::int16_t* data() const override { return ct.samples.data(); }
@@ -27,10 +27,10 @@ TEST_F(CtPicturesTest, a_volume_that_a_gpu_draws_is_fine_at_once_and_without_roo
   ASSERT_TRUE(wait_for_world());
   const auto samples = std::make_shared<const HeldHere>();
   auto ct = std::make_shared<DeformedCt>();
-  ct->there = lattice::ResampledThere{samples->ct.grid, samples, {}};
+  ct->there = lattice::DeviceResampled{samples->ct.grid, samples, {}};
   VolumePicture picture;
-  picture.pictures = PicturesThere([] {
-    return Result(std::unique_ptr<VolumeThere>(new VolumeOn<lattice::HostSide<lattice::SeededRun<1>>>));
+  picture.pictures = DevicePictures([] {
+    return Result(std::unique_ptr<VolumeBackend>(new DeviceVolume<lattice::HostSide<lattice::SeededRun<1>>>));
   });
   VolumeWish wish{ct, "bone", window_->viewer().camera, 320, 240};
   for (int n = 0; n < 3; n++) {
@@ -47,7 +47,8 @@ TEST_F(CtPicturesTest, a_volume_that_a_gpu_draws_is_fine_at_once_and_without_roo
     EXPECT_FALSE(picture.coming.valid()) << "nothing finer to come";
     wish.camera = orbited(wish.camera, 0.05, 0);
   }
-  picture.pictures = PicturesThere([]() -> Result<std::unique_ptr<VolumeThere>> { return Error{"no room"}; });
+  picture.pictures =
+      DevicePictures([]() -> Result<std::unique_ptr<VolumeBackend>> { return Error{"no room"}; });
   EXPECT_TRUE(renew(wish, picture));
   picture.coming.wait();
   const Status status = renew(wish, picture);

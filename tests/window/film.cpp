@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "folders.hpp"
+#include "tests/folders.hpp"
 
 namespace turgor {
 namespace {

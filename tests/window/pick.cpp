@@ -2,24 +2,24 @@
 
 #include <gtest/gtest.h>
 
-#include "view/shapes.hpp"
+#include "tests/view/shapes.hpp"
 
 namespace turgor {
 namespace {
 
-ShownBody ball(Vec3 center, float radius) {
+BodySnapshot ball(Vec3 center, float radius) {
   const TriMesh mesh = test::sphere(center, radius, 64);
-  ShownBody body;
+  BodySnapshot body;
   body.x = mesh.vertices, body.triangles = mesh.triangles;
   return body;
 }
 
 TEST(pick, the_nearest_place_of_a_ball_on_a_ray_is_where_geometry_says_with_its_normal) {
-  ShownWorld shown;
-  shown.bodies = {ball({0.1f, 0.2f, -0.1f}, 0.08f)};
+  WorldSnapshot snapshot;
+  snapshot.bodies = {ball({0.1f, 0.2f, -0.1f}, 0.08f)};
   const Vec3d center{0.1, 0.2, -0.1}, from{0.7, -0.5, 0.4}, beside{0.12, 0.21, -0.07};
   const SightRay ray{from, normalized(beside - from)};
-  const auto found = pick(shown, ray);
+  const auto found = pick(snapshot, ray);
   ASSERT_TRUE(found);
   const double along = dot(center - from, ray.direction),
                away2 = dot(center - from, center - from) - along * along;
@@ -29,19 +29,19 @@ TEST(pick, the_nearest_place_of_a_ball_on_a_ray_is_where_geometry_says_with_its_
 }
 
 TEST(pick, the_body_in_front_hides_the_one_behind_it_whatever_their_order) {
-  ShownWorld shown;
-  shown.bodies = {ball({0, 0.5f, 0}, 0.1f), ball({0, 0, 0}, 0.1f)};
-  const auto found = pick(shown, {{0, -1, 0}, {0, 1, 0}});
+  WorldSnapshot snapshot;
+  snapshot.bodies = {ball({0, 0.5f, 0}, 0.1f), ball({0, 0, 0}, 0.1f)};
+  const auto found = pick(snapshot, {{0, -1, 0}, {0, 1, 0}});
   ASSERT_TRUE(found);
   EXPECT_EQ(found->body, 1u);
   EXPECT_NEAR(found->distance, 0.9, 1e-3);
 }
 
 TEST(pick, nothing_lies_beside_a_body_and_nothing_behind_the_eye) {
-  ShownWorld shown;
-  shown.bodies = {ball({0, 0, 0}, 0.1f)};
-  EXPECT_FALSE(pick(shown, {{0.2, -1, 0}, {0, 1, 0}}));
-  EXPECT_FALSE(pick(shown, {{0, -1, 0}, {0, -1, 0}}));
+  WorldSnapshot snapshot;
+  snapshot.bodies = {ball({0, 0, 0}, 0.1f)};
+  EXPECT_FALSE(pick(snapshot, {{0.2, -1, 0}, {0, 1, 0}}));
+  EXPECT_FALSE(pick(snapshot, {{0, -1, 0}, {0, -1, 0}}));
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include "turgor/window/window.hpp"
 
+#include "tests/window/window_test.hpp"
 #include "turgor/window/ct_pictures.hpp"
-#include "window/window_test.hpp"
 
 namespace turgor {
 namespace {
@@ -33,7 +33,7 @@ TEST_F(WindowTest, what_is_grabbed_with_shift_is_pulled_along) {
   hand("mousemove " + pixel(place + right * 0.015));
   const auto pulled = [&](const SessionNow& n) {
     double most = 0;
-    for (const Vec3 u : n.shown.bodies[0].displacement) most = std::max(most, dot(Vec3d(u), right));
+    for (const Vec3 u : n.snapshot.bodies[0].displacement) most = std::max(most, dot(Vec3d(u), right));
     return most;
   };
   EXPECT_TRUE(draw_until([&](const SessionNow& n) { return pulled(n) > 0.004; })) << pulled(now()) << " m";
@@ -47,7 +47,7 @@ TEST_F(WindowTest, a_line_drawn_on_skin_in_cut_mode_opens_a_wound_and_is_saved_w
   type("1");  // from the front
   type("c");
   const auto walls = [](const SessionNow& n) {
-    return n.shown.bodies[0].triangles.size() - n.shown.bodies[0].wall_begin;
+    return n.snapshot.bodies[0].triangles.size() - n.snapshot.bodies[0].wall_begin;
   };
   EXPECT_EQ(walls(now()), 0u);
   hand("mousemove " + pixel({0.01, -0.02, -0.03}) + " mousedown 1");
@@ -95,11 +95,11 @@ TEST_F(WindowTest, space_pauses_dots_step_and_minus_slows) {
   ASSERT_TRUE(wait_for_world());
   type("space");
   ASSERT_TRUE(draw_until([](const SessionNow& n) { return !n.plays; }));
-  const int frame = now().shown.frame;
+  const int frame = now().snapshot.frame;
   draw_for(0.3);
-  EXPECT_EQ(now().shown.frame, frame);
+  EXPECT_EQ(now().snapshot.frame, frame);
   type("period");
-  EXPECT_TRUE(draw_until([&](const SessionNow& n) { return n.shown.frame == frame + 1; }));
+  EXPECT_TRUE(draw_until([&](const SessionNow& n) { return n.snapshot.frame == frame + 1; }));
   type("minus");
   EXPECT_TRUE(draw_until([&](const SessionNow& n) { return n.plays && n.pace == 0.5; }));
   hand("keydown space");
@@ -159,11 +159,11 @@ TEST_F(WindowTest, a_window_that_stalls_for_a_second_costs_the_haptic_loop_nothi
   ASSERT_TRUE(draw_until([](const SessionNow& n) { return force(n) > 0.01; }));
   draw_for(0.3);
   const haptics::TimingReport before = now().haptics;
-  const double begin = now().shown.time;
+  const double begin = now().snapshot.time;
   std::this_thread::sleep_for(std::chrono::seconds(1));
   draw_for(0.3);
   const haptics::TimingReport after = now().haptics;
-  EXPECT_GT(now().shown.time, begin + 0.7) << "s: frames went on";
+  EXPECT_GT(now().snapshot.time, begin + 0.7) << "s: frames went on";
   EXPECT_GT(after.ticks + after.missed, before.ticks + before.missed + 900) << "the loop kept its time";
   EXPECT_LT(after.period.largest, 0.5) << "s: no pause of the stall's length";
   hand("mouseup 1");
@@ -203,7 +203,7 @@ path = [[0, 0.015, 0.015, 0.04]]
               with = read_picture(folder_ / "out" / "pad-2.png");
   ASSERT_EQ(with.width, kWidth) << window_->viewer().message;
   EXPECT_GT(patch_pixels(with), patch_pixels(without) + 300);
-  const TriMesh& patch = now().shown.bodies[0].patch;
+  const TriMesh& patch = now().snapshot.bodies[0].patch;
   ASSERT_FALSE(patch.triangles.empty());
   for (const Vec3 x : patch.vertices)
     EXPECT_LT(std::hypot(x.x - 0.015, x.y - 0.015), 0.035) << "m: the elements near the tool, and no others";

@@ -2,9 +2,9 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "turgor/sim/live/felt_replay.hpp"
+#include "tests/window/window_test.hpp"
+#include "turgor/sim/live/haptic_replay.hpp"
 #include "turgor/view/video.hpp"
-#include "window/window_test.hpp"
 
 namespace turgor {
 namespace {
@@ -40,11 +40,11 @@ TEST_F(WindowTest, a_file_that_is_dropped_is_opened_and_looked_at_as_a_whole) {
   const int before = now().world;
   drop(block(folder_));
   ASSERT_TRUE(draw_until([&](const SessionNow& n) {
-    return n.world > before && n.phase == SessionNow::Phase::kReady && !n.shown.bodies.empty();
+    return n.world > before && n.phase == SessionNow::Phase::kReady && !n.snapshot.bodies.empty();
   }));
   draw_for(0.1);
-  EXPECT_EQ(now().shown.bodies[0].name, "block");
-  const Box box = box_of(now().shown);
+  EXPECT_EQ(now().snapshot.bodies[0].name, "block");
+  const Box box = box_of(now().snapshot);
   for (int i = 0; i < 8; i++) {
     const auto seen = seen_at(window_->viewer().camera, corner(box, i), double(kWidth) / kHeight);
     ASSERT_TRUE(seen);
@@ -68,15 +68,15 @@ TEST_F(WindowTest, another_file_is_opened_and_looked_at_as_a_whole) {
   for (const bool around : {false, true}) {
     open(liver(folder_));
     ASSERT_TRUE(wait_for_world());
-    const Box before = box_of(now().shown);
+    const Box before = box_of(now().snapshot);
     open_file(window_->viewer(),  // what a drop on the window calls
               around ? sheet_around(folder_, (before.low + before.high) * 0.5) : block(folder_));
     ASSERT_TRUE(draw_until([&](const SessionNow& n) {
-      return n.phase == SessionNow::Phase::kReady && !n.shown.bodies.empty() &&
-             n.shown.bodies[0].name != "liver";
+      return n.phase == SessionNow::Phase::kReady && !n.snapshot.bodies.empty() &&
+             n.snapshot.bodies[0].name != "liver";
     }));
     draw_for(0.1);
-    const Box box = box_of(now().shown);
+    const Box box = box_of(now().snapshot);
     for (int i = 0; i < 8; i++) {
       const auto seen = seen_at(window_->viewer().camera, corner(box, i), double(kWidth) / kHeight);
       ASSERT_TRUE(seen) << "around " << around;
@@ -86,7 +86,7 @@ TEST_F(WindowTest, another_file_is_opened_and_looked_at_as_a_whole) {
   }
 }
 
-TEST_F(WindowTest, colours_that_the_next_scene_does_not_know_are_left_behind) {
+TEST_F(WindowTest, colors_that_the_next_scene_does_not_know_are_left_behind) {
   const fs::path pad = folder_ / "pad.toml";
   std::ofstream(pad) << R"([world]
 duration = 1
@@ -103,8 +103,8 @@ cache = false
   EXPECT_EQ(window_->viewer().display.color, SkinColor::kPressure);
   open_file(window_->viewer(), liver(folder_));
   ASSERT_TRUE(draw_until([](const SessionNow& n) {
-    return n.phase == SessionNow::Phase::kReady && n.shown.bodies.size() == 1 &&
-           n.shown.bodies[0].name == "liver";
+    return n.phase == SessionNow::Phase::kReady && n.snapshot.bodies.size() == 1 &&
+           n.snapshot.bodies[0].name == "liver";
   }));
   draw_for(0.1);
   EXPECT_EQ(window_->viewer().display.color, SkinColor::kNone);
@@ -135,7 +135,7 @@ TEST_F(WindowTest, a_file_that_is_no_scene_is_told_when_it_is_dropped_and_the_wi
 TEST_F(WindowTest, a_scene_that_changed_on_disk_is_read_again_with_r) {
   open(liver(folder_));
   ASSERT_TRUE(wait_for_world());
-  const std::size_t vertices = now().shown.bodies[0].x.size();
+  const std::size_t vertices = now().snapshot.bodies[0].x.size();
   const int world = now().world;
   std::ifstream file(folder_ / "liver.toml");
   std::string text((std::istreambuf_iterator<char>(file)), {});
@@ -143,7 +143,8 @@ TEST_F(WindowTest, a_scene_that_changed_on_disk_is_read_again_with_r) {
   std::ofstream(folder_ / "liver.toml") << text;
   type("r");
   EXPECT_TRUE(draw_until([&](const SessionNow& n) {
-    return n.world > world && n.phase == SessionNow::Phase::kReady && n.shown.bodies[0].x.size() > vertices;
+    return n.world > world && n.phase == SessionNow::Phase::kReady &&
+           n.snapshot.bodies[0].x.size() > vertices;
   }));
 }
 
@@ -160,11 +161,11 @@ TEST_F(WindowTest, all_that_was_felt_is_saved_with_h_and_done_again_to_the_same_
   ASSERT_TRUE(draw_until([](const SessionNow& n) { return !n.saved.empty(); }));
   draw_for(0.1);
   EXPECT_NE(window_->viewer().message.find("turgor replay"), std::string::npos) << window_->viewer().message;
-  const Result<FeltRun> run = read_felt_run(folder_ / "out" / "liver-felt-1.h5");
+  const Result<HapticRecording> run = read_haptic_recording(folder_ / "out" / "liver-felt-1.h5");
   ASSERT_TRUE(run) << run.error().message;
   Result<World> world = load_world(Exec(1), *scene_of(*run));
   ASSERT_TRUE(world) << world.error().message;
-  auto replay = FeltReplay::begin(*world, *run);
+  auto replay = HapticReplay::begin(*world, *run);
   ASSERT_TRUE(replay) << replay.error().message;
   for (int frame = 0; frame < run->frames; frame++) {
     ASSERT_TRUE((*replay)->next_frame(Exec(1)));

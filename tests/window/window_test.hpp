@@ -7,11 +7,11 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "sim/four_kinds.hpp"
+#include "tests/sim/four_kinds.hpp"
+#include "tests/view/shapes.hpp"
+#include "tests/window/screen.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/window/window.hpp"
-#include "view/shapes.hpp"
-#include "window/screen.hpp"
 
 namespace turgor::test {
 
@@ -50,7 +50,7 @@ class WindowTest : public testing::Test {
   }
   bool wait_for_world() {
     return draw_until(
-        [](const SessionNow& n) { return n.phase == SessionNow::Phase::kReady && n.shown.frame > 2; });
+        [](const SessionNow& n) { return n.phase == SessionNow::Phase::kReady && n.snapshot.frame > 2; });
   }
   void draw_for(double seconds) {
     const Timer timer;
@@ -108,12 +108,12 @@ inline int n_samples_above(const DeformedCt& ct, int hu) {
       std::count_if(ct.ct.samples.begin(), ct.ct.samples.end(), [hu](int sample) { return sample > hu; }));
 }
 
-inline double force(const SessionNow& now) { return now.felt[0].empty() ? 0 : now.felt[0].back().force; }
+inline double force(const SessionNow& now) { return now.haptic[0].empty() ? 0 : now.haptic[0].back().force; }
 
 /// The place of a body that lies nearest to the eye's line to its middle.
 inline Vec3d facing(const Viewer& viewer) {
-  const Box box = box_of(viewer.now->shown);
-  const auto found = pick(viewer.now->shown,
+  const Box box = box_of(viewer.now->snapshot);
+  const auto found = pick(viewer.now->snapshot,
                           {viewer.camera.eye, normalized((box.low + box.high) * 0.5 - viewer.camera.eye)});
   EXPECT_TRUE(found);
   return found ? found->point : box.low;

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "turgor/contact/local_measure.hpp"
-#include "turgor/models/cloth/contact.hpp"
+#include "turgor/contact/local_stiffness.hpp"
+#include "turgor/models/cloth/contact/contact.hpp"
 
 namespace turgor::contact {
 
@@ -18,8 +18,8 @@ struct SheetPlace {
 };
 
 /// The nearest point of a triangle to the tool's balls, if it is nearer than what was found.
-void look_at(const cloth::Model& model, const cloth::State& state, Int3 t, const Shape& shape,
-             const Pose& pose, SheetPlace& nearest) {
+void read_nodes(const cloth::Model& model, const cloth::State& state, Int3 t, const Shape& shape,
+                const Pose& pose, SheetPlace& nearest) {
   constexpr int kMostTips = 16;
   const Vec3d a(state.x[std::size_t(t.x)]), b(state.x[std::size_t(t.y)]), c(state.x[std::size_t(t.z)]);
   const int tips = tip_count(shape), stride = std::max(1, tips / kMostTips);
@@ -40,7 +40,7 @@ SheetPlace nearest_place(const cloth::Model& model, const cloth::State& state, c
   SheetPlace nearest;
   for (const Int3 t : model.triangles) {
     const Vec3d off = Vec3d(state.x[std::size_t(t.x)]) - pose.position;
-    if (dot(off, off) < near * near) look_at(model, state, t, shape, pose, nearest);
+    if (dot(off, off) < near * near) read_nodes(model, state, t, shape, pose, nearest);
   }
   return nearest;
 }

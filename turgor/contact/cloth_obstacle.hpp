@@ -2,7 +2,7 @@
 #pragma once
 
 #include "turgor/contact/tool.hpp"
-#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/model/cloth.hpp"
 
 namespace turgor::contact {
 

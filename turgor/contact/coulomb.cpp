@@ -12,7 +12,7 @@ namespace {
 /// with the held ones in place, C_cc − C_ch C_hh⁻¹ C_hc, and their separations b_c − C_ch C_hh⁻¹ b_h. Columns
 /// of the held unknowns keep their rows below the diagonal for place_held. A pivot that is lost to rounding
 /// (a site on top of another one) bears no force.
-void eliminate_held(Coulomb& p) {
+void eliminate_held(FrictionalContactProblem& p) {
   const int n = 3 * p.count, h = 3 * p.held;
   constexpr double kLost = 1e-12;
   double largest = 0;
@@ -35,7 +35,7 @@ void eliminate_held(Coulomb& p) {
 }
 
 /// The forces of the held sites, once the others are known.
-void place_held(Coulomb& p) {
+void place_held(FrictionalContactProblem& p) {
   const int n = 3 * p.count;
   for (int i = 3 * p.held - 1; i >= 0; i--) {
     const double* pivot = column(p, i);
@@ -54,7 +54,7 @@ Mat3d frame_around(Vec3d n) {
   return {{n, t, cross(n, t)}};
 }
 
-Mat3d block(const Coulomb& p, int row, int col) {
+Mat3d block(const FrictionalContactProblem& p, int row, int col) {
   Mat3d b;
   for (int axis = 0; axis < 3; axis++) {
     const double* c = column(p, 3 * col + axis) + 3 * row;
@@ -62,7 +62,7 @@ Mat3d block(const Coulomb& p, int row, int col) {
   }
   return b;
 }
-void write_block(const Mat3d& b, int row, int col, Coulomb& p) {
+void write_block(const Mat3d& b, int row, int col, FrictionalContactProblem& p) {
   for (int axis = 0; axis < 3; axis++) {
     double* c = column(p, 3 * col + axis) + 3 * row;
     c[0] = b.column[axis].x, c[1] = b.column[axis].y, c[2] = b.column[axis].z;
@@ -70,7 +70,7 @@ void write_block(const Mat3d& b, int row, int col, Coulomb& p) {
 }
 
 /// All numbers of the sites that are not held into their frames, by the lower triangle of C.
-void enter_frames(Coulomb& p) {
+void enter_frames(FrictionalContactProblem& p) {
   for (int i = p.held; i < p.count; i++) p.laws[std::size_t(i)].axes = frame_around(p.normal[std::size_t(i)]);
   for (int j = p.held; j < p.count; j++) {
     const Mat3d axes = p.laws[std::size_t(j)].axes;
@@ -86,7 +86,7 @@ void enter_frames(Coulomb& p) {
   }
 }
 
-void leave_frames(Coulomb& p) {
+void leave_frames(FrictionalContactProblem& p) {
   for (int i = p.held; i < p.count; i++) {
     const Mat3d& axes = p.laws[std::size_t(i)].axes;
     write_site(axes * read_site(p.separation, i), i, p.separation);
@@ -95,7 +95,7 @@ void leave_frames(Coulomb& p) {
 }
 
 /// One sweep; returns the largest change of a force.
-double sweep(Coulomb& p) {
+double sweep(FrictionalContactProblem& p) {
   double largest = 0;
   for (int i = p.held; i < p.count; i++) {
     SiteLaw& law = p.laws[std::size_t(i)];
@@ -113,7 +113,7 @@ double sweep(Coulomb& p) {
 }
 
 /// The largest force that one site alone would need to close its own gap.
-double force_scale(const Coulomb& p) {
+double force_scale(const FrictionalContactProblem& p) {
   double largest = 0;
   for (int i = p.held; i < p.count; i++)
     largest = std::max(largest, norm(read_site(p.separation, i)) / p.laws[std::size_t(i)].d.column[0].x);
@@ -121,18 +121,19 @@ double force_scale(const Coulomb& p) {
 }
 
 /// Puts forces back, with the separations that belong to them.
-void restore(Coulomb& p) {
+void restore(FrictionalContactProblem& p) {
   for (int i = p.held; i < p.count; i++) add_force(p, i, read_site(p.saved_force, i) - read_site(p.force, i));
 }
 
-void save(Coulomb& p) { std::copy_n(p.force.begin(), 3 * p.count, p.saved_force.begin()); }
+void save(FrictionalContactProblem& p) { std::copy_n(p.force.begin(), 3 * p.count, p.saved_force.begin()); }
 
 /// Gauss–Seidel finds who touches, sticks and slides; Newton steps, each followed by a sweep that looks at
 /// those states again, finish. When a few of them in a row have not halved the residual, they are taken back,
 /// and the next ones wait for more sweeps.
-CoulombReport solve_contacts(Coulomb& p, const CoulombParams& params, double scale) {
+FrictionalContactReport solve_contacts(FrictionalContactProblem& p, const FrictionalContactParams& params,
+                                       double scale) {
   constexpr int kRun = 5;
-  CoulombReport report;
+  FrictionalContactReport report;
   int wait = 3, run = 0;   // sweeps before the next steps, steps in a row
   double best = HUGE_VAL;  // residual that the steps must halve
   while (report.sweeps < params.sweeps) {
@@ -165,9 +166,9 @@ CoulombReport solve_contacts(Coulomb& p, const CoulombParams& params, double sca
 
 }  // namespace
 
-Coulomb make_coulomb(int capacity) {
+FrictionalContactProblem make_frictional_contact_problem(int capacity) {
   const auto sites = std::size_t(capacity), unknowns = 3 * sites;
-  Coulomb p;
+  FrictionalContactProblem p;
   p.stride = padded(3 * capacity);
   const auto stride = std::size_t(p.stride);
   p.compliance.resize(unknowns * stride);
@@ -183,7 +184,7 @@ Coulomb make_coulomb(int capacity) {
   return p;
 }
 
-CoulombReport solve(Coulomb& p, const CoulombParams& params) {
+FrictionalContactReport solve(FrictionalContactProblem& p, const FrictionalContactParams& params) {
   TURGOR_ASSERT(3 * p.count <= p.stride && p.held <= p.count, "contact sites fit what was allocated");
   const int end = padded(3 * p.count);
   for (int j = 0; j < 3 * p.count; j++) std::fill(column(p, j) + 3 * p.count, column(p, j) + end, 0.0);
@@ -191,7 +192,7 @@ CoulombReport solve(Coulomb& p, const CoulombParams& params) {
   enter_frames(p);
   const double scale = force_scale(p);
   for (int i = p.held; i < p.count; i++) add_separation(p, i, read_site(p.force, i));
-  const CoulombReport report = solve_contacts(p, params, scale);
+  const FrictionalContactReport report = solve_contacts(p, params, scale);
   leave_frames(p);
   if (p.held > 0) place_held(p);
   return report;

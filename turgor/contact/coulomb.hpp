@@ -34,7 +34,7 @@ struct SiteLaw {
 };
 
 /// Everything is allocated by make_coulomb; `count` and `held` may change from solution to solution.
-struct Coulomb {
+struct FrictionalContactProblem {
   int count = 0, held = 0;            // sites; the first `held` of them are held
   int stride = 0;                     // numbers between columns of C, a multiple of 8
   aligned_vector<double> compliance;  // C, 3·count square, column-major, the blocks on and below the diagonal
@@ -55,15 +55,15 @@ struct Coulomb {
 };
 
 /// With room for `capacity` sites.
-Coulomb make_coulomb(int capacity);
+FrictionalContactProblem make_frictional_contact_problem(int capacity);
 
-struct CoulombParams {
+struct FrictionalContactParams {
   int sweeps = 120;         // at most
   int newton_steps = 12;    // at most
   double tolerance = 1e-6;  // see CoulombReport::residual
 };
 
-struct CoulombReport {
+struct FrictionalContactReport {
   int sweeps = 0, newton_steps = 0;
   // The largest change that its own exact solution still makes to a site's force, relative to the largest
   // force that one site alone would need [1].
@@ -72,7 +72,7 @@ struct CoulombReport {
 };
 
 /// The same bits for the same input; no allocation.
-CoulombReport solve(Coulomb& problem, const CoulombParams& params = {});
+FrictionalContactReport solve(FrictionalContactProblem& problem, const FrictionalContactParams& params = {});
 
 /// One site alone: the force λ at which c = b + D λ obeys the conditions, in the site's frame.
 struct SiteSolution {

@@ -71,10 +71,12 @@ bool solve_in_place(const System& s) {
   return true;
 }
 
-bool is_frictionless(const Coulomb& p, int site) { return p.friction[std::size_t(site)] <= 0; }
+bool is_frictionless(const FrictionalContactProblem& p, int site) {
+  return p.friction[std::size_t(site)] <= 0;
+}
 
 /// Numbers the unknowns; returns how many there are.
-int number_unknowns(Coulomb& p) {
+int number_unknowns(FrictionalContactProblem& p) {
   int count = 0;
   for (int i = p.held; i < p.count; i++) {
     const bool open = p.state[std::size_t(i)] == SiteState::kOpen;
@@ -91,7 +93,7 @@ struct Slip {
   double friction = 0, unit = 0;
 };
 
-Slip slip_of(const Coulomb& p, int site) {
+Slip slip_of(const FrictionalContactProblem& p, int site) {
   const Vec3d c = read_site(p.separation, site), f = read_site(p.force, site);
   Slip slip{.friction = p.friction[std::size_t(site)], .unit = p.laws[std::size_t(site)].d.column[0].x};
   const double length = std::sqrt(c.y * c.y + c.z * c.z);
@@ -117,7 +119,7 @@ void turn_rows(const System& s, int row, const Slip& slip) {
   }
 }
 
-void fill_columns(const Coulomb& p, int site, const System& s) {
+void fill_columns(const FrictionalContactProblem& p, int site, const System& s) {
   const int first = p.newton_row[std::size_t(site)], columns = is_frictionless(p, site) ? 1 : 3;
   for (int k = 0; k < columns; k++) {
     double* target = s.column(first + k);
@@ -132,7 +134,7 @@ void fill_columns(const Coulomb& p, int site, const System& s) {
   }
 }
 
-void fill_rhs(const Coulomb& p, int site, const System& s) {
+void fill_rhs(const FrictionalContactProblem& p, int site, const System& s) {
   const int row = p.newton_row[std::size_t(site)];
   const Vec3d c = read_site(p.separation, site), f = read_site(p.force, site);
   s.rhs[row] = -c.x;
@@ -147,7 +149,7 @@ void fill_rhs(const Coulomb& p, int site, const System& s) {
 
 }  // namespace
 
-bool newton_step(Coulomb& p) {
+bool newton_step(FrictionalContactProblem& p) {
   const System s{p.newton_matrix.data(), p.newton_rhs.data(), p.newton_column.data(), number_unknowns(p),
                  p.stride};
   for (int i = p.held; i < p.count; i++)

@@ -21,13 +21,15 @@ void write_site(Vec3d value, int site, Numbers& v) {
   p[0] = value.x, p[1] = value.y, p[2] = value.z;
 }
 
-inline double* column(Coulomb& p, int j) { return &p.compliance[std::size_t(j) * std::size_t(p.stride)]; }
-inline const double* column(const Coulomb& p, int j) {
+inline double* column(FrictionalContactProblem& p, int j) {
+  return &p.compliance[std::size_t(j) * std::size_t(p.stride)];
+}
+inline const double* column(const FrictionalContactProblem& p, int j) {
   return &p.compliance[std::size_t(j) * std::size_t(p.stride)];
 }
 
 /// c += C_i Δλ at all sites that are not held.
-inline void add_separation(Coulomb& p, int site, Vec3d change) {
+inline void add_separation(FrictionalContactProblem& p, int site, Vec3d change) {
   const double *a = column(p, 3 * site), *b = column(p, 3 * site + 1), *c = column(p, 3 * site + 2);
   double* s = p.separation.data();
   for (int i = 0, end = padded(3 * p.count); i < end; i += kLanes) {
@@ -37,7 +39,7 @@ inline void add_separation(Coulomb& p, int site, Vec3d change) {
 }
 
 /// λ_i += Δλ, and what follows from it.
-inline void add_force(Coulomb& p, int site, Vec3d change) {
+inline void add_force(FrictionalContactProblem& p, int site, Vec3d change) {
   double* f = &p.force[std::size_t(3 * site)];
   f[0] += change.x, f[1] += change.y, f[2] += change.z;
   add_separation(p, site, change);
@@ -45,6 +47,6 @@ inline void add_force(Coulomb& p, int site, Vec3d change) {
 
 /// One Newton step of all sites that bear force, from their present states. False, and nothing is changed,
 /// when its matrix is singular.
-bool newton_step(Coulomb& problem);
+bool newton_step(FrictionalContactProblem& problem);
 
 }  // namespace turgor::contact

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "turgor/contact/local_measure.hpp"
+#include "turgor/contact/local_stiffness.hpp"
 #include "turgor/core/assert.hpp"
-#include "turgor/models/lattice/node_contact.hpp"
+#include "turgor/models/lattice/mechanics/node_contact.hpp"
 
 namespace turgor::contact {
 

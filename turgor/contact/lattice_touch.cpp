@@ -8,7 +8,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/triangle_tree.hpp"
-#include "turgor/models/lattice/neighbours.hpp"
+#include "turgor/models/lattice/model/neighbors.hpp"
 
 namespace turgor::contact {
 
@@ -16,8 +16,8 @@ namespace {
 
 /// Does tissue end at this node: beside air, or because the scan does?
 bool is_outermost(const lattice::Model& model, Int3 node) {
-  for (int n = 0; n < lattice::kNeighbourCount; n++) {
-    const Int3 other = node + lattice::neighbour_offset(n);
+  for (int n = 0; n < lattice::kNeighborCount; n++) {
+    const Int3 other = node + lattice::neighbor_offset(n);
     if (!contains(model.lattice, other)) return true;
     if (!is_body(model.tissue[std::size_t(node_slot(model.lattice, other))])) return true;
   }
@@ -238,12 +238,12 @@ void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattic
   });
 }
 
-void put_tool(LatticeTouch& touch, const lattice::Model& model, int tool, const ToolPose& pose) {
+void teleport_tool(LatticeTouch& touch, const lattice::Model& model, int tool, const ToolPose& pose) {
   touch.poses[std::size_t(tool)] = in_lattice(model.grid, pose);
   std::erase_if(touch.contacts, [tool](const LatticeContact& contact) { return contact.tool == tool; });
 }
 
-std::vector<int> places_near(const lattice::Model& model, const lattice::KeptState& state,
+std::vector<int> places_near(const lattice::Model& model, const lattice::DeviceState& state,
                              const LatticeTouch& touch, std::span<const Tool> tools,
                              std::span<const ToolPose> poses) {
   const std::vector<lattice::Ball> balls = balls_around(model, touch, tools, in_lattice(model.grid, poses));
@@ -291,17 +291,17 @@ void read_forces(const lattice::Model& model, const lattice::State& state, Latti
     const LatticePlace& place = touch.places[std::size_t(contact.place)];
     const Vec3d x = place_now(state, place), force(node.force);
     for (int axis = 0; axis < 3; axis++) contact.force[axis] = dot(pose.axes.column[axis], force);
-    ToolForce& felt = forces[std::size_t(contact.tool)];
+    ToolForce& haptic = forces[std::size_t(contact.tool)];
     const double outside = distance(tools[std::size_t(contact.tool)].shape, pose, x).distance;
-    if (!contact.is_held) felt.largest_penetration = std::max(felt.largest_penetration, -outside);
+    if (!contact.is_held) haptic.largest_penetration = std::max(haptic.largest_penetration, -outside);
     if (!(norm(force) > 0)) continue;
-    felt.contacts++;
+    haptic.contacts++;
     const double pressing = dot(Vec3d(node.normal), force);
     const double rubbing = norm(force - Vec3d(node.normal) * pressing);
-    if (!contact.is_held && rubbing > double(node.friction) * pressing * (1 - 1e-4)) felt.sliding++;
+    if (!contact.is_held && rubbing > double(node.friction) * pressing * (1 - 1e-4)) haptic.sliding++;
     const Vec3d on_tool = model.grid.axes * -force, arm = model.grid.axes * (x - pose.position);
-    felt.force += on_tool;
-    felt.torque += cross(arm, on_tool);
+    haptic.force += on_tool;
+    haptic.torque += cross(arm, on_tool);
   }
 }
 

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "turgor/contact/touch.hpp"
-#include "turgor/models/lattice/kept_state.hpp"
-#include "turgor/models/lattice/surface.hpp"
+#include "turgor/models/lattice/device/device_state.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
 
 namespace turgor::contact {
 
-using LatticePlace = lattice::SurfacePlace;
+using LatticePlace = lattice::SurfaceSample;
 
 /// A place near a tool, between steps.
 struct LatticeContact {
@@ -48,10 +48,10 @@ void take_surface(LatticeTouch& touch, const lattice::Model& model, const lattic
                   const lattice::BodySurface& surface);
 
 /// A tool is elsewhere [patient frame], without a way there: it lets go of all that it touched.
-void put_tool(LatticeTouch& touch, const lattice::Model& model, int tool, const ToolPose& pose);
+void teleport_tool(LatticeTouch& touch, const lattice::Model& model, int tool, const ToolPose& pose);
 
 /// The places that tools may come to on their way to `poses` [patient frame] or have hold of, ascending.
-std::vector<int> places_near(const lattice::Model& model, const lattice::KeptState& state,
+std::vector<int> places_near(const lattice::Model& model, const lattice::DeviceState& state,
                              const LatticeTouch& touch, std::span<const Tool> tools,
                              std::span<const ToolPose> poses);
 std::vector<int> places_near(const lattice::Model& model, const lattice::State& state,

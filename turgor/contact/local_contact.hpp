@@ -13,7 +13,7 @@
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/contact/tool_io.hpp"
 #include "turgor/contact/touch.hpp"
-#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/model/cloth.hpp"
 
 namespace turgor::contact {
 
@@ -31,7 +31,7 @@ struct LocalContact {
   double friction = 0;         // Coulomb's μ [1]
   double reach = 0;            // the plane is known for the tissue so far from `origin` [m]
   long number = 0;             // of the planes of this tool so far
-  int puts = 0;                // how often the tool had been put elsewhere by then
+  int teleports = 0;           // how often the tool had been put elsewhere by then
 };
 
 struct LocalTouchParams {

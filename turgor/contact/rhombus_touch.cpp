@@ -14,15 +14,15 @@ RhombusTip lowest_end(const Shape& shape) {
   for (int n = 1; n < tip_count(shape); n++)
     if (const Vec3d other = tip(shape, n); other.z < lowest.z) lowest = other;
   const double radius = tip_radius(shape);
-  return {.centre = lowest + Vec3d{0, 0, radius}, .radius = radius};
+  return {.center = lowest + Vec3d{0, 0, radius}, .radius = radius};
 }
 
-ToolReading reading_of(const rhombus::TouchForce& felt, Vec3d arm) {
-  return {.force = felt.force,
-          .torque = cross(arm, felt.force),
-          .squeeze = felt.squeeze,
-          .depth = felt.touching ? felt.depth : 0,
-          .contacts = felt.touching ? 1 : 0};
+ToolReading reading_of(const rhombus::TouchForce& haptic, Vec3d arm) {
+  return {.force = haptic.force,
+          .torque = cross(arm, haptic.force),
+          .squeeze = haptic.squeeze,
+          .depth = haptic.touching ? haptic.depth : 0,
+          .contacts = haptic.touching ? 1 : 0};
 }
 
 }  // namespace
@@ -30,15 +30,15 @@ ToolReading reading_of(const rhombus::TouchForce& felt, Vec3d arm) {
 RhombusTip rhombus_tip(const Shape& shape, const std::optional<Forceps>& forceps) {
   if (forceps)
     return {
-        .centre = {0, 0, forceps->tip_radius}, .radius = forceps->tip_radius, .opening = forceps->opening};
-  if (const auto* ball = std::get_if<Sphere>(&shape)) return {.centre = {}, .radius = ball->radius};
+        .center = {0, 0, forceps->tip_radius}, .radius = forceps->tip_radius, .opening = forceps->opening};
+  if (const auto* ball = std::get_if<Sphere>(&shape)) return {.center = {}, .radius = ball->radius};
   if (const auto* rod = std::get_if<Capsule>(&shape))
-    return {.centre = {0, 0, -rod->half_length}, .radius = rod->radius};
+    return {.center = {0, 0, -rod->half_length}, .radius = rod->radius};
   return lowest_end(shape);
 }
 
 rhombus::TouchInput touch_input(const RhombusTip& tip, const Pose& pose, double grip) {
-  return {.position = to_world(pose, tip.centre),
+  return {.position = to_world(pose, tip.center),
           .axes = pose.axes,
           .radius = tip.radius,
           .grip = grip,

@@ -15,7 +15,7 @@ namespace turgor::contact {
 
 /// The end of a tool that a body of rhombus feels: a ball, or what is between two jaws.
 struct RhombusTip {
-  Vec3d centre;        // of the ball, in the tool's frame [m]
+  Vec3d center;        // of the ball, in the tool's frame [m]
   double radius = 0;   // [m]
   double opening = 0;  // of open jaws; 0 = the tool has none [m]
 };

@@ -33,12 +33,12 @@ void set_offsets(SfemTouch& touch) {
 }
 
 ToolReading reading_of(const SfemTouch& touch, std::size_t tool) {
-  const ToolForce& felt = touch.forces[tool];
-  ToolReading reading{.force = felt.force * touch.stiffer,
-                      .torque = felt.torque * touch.stiffer,
-                      .contacts = felt.contacts,
-                      .beyond_patch = felt.beyond_patch};
-  if (felt.contacts > 0)
+  const ToolForce& haptic = touch.forces[tool];
+  ToolReading reading{.force = haptic.force * touch.stiffer,
+                      .torque = haptic.torque * touch.stiffer,
+                      .contacts = haptic.contacts,
+                      .beyond_patch = haptic.beyond_patch};
+  if (haptic.contacts > 0)
     reading.depth =
         depth_at_rest(*touch.patch, touch.state.surface, touch.tools[tool].shape, touch.poses[tool].pose);
   return reading;
@@ -104,7 +104,7 @@ void publish(const SfemTouch& touch, TouchedNow& now) {
   now.stiffer = touch.stiffer;
   now.poses = touch.poses;
   now.forces = touch.forces;
-  for (ToolForce& felt : now.forces) felt.force *= touch.stiffer, felt.torque *= touch.stiffer;
+  for (ToolForce& haptic : now.forces) haptic.force *= touch.stiffer, haptic.torque *= touch.stiffer;
   now.middles.resize(touch.tools.size());
   find_middles(*touch.patch, touch.state, now.middles);
 }

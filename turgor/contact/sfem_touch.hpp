@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "turgor/contact/follow.hpp"
+#include "turgor/contact/patch_follow.hpp"
 #include "turgor/contact/tool_io.hpp"
 #include "turgor/contact/touch.hpp"
 #include "turgor/core/latest.hpp"
@@ -69,7 +69,7 @@ struct PatchOffer {
   HandedHistory history;
   long number = 0;  // offers count from 1
 };
-/// Between two ticks. Allocates nothing where follow.hpp's take_patch does not.
+/// Between two ticks. Allocates nothing where patch_follow.hpp's take_patch does not.
 Handover take_patch(SfemTouch& touch, const PatchOffer& offer);
 
 /// What ticks leave for the frame.

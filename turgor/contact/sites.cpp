@@ -10,7 +10,7 @@ namespace {
 constexpr double kRigid = 1e-9;  // points softer than this part of the softest one can be moved
 
 struct Search {
-  const Lie& lie;
+  const DeformedSurface& lie;
   const SiteSearch& in;
   std::vector<Site>& sites;
   std::size_t first = 0;  // of this tool's in `sites`
@@ -42,12 +42,12 @@ bool can_touch(const Search& s, const Site& site) {
 
 /// Which sites may be left out where there is no room for all: the farthest, and none that bore force, which
 /// lies about in the tool's surface, a little within or without.
-double dispensable(const Search& s, const Site& site) {
+double eviction_priority(const Search& s, const Site& site) {
   return touched_before(s, site) ? -HUGE_VAL : site.distance;
 }
 
 /// Puts a site on the list; when that is full, in the place of this tool's most dispensable one.
-void offer(Search& s, const Site& site) {
+void insert(Search& s, const Site& site) {
   if (!can_touch(s, site)) return;
   if (s.sites.size() < s.in.capacity) {
     s.sites.push_back(site);
@@ -55,8 +55,10 @@ void offer(Search& s, const Site& site) {
   }
   Site* least = nullptr;
   for (std::size_t i = s.first; i < s.sites.size(); i++)
-    if (least == nullptr || dispensable(s, s.sites[i]) > dispensable(s, *least)) least = &s.sites[i];
-  const double here = dispensable(s, site), there = least == nullptr ? here : dispensable(s, *least);
+    if (least == nullptr || eviction_priority(s, s.sites[i]) > eviction_priority(s, *least))
+      least = &s.sites[i];
+  const double here = eviction_priority(s, site),
+               there = least == nullptr ? here : eviction_priority(s, *least);
   s.dropped += std::max(here, there) < 0;
   if (here < there) *least = site;
 }
@@ -97,7 +99,7 @@ void find_points(Search& s) {
     if (dot(d, d) > near * near) continue;
     Site site{.tool = s.in.tool, .point = {int(p), -1, -1}, .weight = {1, 0, 0}};
     measure(s, site);
-    if (site.distance <= s.in.reach) offer(s, site);
+    if (site.distance <= s.in.reach) insert(s, site);
   }
 }
 
@@ -123,7 +125,7 @@ void find_clusters(Search& s) {
   const std::size_t count = sfem::cluster_count(s.lie.patch.levels[std::size_t(s.in.level - 1)]);
   for (std::size_t c = 0; c < count; c++) {
     Site site{.tool = s.in.tool, .level = s.in.level, .point = {int(c), -1, -1}, .weight = {1, 0, 0}};
-    if (measure_cluster(s, near, site) && site.distance <= s.in.reach) offer(s, site);
+    if (measure_cluster(s, near, site) && site.distance <= s.in.reach) insert(s, site);
   }
 }
 
@@ -184,7 +186,7 @@ void find_in_triangle(Search& s, const Int3& corners, double allowed) {
     if (!make_site(corners, follow_nearest(s, corners, nearest), site)) continue;
     measure(s, site);
     site.distance += allowed;
-    if (site.distance <= s.in.reach && !is_listed(s, site)) offer(s, site);
+    if (site.distance <= s.in.reach && !is_listed(s, site)) insert(s, site);
   }
 }
 
@@ -253,7 +255,7 @@ void find_outward(const sfem::Patch& patch, std::span<const Vec3d> x, std::vecto
   }
 }
 
-int find_sites(const Lie& lie, const SiteSearch& search, std::vector<Site>& sites) {
+int find_sites(const DeformedSurface& lie, const SiteSearch& search, std::vector<Site>& sites) {
   Search s{lie, search, sites, sites.size()};
   if (search.level > 0) {
     find_clusters(s);
@@ -264,7 +266,7 @@ int find_sites(const Lie& lie, const SiteSearch& search, std::vector<Site>& site
   return s.dropped;
 }
 
-bool is_inside(const Lie& lie, Vec3d place, double reach) {
+bool is_inside(const DeformedSurface& lie, Vec3d place, double reach) {
   double nearest = reach * reach;
   bool inside = false;
   for (const Int3& v : lie.patch.triangles) {

@@ -72,7 +72,7 @@ void measure_surface(const sfem::Patch& patch, PatchSurface& surface);
 void find_outward(const sfem::Patch& patch, std::span<const Vec3d> x, std::vector<Vec3d>& outward);
 
 /// A surface as it lies.
-struct Lie {
+struct DeformedSurface {
   const sfem::Patch& patch;
   const PatchSurface& surface;
   std::span<const Vec3d> x, outward;
@@ -92,10 +92,10 @@ struct SiteSearch {
 /// Appends the sites of a tool to `sites`, which begins with those that are held: nothing else can press on
 /// their points. Returns how many touched ones found no room. Places within triangles are looked for at level
 /// 0 alone: where clusters are needed, corners are close enough to keep a tool out.
-int find_sites(const Lie& lie, const SiteSearch& search, std::vector<Site>& sites);
+int find_sites(const DeformedSurface& lie, const SiteSearch& search, std::vector<Site>& sites);
 
 /// Does a place lie within the body, as far as the nearest triangle of the patch tells, and nearer to it than
 /// `reach`?
-bool is_inside(const Lie& lie, Vec3d place, double reach);
+bool is_inside(const DeformedSurface& lie, Vec3d place, double reach);
 
 }  // namespace turgor::contact

@@ -16,7 +16,7 @@ struct Tick {
   double part = 1;  // of the way from the last tick's poses
 
   Pose pose(std::size_t tool) const;
-  Lie lie() const { return {patch, state.surface, state.x, state.outward}; }
+  DeformedSurface lie() const { return {patch, state.surface, state.x, state.outward}; }
 };
 
 /// No point of the tool moves farther than this from one pose to the other [m].

@@ -49,7 +49,7 @@ Block block_between(const sfem::Patch& patch, const Site& row, const Site& colum
 
 /// The lower triangle.
 void fill_compliance(Tick& tick) {
-  Coulomb& problem = tick.state.problem;
+  FrictionalContactProblem& problem = tick.state.problem;
   const std::vector<Site>& sites = tick.state.new_sites;
   const auto stride = std::size_t(problem.stride);
   const double scale = 1 / (1 + tick.viscous.p);
@@ -88,7 +88,7 @@ Vec3d free_separation(const Tick& tick, const Site& site) {
 
 void solve_sites(Tick& tick) {
   TouchState& state = tick.state;
-  Coulomb& problem = state.problem;
+  FrictionalContactProblem& problem = state.problem;
   std::vector<Site>& sites = state.new_sites;
   problem.count = int(sites.size());
   problem.held = state.held;

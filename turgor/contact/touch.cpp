@@ -103,7 +103,7 @@ TouchState make_touch_state(const sfem::Patch& patch, std::size_t tool_count, co
   state.poses.assign(tool_count, {{nowhere, {}}, false});
   state.forces.resize(tool_count);
   state.match.forces.resize(tool_count);
-  state.problem = make_coulomb(params.capacity);
+  state.problem = make_frictional_contact_problem(params.capacity);
   state.sites.reserve(std::size_t(params.capacity));
   state.new_sites.reserve(std::size_t(params.capacity));
   return state;

@@ -52,7 +52,7 @@ struct TouchParams {
   Viscosity viscosity;
   // A jam of as many sites as there is room for is solved within half a millisecond; what is left unsolved
   // then is what the last sweep made of it, which every site's friction allows.
-  CoulombParams solver{.newton_steps = 6};
+  FrictionalContactParams solver{.newton_steps = 6};
 };
 
 /// One tool between ticks.
@@ -64,7 +64,7 @@ struct ToolMemory {
   int level = 0;          // of its sites: see Site::level
 };
 
-/// What is left of the jumps that new patches made (follow.hpp).
+/// What is left of the jumps that new patches made (patch_follow.hpp).
 struct ForceRest {
   Vec3d force;   // [N]
   Vec3d torque;  // [N·m]
@@ -72,7 +72,7 @@ struct ForceRest {
       0;  // force of the last tick on the patch that made the jump; with less, less is left [N]
 };
 
-/// Numbers that hold still between two patches, kept so that taking one allocates nothing (follow.hpp).
+/// Numbers that hold still between two patches, kept so that taking one allocates nothing (patch_follow.hpp).
 struct PatchMatch {
   std::vector<int> from_order, to_order;  // points by key
   std::vector<int> new_point, old_point;  // the same point of the other patch; -1 = none
@@ -93,14 +93,14 @@ struct TouchState {
   std::vector<Site> sites;  // of the last tick; the held ones first
   int held = 0;
   std::vector<ToolMemory> tools;
-  std::vector<ForceRest> rests;   // of each tool
-  std::vector<ToolPose> poses;    // of the last tick
-  std::vector<ToolForce> forces;  // of the last tick
-  CoulombReport solution;         // of the last tick
+  std::vector<ForceRest> rests;      // of each tool
+  std::vector<ToolPose> poses;       // of the last tick
+  std::vector<ToolForce> forces;     // of the last tick
+  FrictionalContactReport solution;  // of the last tick
 
-  Coulomb problem;              // of use within a tick only
-  std::vector<Site> new_sites;  // likewise
-  PatchMatch match;             // likewise
+  FrictionalContactProblem problem;  // of use within a tick only
+  std::vector<Site> new_sites;       // likewise
+  PatchMatch match;                  // likewise
 };
 
 /// At rest. `largest_patch`: points that a later patch may have without an allocation.

@@ -1,15 +1,17 @@
-#include "turgor/core/gpu.hpp"
-
 #include <cuda_runtime.h>
+
+#include "turgor/core/gpu.hpp"
 
 namespace turgor {
 
 Result<Gpu> open_gpu(int device) {
   int count = 0;
   if (const cudaError_t error = cudaGetDeviceCount(&count); error != cudaSuccess || count == 0)
-    return Error{std::string("expected a GPU of NVIDIA and its driver, found none (") + cudaGetErrorString(error) + ")"};
+    return Error{std::string("expected a GPU of NVIDIA and its driver, found none (") +
+                 cudaGetErrorString(error) + ")"};
   if (device < 0 || device >= count)
-    return Error{"expected a GPU below " + std::to_string(count) + ", found number " + std::to_string(device)};
+    return Error{"expected a GPU below " + std::to_string(count) + ", found number " +
+                 std::to_string(device)};
   cudaDeviceProp properties;
   std::size_t free = 0, all = 0;
   cudaError_t error = cudaSetDevice(device);

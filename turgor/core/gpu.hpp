@@ -49,7 +49,7 @@ class GpuArray {
     if (data_) release_on_gpu(data_);
   }
 
-  bool is_there() const { return data_ != nullptr || size_ == 0; }
+  bool is_allocated() const { return data_ != nullptr || size_ == 0; }
   T* data() const { return data_; }
   std::size_t size() const { return size_; }
   /// To and from the first of them.

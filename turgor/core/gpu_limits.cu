@@ -1,5 +1,4 @@
 #include "turgor/core/gpu_limits.hpp"
-
 #include "turgor/core/gpu_run.cuh"
 #include "turgor/core/timing.hpp"
 
@@ -50,11 +49,13 @@ double seconds_of(std::size_t count, const Kernel& kernel) {
 Result<GpuLimits> measure_limits(const Gpu& gpu) {
   constexpr std::size_t kFours = std::size_t(16) << 20, kThreads = std::size_t(1) << 22;
   const GpuArray<Four> from(kFours), to(kFours);
-  if (!from.is_there() || !to.is_there()) return Error{gpu.name + " has no 512 MB free to measure its limits with"};
+  if (!from.is_allocated() || !to.is_allocated())
+    return Error{gpu.name + " has no 512 MB free to measure its limits with"};
   const double copy = seconds_of(kFours, CopyFour{from.data(), to.data()});
   const double arithmetic = seconds_of(kThreads, MultiplyAdd{reinterpret_cast<float*>(to.data())});
   constexpr double kOperations = 2.0 * MultiplyAdd::kChains * MultiplyAdd::kTurns * double(kThreads);
-  return GpuLimits{.copy_bandwidth = 2 * sizeof(Four) * double(kFours) / copy, .arithmetic_rate = kOperations / arithmetic};
+  return GpuLimits{.copy_bandwidth = 2 * sizeof(Four) * double(kFours) / copy,
+                   .arithmetic_rate = kOperations / arithmetic};
 }
 
 }  // namespace turgor

@@ -45,12 +45,12 @@ constexpr bool contains(const BccLattice& lattice, BccPoint p) {
 
 /// The neighbours of a point whose ids are higher: along three long edges, and from grid 0 along eight short
 /// ones. Some may lie beyond the lattice.
-struct BccNeighbours {
+struct BccNeighbors {
   int count;
   std::array<BccPoint, 11> point;
 };
-constexpr BccNeighbours higher_neighbours(BccPoint p) {
-  BccNeighbours result{p.grid == 0 ? 11 : 3, {}};
+constexpr BccNeighbors higher_neighbors(BccPoint p) {
+  BccNeighbors result{p.grid == 0 ? 11 : 3, {}};
   for (int axis = 0; axis < 3; axis++) {
     result.point[std::size_t(axis)] = p;
     result.point[std::size_t(axis)].place[axis]++;
@@ -67,10 +67,10 @@ constexpr std::array<std::array<BccPoint, 4>, 4> tetrahedra_around(Int3 place, i
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   std::array<BccPoint, 4> ring;  // the centres around the edge, counter-clockwise seen from its end
   for (int i = 0; i < 4; i++) {
-    BccPoint& centre = ring[std::size_t(i)];
-    centre = {place, 1};
-    centre.place[u] -= i == 1 || i == 2;
-    centre.place[v] -= i == 2 || i == 3;
+    BccPoint& center = ring[std::size_t(i)];
+    center = {place, 1};
+    center.place[u] -= i == 1 || i == 2;
+    center.place[v] -= i == 2 || i == 3;
   }
   Int3 end = place;
   end[axis]++;

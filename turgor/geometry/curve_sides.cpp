@@ -25,9 +25,9 @@ struct OuterMiddle {
 std::vector<OuterMiddle> outer_middles(const SolidMesh& mesh) {
   std::vector<OuterMiddle> all(mesh.vertices.size());
   const auto faces = element_faces(mesh);
-  const std::vector<int> neighbours = face_neighbours(mesh);
-  for (std::size_t i = 0; i < neighbours.size(); i++) {
-    if (neighbours[i] >= 0) continue;
+  const std::vector<int> neighbors = face_neighbors(mesh);
+  for (std::size_t i = 0; i < neighbors.size(); i++) {
+    if (neighbors[i] >= 0) continue;
     const auto nodes = element(mesh, i / faces.size());
     const auto& face = faces[i % faces.size()];
     const auto node = [&](int c) { return nodes[std::size_t(face[std::size_t(c)])]; };

@@ -12,16 +12,16 @@ namespace turgor {
 namespace {
 
 /// A mesh with what is asked of it again and again.
-struct Neighbourhood {
+struct Neighborhood {
   const SolidMesh& mesh;
-  std::vector<int> neighbour;   // of each face of each element
+  std::vector<int> neighbor;    // of each face of each element
   std::vector<int> star_begin;  // vertices + 1
   std::vector<int> star;        // elements of each vertex, ascending
   SolidSurface surface;
 };
 
-Neighbourhood neighbourhood(const SolidMesh& mesh) {
-  Neighbourhood around{mesh, face_neighbours(mesh), {}, {}, surface(mesh)};
+Neighborhood neighborhood(const SolidMesh& mesh) {
+  Neighborhood around{mesh, face_neighbors(mesh), {}, {}, surface(mesh)};
   around.star_begin.assign(mesh.vertices.size() + 1, 0);
   for (const int v : mesh.elements) around.star_begin[std::size_t(v) + 1]++;
   std::partial_sum(around.star_begin.begin(), around.star_begin.end(), around.star_begin.begin());
@@ -32,7 +32,7 @@ Neighbourhood neighbourhood(const SolidMesh& mesh) {
   return around;
 }
 
-std::span<const int> star_of(const Neighbourhood& around, int v) {
+std::span<const int> star_of(const Neighborhood& around, int v) {
   const auto begin = std::size_t(around.star_begin[std::size_t(v)]);
   return {around.star.data() + begin, std::size_t(around.star_begin[std::size_t(v) + 1]) - begin};
 }
@@ -44,12 +44,12 @@ bool has_vertex(const SolidMesh& mesh, int e, int v) {
 
 /// Groups of elements (ascending) that are joined by faces which have vertex v, and vertex w unless it is -1.
 /// The group of each element, by its first element.
-std::vector<int> groups_around(const Neighbourhood& around, std::span<const int> elements, int v, int w) {
+std::vector<int> groups_around(const Neighborhood& around, std::span<const int> elements, int v, int w) {
   std::vector<int> group(elements.size());
   std::iota(group.begin(), group.end(), 0);
   const auto faces = element_faces(around.mesh);
   const auto join = [&](std::size_t i, std::size_t f) {
-    const int e = elements[i], other = around.neighbour[std::size_t(e) * 4 + f];
+    const int e = elements[i], other = around.neighbor[std::size_t(e) * 4 + f];
     const auto found = std::lower_bound(elements.begin(), elements.end(), other);
     if (found == elements.end() || *found != other) return;
     const auto has = [&](int vertex) {
@@ -78,7 +78,7 @@ void remove_smaller_groups(const SolidMesh& mesh, std::span<const int> elements,
 }
 
 /// Edges at which more than two triangles of the surface meet.
-void open_crowded_edges(const Neighbourhood& around, std::vector<std::uint8_t>& keep) {
+void open_crowded_edges(const Neighborhood& around, std::vector<std::uint8_t>& keep) {
   const std::vector<EdgeUse> edges = sorted_edges(around.surface.triangles);
   for_each_edge(edges, [&](std::span<const EdgeUse> uses) {
     if (uses.size() <= 2) return;
@@ -94,7 +94,7 @@ struct SurfaceStar {
   std::vector<int> begin, triangle;
 };
 
-SurfaceStar surface_star(const Neighbourhood& around) {
+SurfaceStar surface_star(const Neighborhood& around) {
   SurfaceStar star;
   star.begin.assign(around.mesh.vertices.size() + 1, 0);
   for (const Int3 t : around.surface.triangles)
@@ -109,7 +109,7 @@ SurfaceStar surface_star(const Neighbourhood& around) {
 }
 
 /// How many rings the triangles at a vertex form, where every edge has two of them.
-int count_rings(const Neighbourhood& around, std::span<const int> triangles, int v) {
+int count_rings(const Neighborhood& around, std::span<const int> triangles, int v) {
   const auto after = [&](const Int3 t, int step) {  // the corner `step` after v
     return t.x == v ? t[step] : t.y == v ? t[(1 + step) % 3] : t[(2 + step) % 3];
   };
@@ -132,7 +132,7 @@ int count_rings(const Neighbourhood& around, std::span<const int> triangles, int
 }
 
 /// Vertices where one group of elements has several openings lose all their elements.
-void open_pierced_vertices(const Neighbourhood& around, std::vector<std::uint8_t>& keep) {
+void open_pierced_vertices(const Neighborhood& around, std::vector<std::uint8_t>& keep) {
   const SurfaceStar star = surface_star(around);
   for (std::size_t v = 0; v + 1 < star.begin.size(); v++) {
     const std::span triangles(star.triangle.data() + star.begin[v],
@@ -150,7 +150,7 @@ void open_pierced_vertices(const Neighbourhood& around, std::vector<std::uint8_t
 /// A vertex of its own for every group of elements that meet in a single one.
 void split_vertices(SolidMesh& mesh) {
   const SolidMesh before = mesh;
-  const Neighbourhood around = neighbourhood(before);
+  const Neighborhood around = neighborhood(before);
   std::vector<std::uint8_t> on_surface(before.vertices.size(), 0);
   for (const Int3 t : around.surface.triangles)
     for (int c = 0; c < 3; c++) on_surface[std::size_t(t[c])] = 1;
@@ -197,7 +197,7 @@ SolidMesh made_manifold(SolidMesh mesh) {
   TURGOR_ASSERT(mesh.corners == 4, "only tetrahedra are made manifold");
   for (bool changed = true; changed;) {
     std::vector<std::uint8_t> keep(element_count(mesh), 1);
-    const Neighbourhood around = neighbourhood(mesh);
+    const Neighborhood around = neighborhood(mesh);
     open_crowded_edges(around, keep);
     changed = std::count(keep.begin(), keep.end(), 0) > 0;
     if (!changed) open_pierced_vertices(around, keep);

@@ -5,7 +5,7 @@
 
 #include "turgor/core/number_text.hpp"
 #include "turgor/geometry/curve_sides.hpp"
-#include "turgor/geometry/labelled_part.hpp"
+#include "turgor/geometry/labeled_component.hpp"
 #include "turgor/geometry/manifold.hpp"
 #include "turgor/geometry/quadratic.hpp"
 #include "turgor/geometry/stuffing.hpp"
@@ -22,8 +22,8 @@ constexpr double kCrossingVolume = 0.05;    // enclosed twice or not at all
 constexpr double kVolumeError = 0.2;        // what is refused
 constexpr double kSmallestSizes = 1.5;      // a body's cube root of volume, in lattice sizes
 
-std::string mm(double metres) { return number_text(metres * 1e3) + " mm"; }
-std::string ml(double cubic_metres) { return number_text(cubic_metres * 1e6) + " mL"; }
+std::string mm(double meters) { return number_text(meters * 1e3) + " mm"; }
+std::string ml(double cubic_meters) { return number_text(cubic_meters * 1e6) + " mL"; }
 
 /// A size at which a body of this volume has some ten elements across.
 double advised_size(double volume) { return std::cbrt(volume) / 8; }
@@ -165,7 +165,7 @@ Result<OrganMesh> mesh_of_surface(const Exec& exec, const TriMesh& surface, doub
 
 Result<OrganMesh> mesh_of_labels(const Exec& exec, const LabelVolume& labels, std::span<const int> wanted,
                                  double size, const Progress& progress, Sides sides) {
-  Result<LabelledPart> part = largest_labelled_part(labels, wanted);
+  Result<LabeledPart> part = largest_labeled_part(labels, wanted);
   if (!part) return part.error();
   // Smooth away the voxels' steps, and details that the lattice could only catch in part.
   const Vec3d h = labels.grid.spacing;

@@ -31,9 +31,9 @@ void add_ring(TriMesh& mesh) {
   for (int i = 0; i < kRingSegments; i++) {
     // Half a segment off, so that a segment, not a corner, faces the shank at the ring's lowest place.
     const double a = 2 * std::numbers::pi * (i - 0.5) / kRingSegments - std::numbers::pi / 2;
-    const Vec3d outward{std::cos(a), 0, std::sin(a)}, centre{middle, 0, kLength};
+    const Vec3d outward{std::cos(a), 0, std::sin(a)}, center{middle, 0, kLength};
     for (const auto& [r, y] : {std::pair{kWire, -kWire}, {kWire, kWire}, {-kWire, 0.0}})
-      mesh.vertices.push_back(Vec3(centre + outward * (kRingRadius + r) + Vec3d{0, y, 0}));
+      mesh.vertices.push_back(Vec3(center + outward * (kRingRadius + r) + Vec3d{0, y, 0}));
   }
   for (int i = 0; i < kRingSegments; i++)
     for (int side = 0; side < 3; side++) {

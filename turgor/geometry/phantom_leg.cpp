@@ -8,12 +8,12 @@ namespace {
 struct Leg {
   Profile radius{{-440, 33}, {-395, 36}, {-330, 41}, {-240, 56}, {-170, 60}, {-90, 52},
                  {-20, 56},  {30, 60},   {120, 68},  {260, 78},  {460, 86}};
-  Profile centre{{-440, 10}, {-330, 12}, {-200, 18}, {-100, 14}, {0, 4}, {200, 6}, {460, 8}};  // y
+  Profile center{{-440, 10}, {-330, 12}, {-200, 18}, {-100, 14}, {0, 4}, {200, 6}, {460, 8}};  // y
 };
 
 void paint_outside(Anatomy& anatomy, const Leg& leg) {
   paint(anatomy, {-100, -102, -460}, {100, 102, 1e4f}, {{0, kSkin}, {2, kFat}}, 0, [=](float y, float z) {
-    const float r = leg.radius(z), c = leg.centre(z);
+    const float r = leg.radius(z), c = leg.center(z);
     return [=](float x) {
       const float column = std::max(ellipsoid_distance({x, y - c, 0}, {0.95f * r, r, 1e6f}), -445 - z);
       const float sole = capsule_distance({x * 0.85f, y, z * 1.15f}, {0, 26, -480}, {0, -62, -488}, 31);
@@ -26,7 +26,7 @@ void paint_outside(Anatomy& anatomy, const Leg& leg) {
 /// Muscles as sectors of the leg's section, with fat between them.
 void paint_muscles(Anatomy& anatomy, const Leg& leg) {
   paint(anatomy, {-100, -102, -400}, {100, 102, 1e4f}, kMuscle, 0, [=](float y, float z) {
-    const float r = leg.radius(z), c = leg.centre(z), inset = 9 + 6 * std::clamp((z + 100) / 300, 0.0f, 1.0f);
+    const float r = leg.radius(z), c = leg.center(z), inset = 9 + 6 * std::clamp((z + 100) / 300, 0.0f, 1.0f);
     const float knee = std::abs(z) < 40 ? 14 * (1 - std::abs(z) / 40) : 0.0f, turn = 0.004f * z, v = y - c;
     return [=](float x) {
       const float outline = ellipsoid_distance({x, v, 0}, {0.95f * r, r, 1e6f}) + inset + knee;

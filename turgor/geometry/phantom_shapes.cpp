@@ -39,9 +39,9 @@ void paint_capsule(Anatomy& anatomy, Vec3 a, Vec3 b, float radius, float hu, std
   });
 }
 
-void paint_bone_ellipsoid(Anatomy& anatomy, Vec3 centre, Vec3 radius, float cortex, std::uint16_t label) {
-  paint_ellipsoid(anatomy, centre, radius, kCortex, label);
-  paint_ellipsoid(anatomy, centre, radius - Vec3{cortex, cortex, cortex}, kMarrow, label);
+void paint_bone_ellipsoid(Anatomy& anatomy, Vec3 center, Vec3 radius, float cortex, std::uint16_t label) {
+  paint_ellipsoid(anatomy, center, radius, kCortex, label);
+  paint_ellipsoid(anatomy, center, radius - Vec3{cortex, cortex, cortex}, kMarrow, label);
 }
 
 void paint_bone_capsule(Anatomy& anatomy, Vec3 a, Vec3 b, float radius, float cortex, std::uint16_t label) {

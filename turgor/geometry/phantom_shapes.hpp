@@ -94,10 +94,10 @@ inline float smooth_min(float a, float b, float width) {
   return std::min(a, b) - h * h * width * 0.25f;
 }
 
-void paint_ellipsoid(Anatomy& anatomy, Vec3 centre, Vec3 radius, float hu, std::uint16_t label = 0);
+void paint_ellipsoid(Anatomy& anatomy, Vec3 center, Vec3 radius, float hu, std::uint16_t label = 0);
 void paint_capsule(Anatomy& anatomy, Vec3 a, Vec3 b, float radius, float hu, std::uint16_t label = 0);
 /// Cortical shell around marrow.
-void paint_bone_ellipsoid(Anatomy& anatomy, Vec3 centre, Vec3 radius, float cortex, std::uint16_t label = 0);
+void paint_bone_ellipsoid(Anatomy& anatomy, Vec3 center, Vec3 radius, float cortex, std::uint16_t label = 0);
 void paint_bone_capsule(Anatomy& anatomy, Vec3 a, Vec3 b, float radius, float cortex,
                         std::uint16_t label = 0);
 /// A couch: a thin curved shell around foam, its upper side at y in the middle, `half_width` to both sides.

@@ -13,15 +13,15 @@ struct Trunk {
   Profile half_width{{-150, 168}, {-95, 163}, {-35, 146}, {40, 152}, {110, 162}, {160, 158}};
   Profile half_depth{{-150, 102}, {-90, 100}, {-30, 94}, {50, 103}, {110, 106}, {160, 100}};
   float fat = 16;      // under the skin, on the sides [mm]
-  float centre = -18;  // y of the middle [mm]
+  float center = -18;  // y of the middle [mm]
 };
 
 void paint_layer(Anatomy& anatomy, const Trunk& trunk, float inset, float hu) {
   const float a = trunk.half_width.largest() + 3, b = trunk.half_depth.largest() + 3;
-  paint(anatomy, {-a, trunk.centre - b, -kEndless}, {a, trunk.centre + b, kEndless}, hu, 0,
+  paint(anatomy, {-a, trunk.center - b, -kEndless}, {a, trunk.center + b, kEndless}, hu, 0,
         [=](float y, float z) {
           const float width = trunk.half_width(z) - inset, depth = trunk.half_depth(z) - inset,
-                      v = y - trunk.centre;
+                      v = y - trunk.center;
           return [=](float x) { return trunk_distance(x, v, width, depth); };
         });
 }
@@ -37,14 +37,14 @@ void paint_layers(Anatomy& anatomy, const Trunk& trunk) {
 void paint_lungs(Anatomy& anatomy, const Trunk& trunk) {
   const float inset = trunk.fat + 19;
   for (const float side : {-1.0f, 1.0f}) {
-    const Vec3 centre{side * 74, -14, 105}, radius{62, 80, 118};
+    const Vec3 center{side * 74, -14, 105}, radius{62, 80, 118};
     const std::uint16_t label = side < 0 ? 14 : 11;
-    paint(anatomy, {centre.x - 66, -110, -20}, {centre.x + 66, 75, kEndless}, kLung, label,
+    paint(anatomy, {center.x - 66, -110, -20}, {center.x + 66, 75, kEndless}, kLung, label,
           [=](float y, float z) {
             const float width = trunk.half_width(z) - inset, depth = trunk.half_depth(z) - inset;
             return [=](float x) {
-              const float wall = trunk_distance(x, y - trunk.centre, width, depth);
-              return std::max(wall, ellipsoid_distance({x - centre.x, y - centre.y, z - centre.z}, radius));
+              const float wall = trunk_distance(x, y - trunk.center, width, depth);
+              return std::max(wall, ellipsoid_distance({x - center.x, y - center.y, z - center.z}, radius));
             };
           });
     for (int branch = 0; branch < 14; branch++) {  // vessels that fan out from the hilum
@@ -76,7 +76,7 @@ void paint_liver(Anatomy& anatomy, const Trunk& trunk, std::uint64_t seed) {
       const float lobes =
           smooth_min(ellipsoid_distance({x - right.x, y - right.y, z - right.z}, right_radius),
                      ellipsoid_distance({x - left.x, y - left.y, z - left.z}, left_radius), 14);
-      return std::max(trunk_distance(x, y - trunk.centre, width, depth), lobes);
+      return std::max(trunk_distance(x, y - trunk.center, width, depth), lobes);
     };
   });
   paint_capsule(anatomy, {-10, -10, -2}, {-75, -20, 12}, 5, 90, 5);
@@ -88,14 +88,14 @@ void paint_liver(Anatomy& anatomy, const Trunk& trunk, std::uint64_t seed) {
 }
 
 /// A hollow organ: wall, fluid, and gas above the level `gas_below_y` (the front is up).
-void paint_hollow(Anatomy& anatomy, Vec3 centre, Vec3 radius, float gas_above, std::uint16_t label) {
-  paint_ellipsoid(anatomy, centre, radius, 45, label);
+void paint_hollow(Anatomy& anatomy, Vec3 center, Vec3 radius, float gas_above, std::uint16_t label) {
+  paint_ellipsoid(anatomy, center, radius, 45, label);
   const Vec3 inner = radius - Vec3{3, 3, 3}, m{2, 2, 2};
-  paint_ellipsoid(anatomy, centre, inner, 15, label);
-  paint(anatomy, centre - inner - m, centre + inner + m, kGas, label, [=](float y, float z) {
+  paint_ellipsoid(anatomy, center, inner, 15, label);
+  paint(anatomy, center - inner - m, center + inner + m, kGas, label, [=](float y, float z) {
     return [=](float x) {
-      return std::max(ellipsoid_distance({x - centre.x, y - centre.y, z - centre.z}, inner),
-                      y - centre.y - gas_above);
+      return std::max(ellipsoid_distance({x - center.x, y - center.y, z - center.z}, inner),
+                      y - center.y - gas_above);
     };
   });
 }
@@ -129,11 +129,11 @@ void paint_belly(Anatomy& anatomy, std::uint64_t seed) {
   paint_ellipsoid(anatomy, {0, -34, -138}, {36, 30, 24}, 10, 21);
   for (int loop = 0; loop < 30; loop++) {
     const auto random = [&](int which) { return variation(seed, 100 + 8 * loop + which); };
-    const Vec3 centre{31 * (float(loop % 5) - 2) + 10 * random(0),
+    const Vec3 center{31 * (float(loop % 5) - 2) + 10 * random(0),
                       -34 + 24 * (float(loop / 5 % 3) - 1) + 9 * random(1),
                       -82 - 30 * float(loop / 15) + 12 * random(2)};
     const Vec3 radius{19 + 7 * random(3), 13 + 2 * random(4), 16 + 5 * random(5)};
-    paint_hollow(anatomy, centre, radius, random(6) > 0.3f ? -2.0f : -20.0f, 18);
+    paint_hollow(anatomy, center, radius, random(6) > 0.3f ? -2.0f : -20.0f, 18);
   }
 }
 
@@ -160,14 +160,14 @@ void paint_ribs(Anatomy& anatomy, const Trunk& trunk) {
     return [=](float y, float z) {
       const float inset = trunk.fat + 15;
       const float width = trunk.half_width(z) - inset, depth = trunk.half_depth(z) - inset,
-                  v = (y - trunk.centre) / depth;
+                  v = (y - trunk.center) / depth;
       return [=](float x) {
         const float u = x / width,
                     back = v / (std::sqrt(u * u + v * v) + 1e-6f);       // 1 at the spine, -1 at the front
         const float spine_z = z + kDrop * std::sqrt(0.5f * (1 - back));  // where this point's rib starts
         const float level = std::max(std::round((spine_z - kLowest) / kPitch), 0.0f);
         const float along = (spine_z - kLowest - level * kPitch) / 6.5f;
-        const float across = trunk_distance(x, y - trunk.centre, width, depth) / 4;
+        const float across = trunk_distance(x, y - trunk.center, width, depth) / 4;
         const float r = std::sqrt(along * along + across * across);
         const float floating = level < 1.5f ? (-0.2f - back) * 40 : -10.0f;  // the lowest end at the side
         return std::max((r - 1) * 4 + thinner, std::max(floating, (back - from) * 40));
@@ -181,7 +181,7 @@ void paint_ribs(Anatomy& anatomy, const Trunk& trunk) {
 }
 
 void paint_sternum(Anatomy& anatomy, const Trunk& trunk) {
-  const float y = trunk.centre - trunk.half_depth(100) + trunk.fat + 14;
+  const float y = trunk.center - trunk.half_depth(100) + trunk.fat + 14;
   paint_ellipsoid(anatomy, {0, y, 100}, {34, 7, 86}, kCartilage, 117);
   paint_bone_ellipsoid(anatomy, {0, y, 112}, {19, 6.5f, 78}, 1.8f, 116);
 }
@@ -189,19 +189,19 @@ void paint_sternum(Anatomy& anatomy, const Trunk& trunk) {
 void paint_pelvis(Anatomy& anatomy) {
   paint_bone_ellipsoid(anatomy, {0, 44, -138}, {44, 16, 34}, 2, 25);
   for (const float side : {-1.0f, 1.0f}) {
-    const Vec3 centre{side * 62, -8, -152}, radius{62, 72, 74};
+    const Vec3 center{side * 62, -8, -152}, radius{62, 72, 74};
     const std::uint16_t label = side < 0 ? 78 : 77;
     const auto wing = [=](float thinner) {  // a piece of a shell, open to the front and to the middle
       return [=](float y, float z) {
         return [=](float x) {
           const float shell =
-              std::abs(ellipsoid_distance({x - centre.x, y - centre.y, z - centre.z}, radius)) - 5.5f;
+              std::abs(ellipsoid_distance({x - center.x, y - center.y, z - center.z}, radius)) - 5.5f;
           const float middle = 46 - side * x, front = -46 - y - 0.5f * (z + 78);
           return std::max(shell, std::max(middle, front)) + thinner;
         };
       };
     };
-    const Vec3 low{centre.x - 72, -90, -kEndless}, high{centre.x + 72, 76, -70};
+    const Vec3 low{center.x - 72, -90, -kEndless}, high{center.x + 72, 76, -70};
     paint(anatomy, low, high, kCortex, label, wing(0));
     paint(anatomy, low, high, kMarrow, label, wing(2));
     paint_bone_ellipsoid(anatomy, {side * 88, -6, -160}, {24, 24, 24}, 2, std::uint16_t(side < 0 ? 76 : 75));
@@ -216,7 +216,7 @@ void paint_muscles(Anatomy& anatomy, const Trunk& trunk) {
           std::uint16_t(side < 0 ? 87 : 86), [=](float y, float z) {
             const float width = trunk.half_width(z) - 7, depth = trunk.half_depth(z) - 7;
             return [=](float x) {
-              return std::max(trunk_distance(x, y - trunk.centre, width, depth),
+              return std::max(trunk_distance(x, y - trunk.center, width, depth),
                               ellipsoid_distance({x - side * 34, y - 50, 0}, {29, 18, 1e6f}));
             };
           });

@@ -15,7 +15,7 @@ using Eigen::Matrix3d, Eigen::Vector3d;
 /// What a closed surface encloses.
 struct Solid {
   double volume = 0;
-  Vector3d centre = Vector3d::Zero();
+  Vector3d center = Vector3d::Zero();
   Matrix3d spread = Matrix3d::Zero();  // mean of (x − centre)(x − centre)ᵀ
 };
 Solid solid_of(const TriMesh& mesh) {
@@ -29,14 +29,14 @@ Solid solid_of(const TriMesh& mesh) {
   for (const auto [i, j, k] : mesh.triangles) {  // tetrahedra with `from`
     const Vector3d a = corner(i), b = corner(j), c = corner(k), sum = a + b + c;
     const double one = a.dot(b.cross(c)) / 6;
-    solid.volume += one, solid.centre += sum * (one / 4);
+    solid.volume += one, solid.center += sum * (one / 4);
     solid.spread +=
         (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose()) * (one / 20);
   }
   if (!(solid.volume > 0)) return solid;
-  solid.centre /= solid.volume;
-  solid.spread = solid.spread / solid.volume - solid.centre * solid.centre.transpose();
-  solid.centre += Vector3d(from.x, from.y, from.z);
+  solid.center /= solid.volume;
+  solid.spread = solid.spread / solid.volume - solid.center * solid.center.transpose();
+  solid.center += Vector3d(from.x, from.y, from.z);
   return solid;
 }
 
@@ -54,7 +54,7 @@ TriMesh rounded(const TriMesh& coarse) {
       axes.eigenvectors() * (half * scale).asDiagonal() * axes.eigenvectors().transpose();
   TriMesh round{.vertices = {}, .triangles = kBall.triangles, .normals = {}, .scalars = {}};
   for (const Vec3 p : kBall.vertices) {
-    const Vector3d x = solid.centre + to_ellipsoid * Vector3d(double(p.x), double(p.y), double(p.z));
+    const Vector3d x = solid.center + to_ellipsoid * Vector3d(double(p.x), double(p.y), double(p.z));
     round.vertices.push_back(Vec3(Vec3d{x.x(), x.y(), x.z()}));
   }
   return round;

@@ -15,8 +15,8 @@ struct ShapeDistance {
 };
 
 /// Of a ball around `centre`.
-TURGOR_HD inline ShapeDistance ball_distance(Vec3d centre, double radius, Vec3d x) {
-  const Vec3d d = x - centre;
+TURGOR_HD inline ShapeDistance ball_distance(Vec3d center, double radius, Vec3d x) {
+  const Vec3d d = x - center;
   const double length = norm(d);
   return {length - radius, length > 0 ? d / length : Vec3d{0, 0, 1}};
 }

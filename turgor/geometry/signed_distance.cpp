@@ -116,8 +116,8 @@ struct SampledField {
 
 Mat3d index_map(const Grid& grid) {
   const Vec3d s = grid.spacing;
-  const Mat3d to_metres{{grid.axes.column[0] * s.x, grid.axes.column[1] * s.y, grid.axes.column[2] * s.z}};
-  return inverse(to_metres);
+  const Mat3d to_meters{{grid.axes.column[0] * s.x, grid.axes.column[1] * s.y, grid.axes.column[2] * s.z}};
+  return inverse(to_meters);
 }
 
 SignedDistance read_in_box(SampledField field) {

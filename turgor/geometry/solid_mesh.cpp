@@ -116,26 +116,26 @@ std::span<const std::array<int, 4>> element_faces(const SolidMesh& mesh) {
   return kTetFaces;
 }
 
-std::vector<int> face_neighbours(const SolidMesh& mesh) {
+std::vector<int> face_neighbors(const SolidMesh& mesh) {
   const std::size_t count = element_faces(mesh).size();
-  std::vector<int> neighbours(element_count(mesh) * count, -1);
+  std::vector<int> neighbors(element_count(mesh) * count, -1);
   const std::vector<Face> faces = sorted_faces(mesh);
   for (std::size_t i = 1; i < faces.size(); i++) {
     const Face &a = faces[i - 1], &b = faces[i];
     if (!same_vertices(a, b)) continue;
-    neighbours[std::size_t(a[kElement]) * count + std::size_t(a[kNumber])] = b[kElement];
-    neighbours[std::size_t(b[kElement]) * count + std::size_t(b[kNumber])] = a[kElement];
+    neighbors[std::size_t(a[kElement]) * count + std::size_t(a[kNumber])] = b[kElement];
+    neighbors[std::size_t(b[kElement]) * count + std::size_t(b[kNumber])] = a[kElement];
   }
-  return neighbours;
+  return neighbors;
 }
 
 SolidSurface surface(const SolidMesh& mesh) {
   const auto table = element_faces(mesh);
-  const std::vector<int> neighbours = face_neighbours(mesh);
+  const std::vector<int> neighbors = face_neighbors(mesh);
   SolidSurface result;
   for (std::size_t e = 0; e < element_count(mesh); e++)
     for (std::size_t f = 0; f < table.size(); f++) {
-      if (neighbours[e * table.size() + f] >= 0) continue;
+      if (neighbors[e * table.size() + f] >= 0) continue;
       const auto vertex = [&](int node) { return element(mesh, e)[std::size_t(node)]; };
       for (const Int3 t : face_triangles(mesh, table[f])) {
         result.triangles.push_back({vertex(t.x), vertex(t.y), vertex(t.z)});
@@ -149,10 +149,10 @@ std::vector<int> connected_parts(const SolidMesh& mesh) {
   const std::size_t count = element_count(mesh);
   std::vector<int> parent(count);
   std::iota(parent.begin(), parent.end(), 0);
-  const std::vector<int> neighbours = face_neighbours(mesh);
+  const std::vector<int> neighbors = face_neighbors(mesh);
   const std::size_t faces = element_faces(mesh).size();
-  for (std::size_t i = 0; i < neighbours.size(); i++)
-    if (neighbours[i] >= 0) join_sets(parent, int(i / faces), neighbours[i]);
+  for (std::size_t i = 0; i < neighbors.size(); i++)
+    if (neighbors[i] >= 0) join_sets(parent, int(i / faces), neighbors[i]);
   // Number the parts by size; equal sizes by their first element.
   std::vector<int> size(count, 0), roots;
   for (std::size_t e = 0; e < count; e++) size[std::size_t(root_of(parent, int(e)))]++;

@@ -1,6 +1,6 @@
 // A volume mesh of tetrahedra or hexahedra, and what is known about it without any physics: volumes, the
 // surface, connected parts. How meshes are made is in hex_block.hpp and stuffing.hpp; how they are read in
-// io/solid_files.hpp.
+// io/mesh/solid_files.hpp.
 #pragma once
 
 #include <array>
@@ -50,7 +50,7 @@ SolidSurface surface(const SolidMesh& mesh);
 
 /// The element across every face of every element, -1 outside: 4 a tetrahedron, 6 a hexahedron, in the order
 /// of element_faces.
-std::vector<int> face_neighbours(const SolidMesh& mesh);
+std::vector<int> face_neighbors(const SolidMesh& mesh);
 /// Corners of each face of an element, counter-clockwise seen from outside; the fourth is -1 for triangles.
 std::span<const std::array<int, 4>> element_faces(const SolidMesh& mesh);
 

@@ -56,9 +56,9 @@ std::vector<Cut> find_cut_edges(const BccLattice& lattice, const std::vector<Sid
     const Side here = side[std::size_t(id)];
     if (here == Side::kOnSurface) continue;
     const BccPoint p = point_of(lattice, id);
-    const BccNeighbours neighbours = higher_neighbours(p);
-    for (int i = 0; i < neighbours.count; i++) {
-      const BccPoint q = neighbours.point[std::size_t(i)];
+    const BccNeighbors neighbors = higher_neighbors(p);
+    for (int i = 0; i < neighbors.count; i++) {
+      const BccPoint q = neighbors.point[std::size_t(i)];
       if (!contains(lattice, q)) continue;
       const std::int64_t other = point_id(lattice, q);
       const Side there = side[std::size_t(other)];

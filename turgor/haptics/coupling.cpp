@@ -46,7 +46,7 @@ void follow(const Coupling& c, const contact::Pose& hand, const contact::ToolRea
   tool.hand = hand;
 }
 
-contact::ToolReading felt(const CoupledTool& tool, const contact::ToolReading& reading) {
+contact::ToolReading haptic(const CoupledTool& tool, const contact::ToolReading& reading) {
   contact::ToolReading out = reading;
   if (is_finite(reading)) out.force = tool.force, out.torque = tool.torque;
   return out;

@@ -36,6 +36,6 @@ void follow(const Coupling& coupling, const contact::Pose& hand, const contact::
             double dt, CoupledTool& tool);
 /// What the hand feels: `reading` with the coupling's force and torque instead of the model's; as it is when
 /// the model's are not finite, for the safety chain to see.
-contact::ToolReading felt(const CoupledTool& tool, const contact::ToolReading& reading);
+contact::ToolReading haptic(const CoupledTool& tool, const contact::ToolReading& reading);
 
 }  // namespace turgor::haptics

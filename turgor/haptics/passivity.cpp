@@ -10,14 +10,14 @@ namespace turgor::haptics {
 namespace {
 
 /// That a hand can be given back at most by what it presses [J].
-double stored_at_most(const PassivityParams& params, const DeviceOutput& felt) {
-  return norm(felt.force) * params.reach + norm(felt.torque) * params.angular_reach;
+double stored_at_most(const PassivityParams& params, const DeviceOutput& haptic) {
+  return norm(haptic.force) * params.reach + norm(haptic.torque) * params.angular_reach;
 }
 
 /// Time without a force, in which nothing is owed any more.
 void rest(const PassivityParams& params, Passivity& state, double dt) {
   constexpr double kNothing = 1e-3;  // [N] [N·m]
-  const bool nothing = norm(state.felt.force) < kNothing && norm(state.felt.torque) < kNothing;
+  const bool nothing = norm(state.haptic.force) < kNothing && norm(state.haptic.torque) < kNothing;
   state.rested = nothing ? state.rested + dt : 0;
   if (state.rested > params.rest) state.energy = std::max(state.energy, 0.0);
 }
@@ -35,10 +35,10 @@ void observe(const PassivityParams& params, Passivity& state, const contact::Pos
   if (state.began) {
     const Vec3d turn = rotation_vector(pose.axes * transposed(state.before.axes));
     const double given =
-        dot(state.felt.force, pose.position - state.before.position) + dot(state.felt.torque, turn);
+        dot(state.haptic.force, pose.position - state.before.position) + dot(state.haptic.torque, turn);
     if (std::isfinite(given)) state.energy -= given;
     state.lowest = std::min(state.lowest, state.energy);
-    state.energy = std::clamp(state.energy, -params.debt, stored_at_most(params, state.felt));
+    state.energy = std::clamp(state.energy, -params.debt, stored_at_most(params, state.haptic));
     rest(params, state, dt);
   }
   state.before = pose;

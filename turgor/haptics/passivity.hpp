@@ -30,9 +30,9 @@ struct PassivityParams {
 };
 
 struct Passivity {
-  double energy = 0;  // W [J]
-  double lowest = 0;  // that it ever was [J]
-  DeviceOutput felt;  // since the last tick
+  double energy = 0;    // W [J]
+  double lowest = 0;    // that it ever was [J]
+  DeviceOutput haptic;  // since the last tick
   contact::Pose before;
   double rested = 0;  // without a force [s]
   bool began = false;

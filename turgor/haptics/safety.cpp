@@ -86,7 +86,7 @@ Vec3d towards(Vec3d before, Vec3d wanted, double step, bool& held) {
 
 DeviceOutput slew_link(Safety& safety, const DeviceOutput& wanted, double dt) {
   const SafetyParams& p = safety.params;
-  const DeviceOutput& before = safety.passivity.felt;
+  const DeviceOutput& before = safety.passivity.haptic;
   const double part = dt / p.rise;
   bool held = false;
   DeviceOutput out{towards(before.force, wanted.force, p.force * part, held),
@@ -154,7 +154,7 @@ SafeOutput make_safe(Safety& safety, const Asked& asked, double dt) {
   out = slew_link(safety, out, elapsed);
   out = saturation_link(safety, out);
   if (lost_link(safety, tick, dt)) out = {};
-  safety.passivity.felt = out;
+  safety.passivity.haptic = out;
   return SafeOutput(out);
 }
 

@@ -63,7 +63,7 @@ void ask_model(Ticker& ticker, double dt) {
 DeviceOutput wanted(RunningHand& hand, const ToolReading& reading) {
   if (!hand.clutch.pressed) {
     DeviceOutput out =
-        to_device(hand.hand.workspace, hand.hand.coupling ? felt(hand.tool, reading) : reading);
+        to_device(hand.hand.workspace, hand.hand.coupling ? haptic(hand.tool, reading) : reading);
     if (hand.hand.device->spec().grip_force == 0) out.grip_force = 0;  // nothing there that could squeeze
     return out;
   }
@@ -132,12 +132,12 @@ bool step(Ticker& ticker) {
   read_hands(ticker, dt);
   const double heard = steady_seconds();
   ask_model(ticker, dt);
-  bool felt = false, heard_of = false;
+  bool haptic = false, heard_of = false;
   for (std::size_t h = 0; h < ticker.hands.size(); h++) {
     RunningHand& hand = *ticker.hands[h];
     answer(ticker, hand, ticker.readings[h], dt);
     publish(ticker, hand, h);
-    felt = felt || !is_nothing(hand.output.value());
+    haptic = haptic || !is_nothing(hand.output.value());
     heard_of = heard_of || !hand.safety.is_lost;
   }
   ticker.ticks++;
@@ -147,7 +147,7 @@ bool step(Ticker& ticker) {
   if (ticker.called) ticker.record.latency.add(end - begin);
   constexpr double kBetweenReports = 0.25;  // [s]
   if (end - ticker.reported > kBetweenReports) publish_report(ticker, end);
-  return heard_of && (felt || !(ticker.stopping || ticker.threw));
+  return heard_of && (haptic || !(ticker.stopping || ticker.threw));
 }
 
 void let_go(Ticker& ticker) {

@@ -11,9 +11,9 @@
 #include "turgor/geometry/grid_difference.hpp"
 #include "turgor/geometry/hounsfield.hpp"
 #include "turgor/geometry/reorient.hpp"
-#include "turgor/io/dicom.hpp"
-#include "turgor/io/input_file.hpp"
-#include "turgor/io/volume_file.hpp"
+#include "turgor/io/dicom/dicom.hpp"
+#include "turgor/io/files/input_file.hpp"
+#include "turgor/io/volume/volume_file.hpp"
 
 namespace turgor {
 

@@ -14,7 +14,7 @@
 #include "turgor/core/progress.hpp"
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/volume.hpp"
-#include "turgor/io/organ_names.hpp"
+#include "turgor/io/volume/organ_names.hpp"
 
 namespace turgor {
 

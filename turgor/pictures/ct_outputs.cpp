@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "turgor/io/ct.hpp"
-#include "turgor/models/lattice/resample.hpp"
+#include "turgor/models/lattice/resample/resample.hpp"
 #include "turgor/pictures/deformed_volume.hpp"
 #include "turgor/pictures/outputs.hpp"
 #include "turgor/view/sample.hpp"

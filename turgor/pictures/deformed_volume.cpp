@@ -6,7 +6,7 @@
 
 namespace turgor {
 
-Result<Image> draw_deformed(const Exec& exec, const DeformedCt& ct, PicturesThere& pictures,
+Result<Image> draw_deformed(const Exec& exec, const DeformedCt& ct, DevicePictures& pictures,
                             const std::string& preset, const Camera& camera, int width, int height) {
   if (ct.there) return pictures.draw(*ct.there, preset, camera, width, height);
   return draw_volume(exec, ct.ct, preset, camera, width, height);
@@ -16,7 +16,7 @@ Image draw_deformed_volume(const Exec& exec, const LatticeBody& body, const std:
                            const Camera& camera, int width, int height) {
   const auto draw = [&](CtWish wish) {
     constexpr int kAll = std::numeric_limits<int>::max();
-    PicturesThere pictures;
+    DevicePictures pictures;
     return draw_deformed(exec, make_deformed_ct(exec, body, 0, wish, kAll), pictures, preset, camera, width,
                          height);
   };

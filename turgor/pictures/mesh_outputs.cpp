@@ -8,7 +8,7 @@ namespace turgor {
 namespace {
 
 /// They look at the body and at `numbers`, which gets its vertices' numbers in the mesh.
-std::vector<VertexField> fields_of(const ShownBody& body, std::vector<float>& numbers) {
+std::vector<VertexField> fields_of(const BodySnapshot& body, std::vector<float>& numbers) {
   std::vector<VertexField> fields{length_field("displacement", body.displacement)};
   if (!body.stretch.empty()) fields.push_back(vertex_field("area strain [1]", body.stretch));
   if (!body.pressure.empty()) fields.push_back(vertex_field("pressure [Pa]", body.pressure));
@@ -18,14 +18,14 @@ std::vector<VertexField> fields_of(const ShownBody& body, std::vector<float>& nu
 }
 
 /// What tools press is worth looking at under the largest force: in the end they are away.
-const ShownBody& worth_keeping(const ShownBody& body, const std::vector<Pressed>& pressed) {
+const BodySnapshot& worth_keeping(const BodySnapshot& body, const std::vector<Pressed>& pressed) {
   for (const Pressed& one : pressed)
     if (one.id == body.id && one.force > 0 && body.look != Look::kSkin) return one.body;
   return body;
 }
 
 /// Walls of wounds apart from the skin, where there are any.
-std::vector<MeshGroup> groups_of(const ShownBody& body) {
+std::vector<MeshGroup> groups_of(const BodySnapshot& body) {
   if (body.wall_begin >= body.triangles.size()) return {};
   return {{"skin", 0}, {"wound", body.wall_begin}};
 }
@@ -41,61 +41,62 @@ Result<VtkHdfSeries*> series_of(const std::string& name, Outputs& outputs) {
 }
 
 /// A mesh at a moment, into the files that the scene asks for; `part` is what ParaView calls it.
-Status write_mesh(const ShownWorld& shown, const std::string& name, const std::string& part,
+Status write_mesh(const WorldSnapshot& snapshot, const std::string& name, const std::string& part,
                   const TriMesh& mesh, const std::vector<VertexField>& fields, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   if (output.meshes) {
-    const std::string file = fmt::format("meshes/{}-{:04}.vtu", name, shown.frame);
+    const std::string file = fmt::format("meshes/{}-{:04}.vtu", name, snapshot.frame);
     const Status status = write_vtu(outputs.folder / file, mesh, fields, output.mesh_space);
     if (!status) return status;
-    outputs.series.push_back({shown.time, file, part});
+    outputs.series.push_back({snapshot.time, file, part});
   }
   if (!output.vtkhdf) return Done{};
   const Result<VtkHdfSeries*> series = series_of(name, outputs);
-  return series ? (*series)->add(shown.time, mesh, fields) : series.error();
+  return series ? (*series)->add(snapshot.time, mesh, fields) : series.error();
 }
 
 /// A point for each tool with the force on it.
-Status write_forces(const ShownWorld& shown, const std::vector<Vec3>& places, const std::vector<Vec3>& forces,
-                    Outputs& outputs) {
+Status write_forces(const WorldSnapshot& snapshot, const std::vector<Vec3>& places,
+                    const std::vector<Vec3>& forces, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   VertexField force = vertex_field("force on the tool [N]", forces);
   force.is_direction = true;
   if (output.meshes) {
-    const std::string file = fmt::format("meshes/forces/on-tools-{:04}.vtu", shown.frame);
-    outputs.series.push_back({shown.time, file, "forces on tools"});
+    const std::string file = fmt::format("meshes/forces/on-tools-{:04}.vtu", snapshot.frame);
+    outputs.series.push_back({snapshot.time, file, "forces on tools"});
     const Status status = write_points(outputs.folder / file, places, {force}, output.mesh_space);
     if (!status) return status;
   }
   if (!output.vtkhdf) return Done{};
   const Result<VtkHdfSeries*> series = series_of("forces/on-tools", outputs);
-  return series ? (*series)->add_points(shown.time, places, {force}) : series.error();
+  return series ? (*series)->add_points(snapshot.time, places, {force}) : series.error();
 }
 
 /// Tools where they are, and the forces on them.
-Status write_tools(const ShownWorld& shown, Outputs& outputs) {
+Status write_tools(const WorldSnapshot& snapshot, Outputs& outputs) {
   std::vector<Vec3> places, forces;
-  for (const ShownTool& tool : shown.tools) {
-    const Status status = write_mesh(shown, "tools/" + tool.name, tool.name, placed_mesh(tool), {}, outputs);
+  for (const ToolSnapshot& tool : snapshot.tools) {
+    const Status status =
+        write_mesh(snapshot, "tools/" + tool.name, tool.name, placed_mesh(tool), {}, outputs);
     if (!status) return status;
     places.push_back(Vec3(tool.pose.position));
     forces.push_back(Vec3(tool.force));
   }
-  return places.empty() ? Done{} : write_forces(shown, places, forces, outputs);
+  return places.empty() ? Done{} : write_forces(snapshot, places, forces, outputs);
 }
 
 }  // namespace
 
-Status write_meshes(const ShownWorld& shown, Outputs& outputs) {
+Status write_meshes(const WorldSnapshot& snapshot, Outputs& outputs) {
   if (!outputs.scene->output.meshes && !outputs.scene->output.vtkhdf) return Done{};
   const AddTime time(outputs.facts.file_seconds);
-  for (const ShownBody& body : shown.bodies) {
+  for (const BodySnapshot& body : snapshot.bodies) {
     std::vector<float> numbers;
     const std::vector<VertexField> fields = fields_of(body, numbers);
-    const Status status = write_mesh(shown, body.name, body.name, shown_mesh(body), fields, outputs);
+    const Status status = write_mesh(snapshot, body.name, body.name, shown_mesh(body), fields, outputs);
     if (!status) return status;
   }
-  return write_tools(shown, outputs);
+  return write_tools(snapshot, outputs);
 }
 
 Status finish_meshes(Outputs& outputs) {
@@ -108,11 +109,11 @@ Status finish_meshes(Outputs& outputs) {
   return write_pvd(outputs.folder / "meshes.pvd", outputs.series, outputs.scene->output.mesh_space);
 }
 
-Status write_objs(const ShownWorld& shown, const std::vector<Pressed>& pressed, Outputs& outputs) {
+Status write_objs(const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed, Outputs& outputs) {
   const AddTime time(outputs.facts.file_seconds);
-  for (const ShownBody& body : shown.bodies) {
+  for (const BodySnapshot& body : snapshot.bodies) {
     const std::string file = body.name + ".obj";
-    const ShownBody& kept = worth_keeping(body, pressed);
+    const BodySnapshot& kept = worth_keeping(body, pressed);
     const Status status =
         write_obj(outputs.folder / file, shown_mesh(kept), outputs.scene->output.mesh_space, groups_of(kept));
     if (!status) return status;

@@ -11,8 +11,8 @@
 #include <meshoptimizer.h>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/io/base64.hpp"
-#include "turgor/io/deflate.hpp"
+#include "turgor/io/files/base64.hpp"
+#include "turgor/io/files/deflate.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/view/color.hpp"
 
@@ -68,12 +68,12 @@ struct Seen {
   std::vector<Vec3> rest, now;  // [m]
 };
 
-Seen seen_body(const ShownBody& body) {
+Seen seen_body(const BodySnapshot& body) {
   MovingThing thing{MovingThing::Kind::kBody, body.name, body.look, body.usual_force, {}};
   return {std::move(thing), &body.triangles, body.wall_begin, body.rest, body.x};
 }
 
-Seen seen_inside(const ShownBody& body) {
+Seen seen_inside(const BodySnapshot& body) {
   return {{MovingThing::Kind::kInside, body.name, Look::kFlesh, 1, {}},
           &body.inside.triangles,
           body.inside.triangles.size(),
@@ -81,7 +81,7 @@ Seen seen_inside(const ShownBody& body) {
           body.inside.vertices};
 }
 
-Seen seen_tool(const ShownTool& tool) {
+Seen seen_tool(const ToolSnapshot& tool) {
   Seen seen{{MovingThing::Kind::kTool, tool.name, Look::kFlesh, 1, {}}, &tool.mesh.triangles, 0, {}, {}};
   seen.wall_begin = tool.mesh.triangles.size();
   for (const Vec3 x : tool.mesh.vertices) seen.now.push_back(Vec3(contact::to_world(tool.pose, Vec3d(x))));
@@ -221,9 +221,9 @@ Json json_of(const Motion& motion, std::size_t t, const Frames& frames, double q
   const MovingThing& thing = motion.things[t];
   Json surfaces = Json::array();
   for (std::size_t s = 0; s < thing.surfaces.size(); s++) {
-    const bool shown =
+    const bool snapshot =
         std::any_of(frames.begin(), frames.end(), [&](const MotionFrame* f) { return f->surface[t] == s; });
-    surfaces.push_back(shown ? json_of(thing.surfaces[s]) : Json());
+    surfaces.push_back(snapshot ? json_of(thing.surfaces[s]) : Json());
   }
   return {{"kind", kind_name(thing.kind)},
           {"name", thing.name},
@@ -288,17 +288,18 @@ Frames every_other(const Frames& frames) {
 
 }  // namespace
 
-void add_moment(const ShownWorld& shown, Motion& motion, const MotionLimits& limits) {
-  MotionFrame frame{.time = shown.time, .surface = {}, .moved = {}, .forces = {}};
+void add_moment(const WorldSnapshot& snapshot, Motion& motion, const MotionLimits& limits) {
+  MotionFrame frame{.time = snapshot.time, .surface = {}, .moved = {}, .forces = {}};
   std::size_t at = 0;
-  for (const ShownBody& body : shown.bodies)
+  for (const BodySnapshot& body : snapshot.bodies)
     add_thing(seen_body(body), at++, limits.triangles, motion, frame);
-  for (const ShownBody& body : shown.bodies)
+  for (const BodySnapshot& body : snapshot.bodies)
     if (!body.inside.triangles.empty()) add_thing(seen_inside(body), at++, limits.triangles, motion, frame);
-  for (const ShownTool& tool : shown.tools) add_thing(seen_tool(tool), at++, limits.triangles, motion, frame);
-  for (const TriMesh& mesh : shown.obstacles)
+  for (const ToolSnapshot& tool : snapshot.tools)
+    add_thing(seen_tool(tool), at++, limits.triangles, motion, frame);
+  for (const TriMesh& mesh : snapshot.obstacles)
     add_thing(seen_obstacle(mesh), at++, limits.triangles, motion, frame);
-  for (const ShownTool& tool : shown.tools) frame.forces.push_back({tool.pose.position, tool.force});
+  for (const ToolSnapshot& tool : snapshot.tools) frame.forces.push_back({tool.pose.position, tool.force});
   if (!motion.frames.empty() && motion.frames.back().time == frame.time) {
     motion.numbers -= numbers_in(motion.frames.back());
     motion.frames.pop_back();

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/snapshot.hpp"
 
 namespace turgor {
 
@@ -52,7 +52,7 @@ struct MotionLimits {
 };
 
 /// Adds how the world looks now.
-void add_moment(const ShownWorld& shown, Motion& motion, const MotionLimits& limits = {});
+void add_moment(const WorldSnapshot& snapshot, Motion& motion, const MotionLimits& limits = {});
 /// As JSON in at most `bytes`, with fewer moments if need be; the first and the last stay. Empty when even
 /// those are too large, or when nothing was added. Blocks of numbers are compressed: see motion.cpp.
 std::string motion_json(const Motion& motion, std::size_t bytes);

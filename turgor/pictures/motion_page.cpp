@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 #include "turgor/pictures/motion.hpp"
 
 namespace turgor {

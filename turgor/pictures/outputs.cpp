@@ -19,21 +19,21 @@ constexpr const char* kVideoFolder = ".video";
 constexpr double kVideoRate = 20, kMotionRate = 10, kCutRate = 3;  // moments a second of simulated time
 
 /// Nothing and a warning, once, when OpenGL is missing.
-std::optional<Image> draw_world(const ShownWorld& shown, Outputs& outputs, const Camera& camera, bool colored,
-                                MeshCare care = MeshCare::kFull) {
+std::optional<Image> draw_world(const WorldSnapshot& snapshot, Outputs& outputs, const Camera& camera,
+                                bool colored, MeshCare care = MeshCare::kFull) {
   const SkinColor color = colored ? outputs.scene->output.color : SkinColor::kNone;
   const ColorScale scale = color_scale(*outputs.scene, color);
   PictureParts parts;
-  add_world(shown, color, color == SkinColor::kNone ? nullptr : &scale, camera.eye, parts);
+  add_world(snapshot, color, color == SkinColor::kNone ? nullptr : &scale, camera.eye, parts);
   return draw_parts(parts, camera, outputs, care);
 }
 
 /// A cut from near once more, in colours, where the page does not show them in three dimensions.
-Status add_colored_view(const ShownWorld& shown, Outputs& outputs, const SurfaceView& view) {
+Status add_colored_view(const WorldSnapshot& snapshot, Outputs& outputs, const SurfaceView& view) {
   const SkinColor color = outputs.scene->output.color;
   if (view.colored || color == SkinColor::kNone) return Done{};
   if (color == SkinColor::kDisplacement && !draws_all(outputs)) return Done{};
-  const std::optional<Image> image = draw_world(shown, outputs, beside_legend(view.camera, outputs), true);
+  const std::optional<Image> image = draw_world(snapshot, outputs, beside_legend(view.camera, outputs), true);
   if (!image) return Done{};
   return add_picture(outputs, view.name + "-colored.png", view.caption + ", in colours", *image, false);
 }
@@ -59,9 +59,9 @@ std::vector<Film> make_films(const Outputs& outputs, std::size_t cuts) {
   return films;
 }
 
-Status film_moment(const ShownWorld& shown, Film& film, Outputs& outputs) {
+Status film_moment(const WorldSnapshot& snapshot, Film& film, Outputs& outputs) {
   const std::optional<Image> image =
-      draw_world(shown, outputs, outputs.views[film.view].camera, !shows_skin(shown), MeshCare::kQuick);
+      draw_world(snapshot, outputs, outputs.views[film.view].camera, !shows_skin(snapshot), MeshCare::kQuick);
   if (!image) return Done{};
   const fs::path file =
       outputs.folder / kVideoFolder / fmt::format("{}-{:06}.png", film.view, film.frames.size());
@@ -94,26 +94,26 @@ std::string more_pictures(const OutputScene& output) {
 
 }  // namespace
 
-bool shows_skin(const ShownWorld& shown) {
-  return std::any_of(shown.bodies.begin(), shown.bodies.end(),
-                     [](const ShownBody& body) { return body.look == Look::kSkin; });
+bool shows_skin(const WorldSnapshot& snapshot) {
+  return std::any_of(snapshot.bodies.begin(), snapshot.bodies.end(),
+                     [](const BodySnapshot& body) { return body.look == Look::kSkin; });
 }
 
 Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& world,
-                             const ShownWorld& shown, fs::path folder) {
+                             const WorldSnapshot& snapshot, fs::path folder) {
   Outputs outputs;
   outputs.exec = &exec, outputs.scene = &scene, outputs.folder = std::move(folder);
   std::error_code error;
   std::vector<const char*> folders{"meshes", kVideoFolder};
   if (scene.output.frames) folders.push_back("frames");
-  if (!shown.tools.empty()) folders.insert(folders.end(), {"meshes/tools", "meshes/forces"});
+  if (!snapshot.tools.empty()) folders.insert(folders.end(), {"meshes/tools", "meshes/forces"});
   for (const char* name : folders)
     if (!fs::create_directory(outputs.folder / name, error))
       return Error{
           fmt::format("{}: cannot make the folder: {}", (outputs.folder / name).string(), error.message())};
   for (const LatticeBody& body : world.lattice_bodies)
     outputs.at_rest.push_back(lattice::make_state(body.model));
-  Result<std::vector<SurfaceView>> views = make_views(scene, world, shown, outputs.at_rest);
+  Result<std::vector<SurfaceView>> views = make_views(scene, world, snapshot, outputs.at_rest);
   if (!views) return views.error();
   outputs.views = std::move(*views);
   const std::size_t automatic = outputs.views.size() - scene.cameras.size();
@@ -175,26 +175,26 @@ Status add_picture(Outputs& outputs, const std::string& file, const std::string&
 
 namespace {
 
-void keep_first(const ShownWorld& shown, Outputs& outputs) {
+void keep_first(const WorldSnapshot& snapshot, Outputs& outputs) {
   const auto wants_it = [](const SurfaceView& view) { return view.before_after; };
   if (!outputs.first.bodies.empty() || std::none_of(outputs.views.begin(), outputs.views.end(), wants_it))
     return;
-  outputs.first = shown;
-  for (ShownBody& body : outputs.first.bodies) body.kept.reset();
+  outputs.first = snapshot;
+  for (BodySnapshot& body : outputs.first.bodies) body.kept.reset();
 }
 
 /// The picture of a snapshot by itself, where the scene asks for it.
-Status add_frame(const ShownWorld& shown, const SurfaceView& view, Outputs& outputs) {
+Status add_frame(const WorldSnapshot& snapshot, const SurfaceView& view, Outputs& outputs) {
   if (!outputs.scene->output.frames) return Done{};
-  const std::optional<Image> image = draw_world(shown, outputs, view.camera, view.colored);
+  const std::optional<Image> image = draw_world(snapshot, outputs, view.camera, view.colored);
   if (!image) return Done{};
   const AddTime time(outputs.facts.file_seconds);
-  return write_png(outputs.folder / fmt::format("frames/{}-{:04}.png", view.name, shown.frame), *image);
+  return write_png(outputs.folder / fmt::format("frames/{}-{:04}.png", view.name, snapshot.frame), *image);
 }
 
-void add_to_motion(const ShownWorld& shown, Outputs& outputs) {
+void add_to_motion(const WorldSnapshot& snapshot, Outputs& outputs) {
   const AddTime time(outputs.facts.drawing_seconds);
-  add_moment(shown, outputs.motion);
+  add_moment(snapshot, outputs.motion);
 }
 
 }  // namespace
@@ -212,12 +212,12 @@ std::string motion_of_page(Outputs& outputs) {
   return taken < kPage ? motion_html(motion_json(outputs.motion, kPage - taken)) : std::string();
 }
 
-Status add_snapshot(const ShownWorld& shown, Outputs& outputs) {
-  add_to_motion(shown, outputs);
-  keep_first(shown, outputs);
+Status add_snapshot(const WorldSnapshot& snapshot, Outputs& outputs) {
+  add_to_motion(snapshot, outputs);
+  keep_first(snapshot, outputs);
   for (const SurfaceView& view : outputs.views)
-    if (const Status status = add_frame(shown, view, outputs); !status) return status;
-  return write_meshes(shown, outputs);
+    if (const Status status = add_frame(snapshot, view, outputs); !status) return status;
+  return write_meshes(snapshot, outputs);
 }
 
 bool wants_moment(const World& world, const Outputs& outputs) {
@@ -228,32 +228,32 @@ bool wants_moment(const World& world, const Outputs& outputs) {
   return world.frame % std::max(1, int(std::lround(outputs.scene->frame_rate / rate))) == 0;
 }
 
-Status take_moment(const ShownWorld& shown, Outputs& outputs) {
-  add_to_motion(shown, outputs);
+Status take_moment(const WorldSnapshot& snapshot, Outputs& outputs) {
+  add_to_motion(snapshot, outputs);
   if (outputs.films.empty()) return Done{};
-  if (outputs.films[0].frames.empty()) outputs.video_begin = shown.time;
-  outputs.video_end = shown.time;
+  if (outputs.films[0].frames.empty()) outputs.video_begin = snapshot.time;
+  outputs.video_end = snapshot.time;
   for (Film& film : outputs.films)
-    if (const Status filmed = film_moment(shown, film, outputs); !filmed) return filmed;
+    if (const Status filmed = film_moment(snapshot, film, outputs); !filmed) return filmed;
   return Done{};
 }
 
 namespace {
 
 /// Every view, before and at the end; wounds first.
-Status add_before_after(const ShownWorld& shown, Outputs& outputs) {
+Status add_before_after(const WorldSnapshot& snapshot, Outputs& outputs) {
   for (std::size_t v = outputs.views.size(); v-- > 0;) {
     const SurfaceView& view = outputs.views[v];
     if (!view.before_after) continue;
-    const Camera camera = v == 0 ? camera_of_both(outputs, outputs.first, shown) : view.camera;
+    const Camera camera = v == 0 ? camera_of_both(outputs, outputs.first, snapshot) : view.camera;
     const std::optional<Image> before = draw_world(outputs.first, outputs, camera, false),
-                               last = draw_world(shown, outputs, camera, view.colored);
+                               last = draw_world(snapshot, outputs, camera, view.colored);
     if (!before || !last) continue;
-    const Image pair = side_by_side({*before, *last}, {"before", "after " + seconds_text(shown.time)});
+    const Image pair = side_by_side({*before, *last}, {"before", "after " + seconds_text(snapshot.time)});
     const Status status = add_picture(outputs, view.name + "-before-after.png",
                                       view.caption + ", before and after", pair, true);
     if (!status) return status;
-    if (const Status colored = add_colored_view(shown, outputs, view); !colored) return colored;
+    if (const Status colored = add_colored_view(snapshot, outputs, view); !colored) return colored;
   }
   return Done{};
 }
@@ -270,13 +270,13 @@ Status finish_tables(const World& world, Outputs& outputs) {
 
 }  // namespace
 
-Status finish_outputs(const World& world, const ShownWorld& shown, const std::vector<Pressed>& pressed,
+Status finish_outputs(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
                       Outputs& outputs) {
   Status status = add_pressed_pictures(pressed, outputs);
-  if (status) status = add_before_after(shown, outputs);
+  if (status) status = add_before_after(snapshot, outputs);
   if (status) status = finish_ct_outputs(world, outputs);
   if (status) status = finish_tables(world, outputs);
-  if (status && outputs.scene->output.obj) status = write_objs(shown, pressed, outputs);
+  if (status && outputs.scene->output.obj) status = write_objs(snapshot, pressed, outputs);
   return status ? finish_films(outputs) : status;
 }
 

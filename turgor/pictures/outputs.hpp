@@ -11,8 +11,8 @@
 
 #include "turgor/core/exec.hpp"
 #include "turgor/core/timing.hpp"
-#include "turgor/io/mesh_files.hpp"
-#include "turgor/io/vtkhdf.hpp"
+#include "turgor/io/mesh/mesh_files.hpp"
+#include "turgor/io/mesh/vtkhdf.hpp"
 #include "turgor/pictures/motion.hpp"
 #include "turgor/pictures/picture_parts.hpp"
 #include "turgor/sim/pressed.hpp"
@@ -44,7 +44,7 @@ struct Outputs {
   std::filesystem::path folder;
   RunFacts facts;
   std::vector<SurfaceView> views;
-  ShownWorld first;                            // snapshot, where a view wants it beside the last
+  WorldSnapshot first;                         // snapshot, where a view wants it beside the last
   std::vector<lattice::State> at_rest;         // lattices as in the CT, for pictures of before
   std::vector<PvdEntry> series;                // of meshes
   std::map<std::string, VtkHdfSeries> vtkhdf;  // by file
@@ -69,20 +69,21 @@ class AddTime {
 
 /// Cameras for the world at its first snapshot, and the folders.
 Result<Outputs> make_outputs(const Exec& exec, const Scene& scene, const World& world,
-                             const ShownWorld& shown, std::filesystem::path folder);
+                             const WorldSnapshot& snapshot, std::filesystem::path folder);
 /// views.cpp: from where it is seen; the whole first.
-Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& world, const ShownWorld& shown,
+Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& world,
+                                            const WorldSnapshot& snapshot,
                                             const std::vector<lattice::State>& at_rest);
 /// views.cpp: the camera of the first view, around all that these two moments show.
-Camera camera_of_both(const Outputs& outputs, const ShownWorld& first, const ShownWorld& last);
-bool shows_skin(const ShownWorld& shown);
+Camera camera_of_both(const Outputs& outputs, const WorldSnapshot& first, const WorldSnapshot& last);
+bool shows_skin(const WorldSnapshot& snapshot);
 /// Pictures and meshes of the world now.
-Status add_snapshot(const ShownWorld& shown, Outputs& outputs);
+Status add_snapshot(const WorldSnapshot& snapshot, Outputs& outputs);
 /// Is now a moment for the 3D view of the page, and for the video if there is one?
 bool wants_moment(const World& world, const Outputs& outputs);
-Status take_moment(const ShownWorld& shown, Outputs& outputs);
+Status take_moment(const WorldSnapshot& snapshot, Outputs& outputs);
 /// Before and after, bodies under the largest forces, sections, volume rendering, deformed CT, OBJ, video.
-Status finish_outputs(const World& world, const ShownWorld& shown, const std::vector<Pressed>& pressed,
+Status finish_outputs(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
                       Outputs& outputs);
 
 /// What the page shows in three dimensions, so that it stays below 8 MB with its pictures.
@@ -107,9 +108,9 @@ ColorScale color_scale(const Scene& scene, SkinColor color);
 Status add_pressed_pictures(const std::vector<Pressed>& pressed, Outputs& outputs);
 /// mesh_outputs.cpp: surfaces for ParaView, one file a body and snapshot or a body alone, as the scene asks,
 /// and as OBJ at the end.
-Status write_meshes(const ShownWorld& shown, Outputs& outputs);
+Status write_meshes(const WorldSnapshot& snapshot, Outputs& outputs);
 Status finish_meshes(Outputs& outputs);
-Status write_objs(const ShownWorld& shown, const std::vector<Pressed>& pressed, Outputs& outputs);
+Status write_objs(const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed, Outputs& outputs);
 /// ct_outputs.cpp: the CT as it would be scanned now, in sections, volume rendering and files.
 Status finish_ct_outputs(const World& world, Outputs& outputs);
 

@@ -19,7 +19,7 @@ std::string newtons(double force) {
 }
 
 /// From where the tool ends, in the direction of the force on it.
-void add_arrow(const ShownTool& tool, const TriMesh& mesh, ArrowScale arrows, Vec3d eye,
+void add_arrow(const ToolSnapshot& tool, const TriMesh& mesh, ArrowScale arrows, Vec3d eye,
                PictureParts& parts) {
   const double force = norm(tool.force);
   if (!(force > 1e-3 * arrows.force)) return;
@@ -56,15 +56,15 @@ TriMesh two_sided(TriMesh mesh) {
 Rgb color_of(Look look) { return look == Look::kSkin ? kSkin : look == Look::kCloth ? kCloth : kFlesh; }
 
 /// Beside tissue, which moves by millimetres, cloth is drawn as cloth.
-bool is_beside_tissue(const ShownBody& body, const ShownWorld& shown) {
+bool is_beside_tissue(const BodySnapshot& body, const WorldSnapshot& snapshot) {
   return body.look == Look::kCloth &&
-         std::any_of(shown.bodies.begin(), shown.bodies.end(),
-                     [](const ShownBody& other) { return other.look != Look::kCloth; });
+         std::any_of(snapshot.bodies.begin(), snapshot.bodies.end(),
+                     [](const BodySnapshot& other) { return other.look != Look::kCloth; });
 }
 
 }  // namespace
 
-std::vector<float> shown_values(const ShownBody& body, SkinColor color) {
+std::vector<float> shown_values(const BodySnapshot& body, SkinColor color) {
   if (color == SkinColor::kStretch) return body.stretch;
   if (color == SkinColor::kPressure) return body.pressure;
   std::vector<float> lengths;
@@ -73,11 +73,11 @@ std::vector<float> shown_values(const ShownBody& body, SkinColor color) {
   return lengths;
 }
 
-TriMesh shown_mesh(const ShownBody& body) {
+TriMesh shown_mesh(const BodySnapshot& body) {
   return {.vertices = body.x, .triangles = body.triangles, .normals = body.normals, .scalars = {}};
 }
 
-void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, PictureParts& parts) {
+void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureParts& parts) {
   if (body.triangles.empty()) return;
   TriMesh surface = shown_mesh(body);
   surface.scalars = shown_values(body, color);
@@ -98,27 +98,27 @@ void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, P
   parts.parts.back().through = parts.parts.back().closed = true;
 }
 
-TriMesh placed_mesh(const ShownTool& tool) {
+TriMesh placed_mesh(const ToolSnapshot& tool) {
   TriMesh mesh = tool.mesh;
   for (Vec3& x : mesh.vertices) x = Vec3(contact::to_world(tool.pose, Vec3d(x)));
   for (Vec3& n : mesh.normals) n = Vec3(tool.pose.axes * Vec3d(n));
   return mesh;
 }
 
-void add_tool(const ShownTool& tool, ArrowScale arrows, Vec3d eye, PictureParts& parts) {
+void add_tool(const ToolSnapshot& tool, ArrowScale arrows, Vec3d eye, PictureParts& parts) {
   add_arrow(tool, parts.add(placed_mesh(tool), kTool), arrows, eye, parts);
 }
 
-void add_world(const ShownWorld& shown, SkinColor color, const ColorScale* scale, Vec3d eye,
+void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale* scale, Vec3d eye,
                PictureParts& parts) {
-  for (const ShownBody& body : shown.bodies)
-    is_beside_tissue(body, shown) ? add_body(body, SkinColor::kNone, nullptr, parts)
-                                  : add_body(body, color, scale, parts);
-  for (const ShownTool& tool : shown.tools) {
-    const ShownBody& body = shown_body(shown, tool.body);
+  for (const BodySnapshot& body : snapshot.bodies)
+    is_beside_tissue(body, snapshot) ? add_body(body, SkinColor::kNone, nullptr, parts)
+                                     : add_body(body, color, scale, parts);
+  for (const ToolSnapshot& tool : snapshot.tools) {
+    const BodySnapshot& body = body_snapshot(snapshot, tool.body);
     add_tool(tool, {body.usual_force, 0.2 * norm(body.box.high - body.box.low)}, eye, parts);
   }
-  for (const TriMesh& obstacle : shown.obstacles) parts.add(obstacle, kObstacle);
+  for (const TriMesh& obstacle : snapshot.obstacles) parts.add(obstacle, kObstacle);
 }
 
 void draw_labels(const std::vector<PictureLabel>& labels, const Camera& camera, Image& image) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "turgor/sim/scene/scene.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/view/draw.hpp"
 
 namespace turgor {
@@ -39,18 +39,18 @@ constexpr double kLongestArrow = 1.5;
 
 /// The quantity at every vertex that a colour shows: displacement [m], stretch [1] or pressure [Pa]. Empty:
 /// the body knows none.
-std::vector<float> shown_values(const ShownBody& body, SkinColor color);
+std::vector<float> shown_values(const BodySnapshot& body, SkinColor color);
 /// A body's surface with its normals.
-TriMesh shown_mesh(const ShownBody& body);
+TriMesh shown_mesh(const BodySnapshot& body);
 /// A tool's surface where it is.
-TriMesh placed_mesh(const ShownTool& tool);
+TriMesh placed_mesh(const ToolSnapshot& tool);
 
 /// A surface as its look is, or coloured by the scale where the body knows the quantity.
-void add_body(const ShownBody& body, SkinColor color, const ColorScale* scale, PictureParts& parts);
+void add_body(const BodySnapshot& body, SkinColor color, const ColorScale* scale, PictureParts& parts);
 /// A tool, and an arrow for the force on it, with its newtons, where it is not hidden from the eye [m].
-void add_tool(const ShownTool& tool, ArrowScale arrows, Vec3d eye, PictureParts& parts);
+void add_tool(const ToolSnapshot& tool, ArrowScale arrows, Vec3d eye, PictureParts& parts);
 /// All bodies, their tools, and what cloth lies on.
-void add_world(const ShownWorld& shown, SkinColor color, const ColorScale* scale, Vec3d eye,
+void add_world(const WorldSnapshot& snapshot, SkinColor color, const ColorScale* scale, Vec3d eye,
                PictureParts& parts);
 
 /// Writes the labels where the camera sees their places.

@@ -11,8 +11,8 @@ namespace turgor {
 namespace {
 
 /// Skin that tools touch is drawn as flesh, as a recording has it.
-ShownBody as_flesh(const ShownBody& pressed) {
-  ShownBody body = pressed;
+BodySnapshot as_flesh(const BodySnapshot& pressed) {
+  BodySnapshot body = pressed;
   if (body.look == Look::kSkin) body.look = Look::kFlesh;
   body.wall_begin = body.triangles.size();
   place_vertices(body);
@@ -20,8 +20,8 @@ ShownBody as_flesh(const ShownBody& pressed) {
 }
 
 /// A body as it lies at rest, untouched.
-ShownBody undeformed(const ShownBody& body) {
-  ShownBody rest = body;
+BodySnapshot undeformed(const BodySnapshot& body) {
+  BodySnapshot rest = body;
   std::fill(rest.displacement.begin(), rest.displacement.end(), Vec3{});
   std::fill(rest.pressure.begin(), rest.pressure.end(), 0.0f);
   place_vertices(rest);
@@ -29,14 +29,14 @@ ShownBody undeformed(const ShownBody& body) {
 }
 
 /// The tool with the largest force.
-const ShownTool& pressing_tool(const std::vector<ShownTool>& tools) {
-  return *std::max_element(tools.begin(), tools.end(), [](const ShownTool& a, const ShownTool& b) {
+const ToolSnapshot& pressing_tool(const std::vector<ToolSnapshot>& tools) {
+  return *std::max_element(tools.begin(), tools.end(), [](const ToolSnapshot& a, const ToolSnapshot& b) {
     return norm(a.force) < norm(b.force);
   });
 }
 
 /// Out of the surface at rest around a place; zero when there is none within reach.
-Vec3d outward_around(const ShownBody& body, Vec3d place, double reach) {
+Vec3d outward_around(const BodySnapshot& body, Vec3d place, double reach) {
   Vec3d sum;
   for (const Int3 t : body.triangles) {
     const Vec3d a(body.rest[std::size_t(t.x)]), b(body.rest[std::size_t(t.y)]),
@@ -52,7 +52,7 @@ struct Aim {
 };
 
 /// From aside one sees the dent with the tool in it, from above, where it is left out, what lies below it.
-Aim aim_at_tool(const ShownBody& body, const ShownTool& tool, bool from_above) {
+Aim aim_at_tool(const BodySnapshot& body, const ToolSnapshot& tool, bool from_above) {
   const Vec3d outward = outward_around(body, tool.pose.position, 2 * tool.size);
   // Tools that pull are pulled in; forceps come from where their handles are.
   const bool pulls = dot(tool.force, outward) < 0;
@@ -65,7 +65,7 @@ Aim aim_at_tool(const ShownBody& body, const ShownTool& tool, bool from_above) {
 }
 
 /// At what the pressing tool touches.
-Camera camera_at_tool(const ShownTool& tool, const Aim& aim, double reach, double aspect) {
+Camera camera_at_tool(const ToolSnapshot& tool, const Aim& aim, double reach, double aspect) {
   const Vec3d half{reach, reach, reach};
   return frame_box({tool.pose.position - half, tool.pose.position + half}, aim.direction, aim.up, aspect);
 }
@@ -74,8 +74,8 @@ constexpr double kArrowPart = 0.2;  // of a whole body's diagonal
 
 /// The body with the tool and its arrow: from where the run is seen, but forceps, which are a rod from above,
 /// from aside with all of their handles.
-Camera camera_of_whole(const ShownBody& body, const ShownTool& tool, const Aim& aside, const Outputs& outputs,
-                       double aspect) {
+Camera camera_of_whole(const BodySnapshot& body, const ToolSnapshot& tool, const Aim& aside,
+                       const Outputs& outputs, double aspect) {
   Box box = body.box;
   const Vec3d arrow =
       tool.pose.position + normalized(aside.up) * (1.25 * kArrowPart * norm(box.high - box.low));
@@ -87,16 +87,16 @@ Camera camera_of_whole(const ShownBody& body, const ShownTool& tool, const Aim& 
 }
 
 /// One picture of a body's surface, with tools and forces as they are.
-std::optional<Image> draw_body(const ShownBody& body, const std::vector<ShownTool>& tools,
+std::optional<Image> draw_body(const BodySnapshot& body, const std::vector<ToolSnapshot>& tools,
                                const Camera& camera, double arrow, Outputs& outputs) {
   PictureParts parts;
   add_body(body, SkinColor::kNone, nullptr, parts);
-  for (const ShownTool& tool : tools) add_tool(tool, {body.usual_force, arrow}, camera.eye, parts);
+  for (const ToolSnapshot& tool : tools) add_tool(tool, {body.usual_force, arrow}, camera.eye, parts);
   return draw_parts(parts, camera, outputs);
 }
 
 /// In colours that reach to the largest value, unless the scene says otherwise; without the tools.
-Status add_colored(const ShownBody& body, SkinColor color, const char* name, const char* caption,
+Status add_colored(const BodySnapshot& body, SkinColor color, const char* name, const char* caption,
                    const Camera& camera, Outputs& outputs) {
   const OutputScene& output = outputs.scene->output;
   const std::vector<float> values = shown_values(body, color);
@@ -114,7 +114,7 @@ Status add_colored(const ShownBody& body, SkinColor color, const char* name, con
 }
 
 /// Before, and then, side by side.
-Status add_pair(const Pressed& pressed, const ShownBody& body, const char* name, const char* caption,
+Status add_pair(const Pressed& pressed, const BodySnapshot& body, const char* name, const char* caption,
                 const Camera& camera, double arrow, Outputs& outputs) {
   const auto before = draw_body(undeformed(body), {}, camera, arrow, outputs),
              then = draw_body(body, pressed.tools, camera, arrow, outputs);
@@ -127,8 +127,8 @@ Status add_pair(const Pressed& pressed, const ShownBody& body, const char* name,
 }
 
 Status add_pictures(const Pressed& pressed, Outputs& outputs) {
-  const ShownBody body = as_flesh(pressed.body);
-  const ShownTool& tool = pressing_tool(pressed.tools);
+  const BodySnapshot body = as_flesh(pressed.body);
+  const ToolSnapshot& tool = pressing_tool(pressed.tools);
   const double aspect = double(outputs.scene->output.width) / outputs.scene->output.height;
   const Aim aside = aim_at_tool(body, tool, false), on_top = aim_at_tool(body, tool, true);
   const Camera whole = camera_of_whole(body, tool, aside, outputs, aspect),

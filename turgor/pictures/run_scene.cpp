@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 #include "turgor/pictures/outputs.hpp"
-#include "turgor/sim/live/felt_replay.hpp"
+#include "turgor/sim/live/haptic_replay.hpp"
 #include "turgor/sim/recording/recording.hpp"
-#include "turgor/sim/report/doubts.hpp"
 #include "turgor/sim/report/force_error.hpp"
 #include "turgor/sim/report/lattice_warnings.hpp"
+#include "turgor/sim/report/plausibility.hpp"
 #include "turgor/sim/report/report_cloth.hpp"
 #include "turgor/sim/report/report_touch.hpp"
 #include "turgor/sim/run.hpp"
@@ -69,24 +69,24 @@ struct FolderRun {
   const RunCallbacks& callbacks;
   std::optional<RecordingWriter> recording;
   std::optional<LiveRun> live;
-  std::unique_ptr<FeltReplay> replay;
+  std::unique_ptr<HapticReplay> replay;
   std::vector<ClothStretch> stretch;
-  std::vector<ShownWorld> later;  // snapshots of a run in real time, whose frames cannot wait for pictures
+  std::vector<WorldSnapshot> later;  // snapshots of a run in real time, whose frames cannot wait for pictures
 };
 
-Status take_snapshot(FolderRun& run, const World& world, const ShownWorld& shown) {
-  note_stretch(shown, run.stretch);
+Status take_snapshot(FolderRun& run, const World& world, const WorldSnapshot& snapshot) {
+  note_stretch(snapshot, run.stretch);
   Status status = Done{};
   if (run.live) {
-    run.later.push_back(shown);
-    for (ShownBody& body : run.later.back().bodies) body.kept.reset();
+    run.later.push_back(snapshot);
+    for (BodySnapshot& body : run.later.back().bodies) body.kept.reset();
   } else
-    status = add_snapshot(shown, run.outputs);
+    status = add_snapshot(snapshot, run.outputs);
   if (status && run.recording) {
     const AddTime time(run.outputs.facts.file_seconds);
-    status = run.recording->add_snapshot(world, shown);
+    status = run.recording->add_snapshot(world, snapshot);
   }
-  if (status && run.callbacks.snapshot) status = run.callbacks.snapshot(shown);
+  if (status && run.callbacks.snapshot) status = run.callbacks.snapshot(snapshot);
   return status;
 }
 
@@ -117,10 +117,12 @@ Result<Simulated> simulate_into(FolderRun& run) {
       if (replayed) replayed = run.replay->next_frame(run.exec);
       return replayed && (!run.callbacks.frame || run.callbacks.frame(world));
     };
-  events.snapshot = [&run](const World& w, const ShownWorld& shown) { return take_snapshot(run, w, shown); };
-  events.picture = [&run](const ShownWorld& shown) {
-    note_stretch(shown, run.stretch);
-    return take_moment(shown, run.outputs);
+  events.snapshot = [&run](const World& w, const WorldSnapshot& snapshot) {
+    return take_snapshot(run, w, snapshot);
+  };
+  events.picture = [&run](const WorldSnapshot& snapshot) {
+    note_stretch(snapshot, run.stretch);
+    return take_moment(snapshot, run.outputs);
   };
   if (!run.live) events.wants_picture = [&run](const World& w) { return wants_moment(w, run.outputs); };
   const Timer timer;
@@ -133,22 +135,22 @@ Result<Simulated> simulate_into(FolderRun& run) {
 }
 
 /// A felt run that was done again.
-Json felt_report(const FeltRun& felt, const World& world) {
+Json felt_report(const HapticRecording& haptic, const World& world) {
   std::size_t ticks = 0;
-  for (const FeltTool& tool : felt.tools) ticks += tool.ticks.size();
-  return {{"frames", felt.frames},
+  for (const HapticTool& tool : haptic.tools) ticks += tool.ticks.size();
+  return {{"frames", haptic.frames},
           {"ticks", ticks},
-          {"state_hash", hash_text(felt.hash)},
-          {"same_bits", state_hash(world) == felt.hash}};
+          {"state_hash", hash_text(haptic.hash)},
+          {"same_bits", state_hash(world) == haptic.hash}};
 }
 
 /// What `turgor replay` does again.
 Status write_felt(FolderRun& run) {
   if (!run.live) return Done{};
-  Result<FeltRun> felt = run.live->touch->felt_run();
-  if (!felt) return felt.error();
-  note_scene(run.scene, false, *felt);
-  const Status written = write_felt_run(run.folder / "felt.h5", *felt);
+  Result<HapticRecording> haptic = run.live->touch->haptic_recording();
+  if (!haptic) return haptic.error();
+  note_scene(run.scene, false, *haptic);
+  const Status written = write_haptic_recording(run.folder / "felt.h5", *haptic);
   if (written) run.outputs.facts.files.push_back("felt.h5");
   return written;
 }
@@ -157,7 +159,7 @@ Status write_felt(FolderRun& run) {
 Result<Json> report_of(FolderRun& run, const Simulated& done) {
   RunFacts& facts = run.outputs.facts;
   facts.drawing_seconds += done.show_seconds;
-  if (const Status felt = write_felt(run); !felt) facts.warnings.push_back(felt.error().message);
+  if (const Status haptic = write_felt(run); !haptic) facts.warnings.push_back(haptic.error().message);
   if (!done.stopped.empty()) facts.warnings.push_back(done.stopped);
   append(facts.warnings, cloth_warnings(run.world));
   append(facts.warnings, overstretched(run.stretch));
@@ -173,7 +175,7 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
   if (!run.recording) return report;
   const AddTime time(facts.file_seconds);
   const Status status =
-      run.recording->finish(run.world, done.shown, done.measures.pressed, json_text(report, -1));
+      run.recording->finish(run.world, done.snapshot, done.measures.pressed, json_text(report, -1));
   run.recording.reset();
   if (!status) return status.error();
   facts.files.push_back("recording.h5");
@@ -181,14 +183,14 @@ Result<Json> report_of(FolderRun& run, const Simulated& done) {
 }
 
 /// Who tells the tools where to go: a hand, one of before, or, where both stay empty, their paths.
-Status begin_touch(const RunOptions& options, std::optional<FeltRun> felt, FolderRun& run) {
+Status begin_touch(const RunOptions& options, std::optional<HapticRecording> haptic, FolderRun& run) {
   if (options.live) {
     Result<LiveRun> live = start_live(run.world, *options.live, run.scene.duration);
     if (!live) return live.error();
     run.live.emplace(std::move(*live));
   }
-  if (felt) {
-    Result<std::unique_ptr<FeltReplay>> replay = FeltReplay::begin(run.world, std::move(*felt));
+  if (haptic) {
+    Result<std::unique_ptr<HapticReplay>> replay = HapticReplay::begin(run.world, std::move(*haptic));
     if (!replay) return replay.error();
     run.replay = std::move(*replay);
   }
@@ -197,10 +199,11 @@ Status begin_touch(const RunOptions& options, std::optional<FeltRun> felt, Folde
 
 /// In the open folder.
 Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, OutputFolder& folder,
-                      const RunOptions& options, std::optional<FeltRun> felt, const RunCallbacks& callbacks) {
+                      const RunOptions& options, std::optional<HapticRecording> haptic,
+                      const RunCallbacks& callbacks) {
   Result<World> world = load_world(exec, scene, callbacks.begin);
   if (!world) return world.error();
-  ShownWorld first;
+  WorldSnapshot first;
   show(exec, *world, first);
   Result<Outputs> outputs = make_outputs(exec, scene, *world, first, folder.path());
   if (!outputs) return outputs.error();
@@ -216,14 +219,14 @@ Result<Json> run_into(const Exec& exec, const Scene& scene, const Timer& total, 
     if (!writer) return writer.error();
     run.recording.emplace(std::move(*writer));
   }
-  if (const Status begun = begin_touch(options, std::move(felt), run); !begun) return begun.error();
+  if (const Status begun = begin_touch(options, std::move(haptic), run); !begun) return begun.error();
   const Result<Simulated> done = simulate_into(run);
   if (!done) return done.error();
   Result<Json> report = report_of(run, *done);
   if (!report) return report.error();
   Status status = draw_later(run);
   const Timer finishing;
-  if (status) status = finish_outputs(*world, done->shown, done->measures.pressed, *outputs);
+  if (status) status = finish_outputs(*world, done->snapshot, done->measures.pressed, *outputs);
   outputs->facts.output_seconds = finishing.seconds();
   if (status) status = complete(total, *report, *outputs, folder, callbacks);
   return status ? report : status.error();
@@ -234,28 +237,28 @@ Result<Json> replay_into(const Exec& exec, const Recording& recording, const Sce
                          OutputFolder& folder, const RunCallbacks& callbacks) {
   Result<World> world = load_world(exec, scene, callbacks.begin, Purpose::kDraw);
   if (!world) return world.error();
-  ShownWorld shown;
+  WorldSnapshot snapshot;
   std::vector<Pressed> pressed;
   Status status = recording.check_world(*world);
-  if (status) status = recording.restore(exec, 0, *world, shown);
+  if (status) status = recording.restore(exec, 0, *world, snapshot);
   if (status) status = recording.restore_touch(*world, pressed);
   if (!status) return status.error();
   Json report = Json::parse(recording.report(), nullptr, false);
   if (!report.is_object() || !report.contains("timing"))
     return Error{recording.path().string() + ": the recorded report is damaged"};
-  Result<Outputs> outputs = make_outputs(exec, scene, *world, shown, folder.path());
+  Result<Outputs> outputs = make_outputs(exec, scene, *world, snapshot, folder.path());
   if (!outputs) return outputs.error();
   const Progress progress = begin_work(callbacks.begin, "drawing");
   for (int s = 0; s < recording.snapshot_count() && status; s++) {
-    status = recording.restore(exec, s, *world, shown);
-    if (status) status = add_snapshot(shown, *outputs);
-    if (status) status = take_moment(shown, *outputs);
-    if (status && callbacks.snapshot) status = callbacks.snapshot(shown);
+    status = recording.restore(exec, s, *world, snapshot);
+    if (status) status = add_snapshot(snapshot, *outputs);
+    if (status) status = take_moment(snapshot, *outputs);
+    if (status && callbacks.snapshot) status = callbacks.snapshot(snapshot);
     if (progress) progress(double(s + 1) / recording.snapshot_count());
   }
   report["replayed_from"] = recording.path().string();
   const Timer finishing;
-  if (status) status = finish_outputs(*world, shown, pressed, *outputs);
+  if (status) status = finish_outputs(*world, snapshot, pressed, *outputs);
   outputs->facts.output_seconds = finishing.seconds();
   if (status) status = complete(total, report, *outputs, folder, callbacks);
   return status ? Result<Json>(std::move(report)) : status.error();
@@ -279,16 +282,16 @@ Result<Json> run_scene(const Exec& exec, const Scene& scene, const RunOptions& o
 Result<Json> replay_felt_run(const Exec& exec, const fs::path& file, const RunOptions& options,
                              const RunCallbacks& callbacks) {
   const Timer total;
-  Result<FeltRun> felt = read_felt_run(file);
-  if (!felt) return felt.error();
-  const Result<Scene> scene = scene_of(*felt);
+  Result<HapticRecording> haptic = read_haptic_recording(file);
+  if (!haptic) return haptic.error();
+  const Result<Scene> scene = scene_of(*haptic);
   if (!scene) return Error{fmt::format("{}: {}", file.string(), scene.error().message)};
   Result<OutputFolder> folder = open_folder(*scene, true, options, callbacks);
   if (!folder) return folder.error();
   Status status = check_inputs(*scene, *folder);
   if (status) status = folder->check_input(file);
   if (!status) return status.error();
-  return run_into(exec, *scene, total, *folder, options, std::move(*felt), callbacks);
+  return run_into(exec, *scene, total, *folder, options, std::move(*haptic), callbacks);
 }
 
 Result<Json> replay_recording(const Exec& exec, const fs::path& file,

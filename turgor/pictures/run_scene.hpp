@@ -10,13 +10,13 @@
 
 #include "turgor/core/exec.hpp"
 #include "turgor/core/result.hpp"
-#include "turgor/sim/live/felt_run.hpp"
+#include "turgor/sim/live/haptic_recording.hpp"
 #include "turgor/sim/live/live_run.hpp"
 #include "turgor/sim/loading.hpp"
 #include "turgor/sim/output_folder.hpp"
 #include "turgor/sim/report/report.hpp"
 #include "turgor/sim/scene/scene.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -29,10 +29,10 @@ struct RunOptions {
 
 /// What a run tells while it goes on; any of them may be empty.
 struct RunCallbacks {
-  BeginWork begin;                                    // before work that takes long: a bar and a sentence
-  std::function<void(const std::string&)> note;       // remarks about others' files in the folder
-  std::function<bool(const World&)> frame;            // after every frame; false ends the run there
-  std::function<Status(const ShownWorld&)> snapshot;  // as the world looks; its failure ends the run
+  BeginWork begin;                                       // before work that takes long: a bar and a sentence
+  std::function<void(const std::string&)> note;          // remarks about others' files in the folder
+  std::function<bool(const World&)> frame;               // after every frame; false ends the run there
+  std::function<Status(const WorldSnapshot&)> snapshot;  // as the world looks; its failure ends the run
 };
 
 /// Where results go unless one says it: "out/NAME" of a scene file NAME.toml, of a replay "out/NAME-replay".

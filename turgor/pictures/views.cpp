@@ -34,17 +34,17 @@ constexpr double kFarAway = std::numeric_limits<double>::max();
 constexpr Box kNothing{{kFarAway, kFarAway, kFarAway}, {-kFarAway, -kFarAway, -kFarAway}};
 
 /// Of bodies at rest.
-Box box_of(const ShownWorld& shown) {
+Box box_of(const WorldSnapshot& snapshot) {
   Box box = kNothing;
-  for (const ShownBody& body : shown.bodies)
+  for (const BodySnapshot& body : snapshot.bodies)
     if (!body.rest.empty()) box = joined(box, body.box);
   return box;
 }
 
 /// Of bodies where they are.
-Box box_now(const ShownWorld& shown) {
+Box box_now(const WorldSnapshot& snapshot) {
   Box box = kNothing;
-  for (const ShownBody& body : shown.bodies)
+  for (const BodySnapshot& body : snapshot.bodies)
     for (const Vec3 x : body.x) box = {min(box.low, Vec3d(x)), max(box.high, Vec3d(x))};
   return box;
 }
@@ -55,7 +55,7 @@ void add_holds(const World& world, Box& box) {
   for (const ClothBody& cloth : world.cloth_bodies)
     for (const ClothHold& hold : cloth.holds) {
       std::vector<Vec3d> places;
-      if (hold.scene.ball) places.push_back(hold.scene.ball->centre);
+      if (hold.scene.ball) places.push_back(hold.scene.ball->center);
       if (hold.scene.box)
         for (const Vec3d corner : *hold.scene.box) places.push_back(max(rest.low, min(rest.high, corner)));
       for (const auto& [t, x, y, z] : hold.scene.path)
@@ -67,43 +67,43 @@ void add_holds(const World& world, Box& box) {
 }
 
 /// Room for the arrows beside tools, on the side from which they come, and for what cloth lies on beside it.
-void add_surroundings(const ShownWorld& shown, Box& box) {
+void add_surroundings(const WorldSnapshot& snapshot, Box& box) {
   const double room = 0.15 * norm(box.high - box.low);
   const Box most = grown(box, room);
-  for (const TriMesh& obstacle : shown.obstacles) {
+  for (const TriMesh& obstacle : snapshot.obstacles) {
     const Box whole = bounding_box(obstacle);
     box = joined(box, {max(most.low, min(most.high, whole.low)), max(most.low, min(most.high, whole.high))});
   }
-  for (const ShownTool& tool : shown.tools) {
+  for (const ToolSnapshot& tool : snapshot.tools) {
     const Vec3d place = max(most.low, min(most.high, tool.pose.position));
     box = {min(box.low, place), max(box.high, place)};
   }
 }
 
 /// Around all that the run is going to show, as far as one knows at its start.
-Box box_of_motion(const World& world, const ShownWorld& shown) {
-  Box box = box_of(shown);
+Box box_of_motion(const World& world, const WorldSnapshot& snapshot) {
+  Box box = box_of(snapshot);
   add_holds(world, box);
-  add_surroundings(shown, box);
+  add_surroundings(snapshot, box);
   return box;
 }
 
 /// The side from which a tool comes to the first body that has one; none without tools.
-std::optional<Vec3d> side_of_tools(const ShownWorld& shown) {
-  const Box box = box_of(shown);
-  for (const ShownBody& body : shown.bodies)
-    for (const ShownTool& tool : shown.tools)
+std::optional<Vec3d> side_of_tools(const WorldSnapshot& snapshot) {
+  const Box box = box_of(snapshot);
+  for (const BodySnapshot& body : snapshot.bodies)
+    for (const ToolSnapshot& tool : snapshot.tools)
       if (tool.body == body.id) return tool.pose.position - (box.low + box.high) * 0.5;
   return {};
 }
 
-SurfaceView view_of_bodies(const World& world, const ShownWorld& shown, Vec3d outward, double aspect) {
+SurfaceView view_of_bodies(const World& world, const WorldSnapshot& snapshot, Vec3d outward, double aspect) {
   const Vec3d out = normalized(outward);
   const bool from_head = std::abs(out.z) > 0.8;  // then one sees more from the front
   const Vec3d direction = out + (from_head ? Vec3d{0.5, -1.1, 0} : Vec3d{0.45, 0, 0.2});
-  const bool skin = shows_skin(shown);
+  const bool skin = shows_skin(snapshot);
   return {skin ? "skin" : "body", skin ? "the skin" : "the body",
-          frame_box(box_of_motion(world, shown), direction, {0, 0, 1}, aspect), true};
+          frame_box(box_of_motion(world, snapshot), direction, {0, 0, 1}, aspect), true};
 }
 
 SurfaceView view_of_camera(const CameraScene& camera) {
@@ -112,7 +112,7 @@ SurfaceView view_of_camera(const CameraScene& camera) {
 
 }  // namespace
 
-Camera camera_of_both(const Outputs& outputs, const ShownWorld& first, const ShownWorld& last) {
+Camera camera_of_both(const Outputs& outputs, const WorldSnapshot& first, const WorldSnapshot& last) {
   const SurfaceView& view = outputs.views.front();
   const OutputScene& output = outputs.scene->output;
   Box box = joined(box_now(first), box_now(last));
@@ -122,10 +122,11 @@ Camera camera_of_both(const Outputs& outputs, const ShownWorld& first, const Sho
   return view.colored && output.color != SkinColor::kNone ? beside_legend(camera, outputs) : camera;
 }
 
-Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& world, const ShownWorld& shown,
+Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& world,
+                                            const WorldSnapshot& snapshot,
                                             const std::vector<lattice::State>& at_rest) {
   const double aspect = double(scene.output.width) / scene.output.height;
-  Vec3d outward = side_of_tools(shown).value_or(Vec3d{0, -1, 0});  // else the front of a patient
+  Vec3d outward = side_of_tools(snapshot).value_or(Vec3d{0, -1, 0});  // else the front of a patient
   std::vector<SurfaceView> cuts;
   for (const Cut& cut : world.cuts) {
     const auto body = std::size_t(cut.body);
@@ -134,7 +135,7 @@ Result<std::vector<SurfaceView>> make_views(const Scene& scene, const World& wor
     if (cuts.empty()) outward = -(world.lattice_bodies[body].model.grid.axes * mean_into(*path));
     cuts.push_back(view_of_cut(world, cut, *path, aspect));
   }
-  std::vector<SurfaceView> views{view_of_bodies(world, shown, outward, aspect)};
+  std::vector<SurfaceView> views{view_of_bodies(world, snapshot, outward, aspect)};
   std::move(cuts.begin(), cuts.end(), std::back_inserter(views));
   for (const CameraScene& camera : scene.cameras) views.push_back(view_of_camera(camera));
   return views;

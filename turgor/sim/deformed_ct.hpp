@@ -19,7 +19,7 @@ struct DeformedCt {
   int frame = 0;
   CtVolume ct;  // no samples where it is wanted there alone, and is there
   CtWish wish = {};
-  std::optional<lattice::ResampledThere> there = {};
+  std::optional<lattice::DeviceResampled> there = {};
 
   bool answers(CtWish other) const { return (wish.here || !other.here) && wish.there == other.there; }
 };

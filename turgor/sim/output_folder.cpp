@@ -57,9 +57,10 @@ void clean_up(const fs::path& goal) {
 constexpr std::size_t kMostNamed = 20;
 
 std::string named(const std::vector<std::string>& files) {
-  const std::size_t shown = std::min(files.size(), kMostNamed);
-  std::string text = fmt::format("{}", fmt::join(files.begin(), files.begin() + std::ptrdiff_t(shown), ", "));
-  return files.size() == shown ? text : text + fmt::format(" and {} more", files.size() - shown);
+  const std::size_t snapshot = std::min(files.size(), kMostNamed);
+  std::string text =
+      fmt::format("{}", fmt::join(files.begin(), files.begin() + std::ptrdiff_t(snapshot), ", "));
+  return files.size() == snapshot ? text : text + fmt::format(" and {} more", files.size() - snapshot);
 }
 
 /// A folder on a disk of its own cannot be given away.

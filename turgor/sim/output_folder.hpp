@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "turgor/core/result.hpp"
-#include "turgor/io/unfinished.hpp"
+#include "turgor/io/files/unfinished.hpp"
 
 namespace turgor {
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 
 namespace turgor {
 

@@ -48,8 +48,8 @@ void look_at_pressed(const Exec& exec, const World& world, std::vector<Pressed>&
   });
 }
 
-void note_surface_seconds(const ShownWorld& shown, std::vector<Pressed>& pressed) {
-  for (Pressed& one : pressed) one.surface_seconds.push_back(shown_body(shown, one.id).seconds);
+void note_surface_seconds(const WorldSnapshot& snapshot, std::vector<Pressed>& pressed) {
+  for (Pressed& one : pressed) one.surface_seconds.push_back(body_snapshot(snapshot, one.id).seconds);
 }
 
 const Pressed& pressed_body(const std::vector<Pressed>& pressed, BodyId id) {

@@ -18,22 +18,22 @@ struct Running {
 
 /// Once a frame, also where there are a picture and a snapshot of it.
 void show_now(Running& run) {
-  if (!run.result.shown.bodies.empty() && run.result.shown.frame == run.world.frame) return;
+  if (!run.result.snapshot.bodies.empty() && run.result.snapshot.frame == run.world.frame) return;
   const Timer timer;
-  show(run.exec, run.world, run.result.shown);
+  show(run.exec, run.world, run.result.snapshot);
   run.result.show_seconds += timer.seconds();
-  note_surface_seconds(run.result.shown, run.result.measures.pressed);
+  note_surface_seconds(run.result.snapshot, run.result.measures.pressed);
 }
 
 Status take_snapshot(Running& run) {
   show_now(run);
-  return run.events.snapshot ? run.events.snapshot(run.world, run.result.shown) : Done{};
+  return run.events.snapshot ? run.events.snapshot(run.world, run.result.snapshot) : Done{};
 }
 
 Status take_picture(Running& run) {
   if (!run.events.picture || !run.events.wants_picture || !run.events.wants_picture(run.world)) return Done{};
   show_now(run);
-  return run.events.picture(run.result.shown);
+  return run.events.picture(run.result.snapshot);
 }
 
 /// Why the run ends after this frame; empty when it goes on.

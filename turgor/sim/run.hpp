@@ -11,7 +11,7 @@
 #include "turgor/core/result.hpp"
 #include "turgor/sim/report/measures.hpp"
 #include "turgor/sim/scene/scene.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -19,16 +19,16 @@ namespace turgor {
 /// Any of them may be empty.
 struct RunEvents {
   Progress progress;
-  std::function<bool(const World&)> frame;                          // after every frame; false ends the run
-  std::function<Status(const World&, const ShownWorld&)> snapshot;  // first, last, and as the scene says
-  std::function<Status(const ShownWorld&)> picture;                 // after frames of which this is true:
+  std::function<bool(const World&)> frame;  // after every frame; false ends the run
+  std::function<Status(const World&, const WorldSnapshot&)> snapshot;  // first, last, and as the scene says
+  std::function<Status(const WorldSnapshot&)> picture;                 // after frames of which this is true:
   std::function<bool(const World&)> wants_picture;
 };
 
 /// What a run leaves behind besides the world.
 struct Simulated {
   Measures measures;
-  ShownWorld shown;         // as at the latest snapshot, the last frame
+  WorldSnapshot snapshot;   // as at the latest snapshot, the last frame
   double show_seconds = 0;  // wall time of showing the world
   std::string stopped;      // why it ended early: a sentence; empty when it did not
   bool finite = true;       // false: the numbers of the next step were not finite, the state before was kept

@@ -1,6 +1,6 @@
 // The world: every body, every cut and every tool of a scene while they are simulated. load_world makes it
 // from a scene; step moves it by one frame: blades first, then each model in turn (sim/scene/body_id.hpp
-// lists them). How it looks is told by sim/shown.hpp, how a whole run goes by sim/run.hpp.
+// lists them). How it looks is told by sim/snapshot.hpp, how a whole run goes by sim/run.hpp.
 #pragma once
 
 #include <type_traits>

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "turgor/io/image.hpp"
+#include "turgor/io/files/image.hpp"
 #include "turgor/view/camera.hpp"
 #include "turgor/view/color.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "turgor/core/vec.hpp"
-#include "turgor/io/image.hpp"
+#include "turgor/io/files/image.hpp"
 
 namespace turgor {
 
@@ -42,13 +42,13 @@ TURGOR_HD inline Rgb screen_color(Vec3 linear) {
 }
 
 /// The backdrop of pictures fades from here to its edges; linear.
-constexpr Vec3 kBackdropCentre{0.050f, 0.064f, 0.082f}, kBackdropEdge{0.009f, 0.012f, 0.017f};
+constexpr Vec3 kBackdropCenter{0.050f, 0.064f, 0.082f}, kBackdropEdge{0.009f, 0.012f, 0.017f};
 /// The backdrop at a place given in fractions of width and height from the top left; linear.
 TURGOR_HD inline Vec3 backdrop(float x, float y) {
-  constexpr Vec3 centre = kBackdropCentre, edge = kBackdropEdge;
+  constexpr Vec3 center = kBackdropCenter, edge = kBackdropEdge;
   const float dx = x - 0.5f, dy = y - 0.42f;
   const float distance = std::min(1.0f, 1.9f * (dx * dx + dy * dy));
-  return centre + (edge - centre) * distance;
+  return center + (edge - center) * distance;
 }
 
 /// a + (b - a) · fraction, byte by byte.

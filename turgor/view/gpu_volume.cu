@@ -1,10 +1,9 @@
-#include "turgor/view/gpu_volume.hpp"
-
 #include "turgor/core/gpu_run.cuh"
-#include "turgor/view/volume_on.hpp"
+#include "turgor/view/device_volume.hpp"
+#include "turgor/view/gpu_volume.hpp"
 
 namespace turgor {
 
-std::unique_ptr<VolumeThere> volume_on(const Gpu&) { return std::make_unique<VolumeOn<GpuSide>>(); }
+std::unique_ptr<VolumeBackend> volume_on(const Gpu&) { return std::make_unique<DeviceVolume<GpuSide>>(); }
 
 }  // namespace turgor

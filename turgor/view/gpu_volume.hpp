@@ -5,10 +5,10 @@
 #include <memory>
 
 #include "turgor/core/gpu.hpp"
-#include "turgor/view/volume_there.hpp"
+#include "turgor/view/volume_backend.hpp"
 
 namespace turgor {
 
-std::unique_ptr<VolumeThere> volume_on(const Gpu& gpu);
+std::unique_ptr<VolumeBackend> volume_on(const Gpu& gpu);
 
 }  // namespace turgor

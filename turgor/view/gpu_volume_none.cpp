@@ -3,6 +3,6 @@
 
 namespace turgor {
 
-std::unique_ptr<VolumeThere> volume_on(const Gpu&) { return nullptr; }
+std::unique_ptr<VolumeBackend> volume_on(const Gpu&) { return nullptr; }
 
 }  // namespace turgor

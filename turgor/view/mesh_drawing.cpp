@@ -261,7 +261,7 @@ void draw_picture(GlObjects& objects, GLuint program, const MeshTargets& targets
   glUseProgram(program);
   set_texture("lights", 0, targets.lights);
   set_texture("occlusions", 1, targets.occlusions);
-  set_uniform("backdrop_centre", kBackdropCentre), set_uniform("backdrop_edge", kBackdropEdge);
+  set_uniform("backdrop_centre", kBackdropCenter), set_uniform("backdrop_edge", kBackdropEdge);
   set_uniform("shoulder", kShoulder);
   draw_screen(objects);
 }

@@ -6,7 +6,7 @@
 
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/tri_mesh.hpp"
-#include "turgor/io/image.hpp"
+#include "turgor/io/files/image.hpp"
 #include "turgor/view/camera.hpp"
 #include "turgor/view/color.hpp"
 

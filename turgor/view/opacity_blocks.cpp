@@ -66,9 +66,9 @@ void spread_distance(Int3 size, std::vector<std::uint8_t>& distance) {
       const int i = index % size.x, j = index / size.x % size.y, k = index / (size.x * size.y);
       int best = distance[std::size_t(index)];
       if (best == 0) continue;
-      for (int neighbour = 0; neighbour < 13 && best > 1; neighbour++) {
-        const int u = i + sign * (neighbour % 3 - 1), v = j + sign * (neighbour / 3 % 3 - 1),
-                  w = k + sign * (neighbour / 9 - 1);
+      for (int neighbor = 0; neighbor < 13 && best > 1; neighbor++) {
+        const int u = i + sign * (neighbor % 3 - 1), v = j + sign * (neighbor / 3 % 3 - 1),
+                  w = k + sign * (neighbor / 9 - 1);
         if (u < 0 || v < 0 || w < 0 || u >= size.x || v >= size.y || w >= size.z) continue;
         best = std::min(best, distance[block_index(size, u, v, w)] + 1);
       }

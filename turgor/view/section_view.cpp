@@ -43,7 +43,7 @@ PlaneAxes plane_axes(Plane plane) {
   return {};
 }
 
-std::uint8_t grey(double hu, Window window) {
+std::uint8_t gray(double hu, Window window) {
   const double fraction = (hu - window.level) / std::max(window.width, 1e-9) + 0.5;
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(fraction, 0.0, 1.0)));
 }
@@ -57,7 +57,7 @@ Image resample(const CtVolume& ct, const SectionFrame& frame, Window window) {
     for (int x = 0; x < frame.width; x++) {
       const Vec3d index = first + along * double(x) + below * double(y);
       if (!inside_samples(ct.grid, index)) continue;
-      const std::uint8_t g = grey(sample_clamped(ct, Vec3(index)), window);
+      const std::uint8_t g = gray(sample_clamped(ct, Vec3(index)), window);
       image.at(x, y) = {g, g, g};
     }
   }

@@ -7,7 +7,7 @@
 
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/volume.hpp"
-#include "turgor/io/image.hpp"
+#include "turgor/io/files/image.hpp"
 
 namespace turgor {
 

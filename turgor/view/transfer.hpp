@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "turgor/core/vec.hpp"
-#include "turgor/io/image.hpp"
+#include "turgor/io/files/image.hpp"
 
 namespace turgor {
 

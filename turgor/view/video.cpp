@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "turgor/core/one_line.hpp"
-#include "turgor/io/child.hpp"
+#include "turgor/io/files/child.hpp"
 
 namespace turgor {
 

@@ -2,7 +2,7 @@
 
 #include "turgor/view/opacity_blocks.hpp"
 #include "turgor/view/smooth.hpp"
-#include "turgor/view/volume_loops.hpp"
+#include "turgor/view/volume_kernels.hpp"
 
 namespace turgor {
 

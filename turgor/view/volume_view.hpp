@@ -6,7 +6,7 @@
 
 #include "turgor/core/exec.hpp"
 #include "turgor/geometry/volume.hpp"
-#include "turgor/io/image.hpp"
+#include "turgor/io/files/image.hpp"
 #include "turgor/view/camera.hpp"
 #include "turgor/view/transfer.hpp"
 

@@ -57,11 +57,11 @@ void renew(const std::shared_ptr<const DeformedCt>& ct, Vec3d point, const std::
            Sections& sections) {
   if (ct == sections.ct && point == sections.point && window == sections.window) return;
   sections.ct = ct, sections.point = point, sections.window = window;
-  const Result<Window> greys = window_preset(window);
+  const Result<Window> gray = window_preset(window);
   constexpr int kHeight = 200;
   int n = 0;
   for (const Plane plane : {Plane::kAxial, Plane::kCoronal, Plane::kSagittal})
-    sections.images[n++].show(draw_section(ct->ct, plane, point, greys ? *greys : Window(), kHeight));
+    sections.images[n++].show(draw_section(ct->ct, plane, point, gray ? *gray : Window(), kHeight));
 }
 
 }  // namespace turgor

@@ -42,7 +42,7 @@ struct VolumePicture {
   VolumeWish wish, made;  // what is being made, and what the image shows
   int coarseness = 4;     // of what is being made: pixels a ray
   int shown_coarseness = 0;
-  PicturesThere pictures;
+  DevicePictures pictures;
   std::future<Result<Image>> coming;
   ShownImage image;
 };

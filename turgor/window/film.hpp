@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "turgor/io/image.hpp"
+#include "turgor/io/files/image.hpp"
 
 namespace turgor {
 

@@ -47,14 +47,14 @@ void plot(const char* name, const std::vector<ImVec2>& points, const char* x_uni
   draw.AddText({high.x - ImGui::CalcTextSize(right.c_str()).x, low.y + 1}, kInk, right.c_str());
 }
 
-void show_tool(const std::string& name, const std::vector<FeltPoint>& felt) {
+void show_tool(const std::string& name, const std::vector<HapticSample>& haptic) {
   std::vector<ImVec2> over_time, over_depth, energy;
-  for (const FeltPoint& p : felt) {
+  for (const HapticSample& p : haptic) {
     over_time.push_back({float(p.time), float(p.force)});
     over_depth.push_back({float(1e3 * p.depth), float(p.force)});
     energy.push_back({float(p.time), float(1e3 * p.work)});
   }
-  ImGui::Text("%s: %.3f N at %.1f mm", name.c_str(), felt.back().force, 1e3 * felt.back().depth);
+  ImGui::Text("%s: %.3f N at %.1f mm", name.c_str(), haptic.back().force, 1e3 * haptic.back().depth);
   plot("force over time", over_time, "s", "N");
   plot("force over depth", over_depth, "mm", "N");
   plot("energy given, over time", energy, "s", "mJ");
@@ -65,14 +65,14 @@ void show_tool(const std::string& name, const std::vector<FeltPoint>& felt) {
 void show_curves(const Viewer& viewer) {
   const SessionNow& now = *viewer.now;
   const bool any =
-      std::any_of(now.felt.begin(), now.felt.end(), [](const auto& felt) { return !felt.empty(); });
+      std::any_of(now.haptic.begin(), now.haptic.end(), [](const auto& haptic) { return !haptic.empty(); });
   if (!viewer.panels.curves || !any) return;
   const float right = ImGui::GetIO().DisplaySize.x;
   ImGui::SetNextWindowPos({right - 8, 8}, ImGuiCond_FirstUseEver, {1, 0});
   ImGui::SetNextWindowSize({270, 0}, ImGuiCond_FirstUseEver);
   if (!ImGui::Begin("What is felt")) return ImGui::End();
-  for (std::size_t t = 0; t < now.felt.size() && t < now.shown.tools.size(); t++)
-    if (!now.felt[t].empty()) show_tool(now.shown.tools[t].name, now.felt[t]);
+  for (std::size_t t = 0; t < now.haptic.size() && t < now.snapshot.tools.size(); t++)
+    if (!now.haptic[t].empty()) show_tool(now.snapshot.tools[t].name, now.haptic[t]);
   ImGui::End();
 }
 

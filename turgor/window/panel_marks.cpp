@@ -67,7 +67,7 @@ void show_marks(const Viewer& viewer, const WorldPicture& picture) {
   for (const PictureLabel& label : picture.labels)
     if (const auto at = pixel_of(viewer, label.place)) write(draw, *at, label.text);
   if (viewer.display.patch)
-    for (const ShownBody& body : viewer.now->shown.bodies) draw_patch(draw, viewer, body.patch);
+    for (const BodySnapshot& body : viewer.now->snapshot.bodies) draw_patch(draw, viewer, body.patch);
   if (viewer.cut) draw_line(draw, viewer, *viewer.cut, kLine);
   if (viewer.wind) draw_line(draw, viewer, *viewer.wind, kWind);
   if (picture.has_scale) draw_legend(draw, picture.scale);

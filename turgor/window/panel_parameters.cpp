@@ -39,7 +39,7 @@ void show_list(Viewer& viewer, bool live) {
     if (parameter.waits.empty() != live) continue;
     const Turned turned = turn(parameter);
     if (!(live ? turned.moved : turned.let_go)) continue;
-    viewer.session.ask(AskChange{parameter.key.path, value_text(parameter)});
+    viewer.session.request(ChangeRequest{parameter.key.path, value_text(parameter)});
     viewer.message = fmt::format("{} = {} {}{}{}", parameter.key.path, value_text(parameter),
                                  parameter.key.unit, live ? "" : ": with Reset, for ", parameter.waits);
   }

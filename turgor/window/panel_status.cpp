@@ -20,7 +20,7 @@ std::string milliseconds(double seconds) {
 }
 
 std::string physics_text(const SessionNow& now) {
-  const std::string when = fmt::format("{:.2f} s", now.shown.time);
+  const std::string when = fmt::format("{:.2f} s", now.snapshot.time);
   if (!now.plays) return when + ", stands still";
   return fmt::format("{}, {:.2f} of the clock (a frame takes {}, showing it {})", when, now.real_pace,
                      milliseconds(now.frame_seconds), milliseconds(now.show_seconds));
@@ -47,7 +47,7 @@ void show_status(const Viewer& viewer) {
     line(now.done > 0 ? fmt::format("{} … {:.0f} %", now.doing, 100 * now.done) : now.doing + " …", kGood);
   else if (now.phase == SessionNow::Phase::kReady)
     line(fmt::format("{}   |   {}   |   {:.0f} pictures/s", physics_text(now),
-                     now.is_felt ? haptics_text(now) : std::string("nothing is felt here"),
+                     now.is_haptic ? haptics_text(now) : std::string("nothing is felt here"),
                      viewer.drawn_per_second));
   if (!now.error.empty()) line(now.error, kBad);
   if (!viewer.message.empty()) line(viewer.message, kGood);

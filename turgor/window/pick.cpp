@@ -33,10 +33,10 @@ std::optional<Picked> pick_surface(std::span<const Vec3> x, std::span<const Int3
   return nearest;
 }
 
-std::optional<Picked> pick(const ShownWorld& shown, const SightRay& ray) {
+std::optional<Picked> pick(const WorldSnapshot& snapshot, const SightRay& ray) {
   std::optional<Picked> nearest;
-  for (std::size_t b = 0; b < shown.bodies.size(); b++) {
-    std::optional<Picked> found = pick_surface(shown.bodies[b].x, shown.bodies[b].triangles, ray);
+  for (std::size_t b = 0; b < snapshot.bodies.size(); b++) {
+    std::optional<Picked> found = pick_surface(snapshot.bodies[b].x, snapshot.bodies[b].triangles, ray);
     if (!found || (nearest && found->distance >= nearest->distance)) continue;
     found->body = b, nearest = found;
   }

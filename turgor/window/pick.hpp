@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/window/camera_moves.hpp"
 
 namespace turgor {
@@ -19,6 +19,6 @@ struct Picked {
 std::optional<Picked> pick_surface(std::span<const Vec3> x, std::span<const Int3> triangles,
                                    const SightRay& ray);
 /// The nearest body.
-std::optional<Picked> pick(const ShownWorld& shown, const SightRay& ray);
+std::optional<Picked> pick(const WorldSnapshot& snapshot, const SightRay& ray);
 
 }  // namespace turgor

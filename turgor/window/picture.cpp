@@ -12,12 +12,12 @@ namespace {
 constexpr double kSlow = 0.02;  // of a picture that moves [s]
 
 /// Ends of the scene's own colours, or of what there is now.
-ColorScale scale_for(const ShownWorld& shown, const Scene& scene, SkinColor color) {
+ColorScale scale_for(const WorldSnapshot& snapshot, const Scene& scene, SkinColor color) {
   ColorScale scale = color_scale(scene, color);
   if (scene.output.color == color && scene.output.color_range) return scale;
   if (color == SkinColor::kStretch) return scale;
   float high = 0;
-  for (const ShownBody& body : shown.bodies)
+  for (const BodySnapshot& body : snapshot.bodies)
     for (const float value : shown_values(body, color)) high = std::max(high, value);
   if (high > 0) scale.high = high;
   return scale;
@@ -38,12 +38,12 @@ bool can_be_refined(const WorldPicture& picture) {
 }
 
 Status draw_world(const Viewer& viewer, bool moves, int width, int height, WorldPicture& picture) {
-  const ShownWorld& shown = viewer.now->shown;
+  const WorldSnapshot& snapshot = viewer.now->snapshot;
   const SkinColor color = viewer.display.color;
   picture.has_scale = color != SkinColor::kNone;
-  if (picture.has_scale) picture.scale = scale_for(shown, *viewer.now->scene, color);
+  if (picture.has_scale) picture.scale = scale_for(snapshot, *viewer.now->scene, color);
   PictureParts parts;
-  add_world(shown, color, picture.has_scale ? &picture.scale : nullptr, viewer.camera.eye, parts);
+  add_world(snapshot, color, picture.has_scale ? &picture.scale : nullptr, viewer.camera.eye, parts);
   const bool quickly = moves && (picture.full_seconds == 0 || picture.full_seconds > kSlow);
   const Timer timer;
   const Result<GLuint> drawn =

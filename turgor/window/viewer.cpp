@@ -12,7 +12,7 @@ void meet_world(Viewer& viewer) {
   viewer.touching.reset(), viewer.touched.reset(), viewer.cut.reset(), viewer.wind.reset();
   viewer.draws_there = true;
   const Scene& scene = *viewer.now->scene;
-  const Box box = box_of(viewer.now->shown);
+  const Box box = box_of(viewer.now->snapshot);
   const bool first = viewer.framed_file != scene.file;
   viewer.framed = viewer.now->world, viewer.framed_file = scene.file;
   viewer.parameters = list_parameters(scene);
@@ -23,17 +23,17 @@ void meet_world(Viewer& viewer) {
     viewer.camera = frame_box(box, {0.35, -1, 0.35}, {0, 0, 1}, viewer.aspect);
 }
 
-Box box_of(const ShownWorld& shown) {
+Box box_of(const WorldSnapshot& snapshot) {
   std::vector<Vec3d> corners;
-  for (const ShownBody& body : shown.bodies)
+  for (const BodySnapshot& body : snapshot.bodies)
     for (const Vec3 x : body.x) corners.emplace_back(x);
-  for (const TriMesh& obstacle : shown.obstacles)
+  for (const TriMesh& obstacle : snapshot.obstacles)
     for (const Vec3 x : obstacle.vertices) corners.emplace_back(x);
   return corners.empty() ? Box{{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}} : box_around(corners);
 }
 
 void open_file(Viewer& viewer, const std::filesystem::path& file) {
-  viewer.session.ask(AskOpen{.file = file, .overrides = {}});
+  viewer.session.request(OpenRequest{.file = file, .overrides = {}});
   viewer.message = "opening " + file.string();
 }
 

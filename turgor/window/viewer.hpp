@@ -63,7 +63,7 @@ struct Viewer {
   Display display;
   Panels panels;
   Seen cursor;
-  int puts = 0;       // see MouseHand::put
+  int teleports = 0;  // see MouseHand::put
   double depth = -1;  // of the last touch, for the next one; -1: of the tool's size [m]
   std::optional<Touching> touching;
   std::optional<Vec3d> touched;  // where the last touch or cut was, to look at
@@ -95,7 +95,7 @@ void look(Viewer& viewer);
 void meet_world(Viewer& viewer);
 
 /// Around all that is shown [m].
-Box box_of(const ShownWorld& shown);
+Box box_of(const WorldSnapshot& snapshot);
 
 /// What the keys do: for press_key and for the help.
 struct KeyHelp {

@@ -6,7 +6,7 @@
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 #include "turgor/sim/scene/scene_edit.hpp"
 #include "turgor/window/viewer.hpp"
 
@@ -15,11 +15,11 @@ namespace turgor {
 namespace {
 
 bool has_world(const Viewer& viewer) {
-  return viewer.now && viewer.now->phase == SessionNow::Phase::kReady && !viewer.now->shown.bodies.empty();
+  return viewer.now && viewer.now->phase == SessionNow::Phase::kReady && !viewer.now->snapshot.bodies.empty();
 }
 
 void set_pace(Viewer& viewer, bool plays, double pace) {
-  viewer.session.ask(AskPace{.plays = plays, .pace = pace});
+  viewer.session.request(PaceRequest{.plays = plays, .pace = pace});
   viewer.message = plays ? fmt::format("plays at {:.3g} of the clock", pace) : "stands still";
 }
 
@@ -31,26 +31,26 @@ void change_pace(Viewer& viewer) {
 
 template <StandardView kView>
 void look_from(Viewer& viewer) {
-  if (has_world(viewer)) viewer.camera = standard_view(kView, box_of(viewer.now->shown), viewer.aspect);
+  if (has_world(viewer)) viewer.camera = standard_view(kView, box_of(viewer.now->snapshot), viewer.aspect);
 }
 
 void look_at_all(Viewer& viewer) {
   if (!has_world(viewer)) return;
   const Vec3d direction = camera_frame(viewer.camera).back;
-  viewer.camera = frame_box(box_of(viewer.now->shown), direction, viewer.camera.up, viewer.aspect);
+  viewer.camera = frame_box(box_of(viewer.now->snapshot), direction, viewer.camera.up, viewer.aspect);
 }
 
 void focus(Viewer& viewer) {
   if (!has_world(viewer)) return;
   std::optional<Vec3d> point = viewer.touching ? viewer.touching->place : viewer.touched;
   if (!point)
-    if (const auto found = pick(viewer.now->shown, sight_ray(viewer.camera, viewer.cursor, viewer.aspect)))
+    if (const auto found = pick(viewer.now->snapshot, sight_ray(viewer.camera, viewer.cursor, viewer.aspect)))
       point = found->point;
   if (!point) {
     viewer.message = "nothing was touched yet, and nothing lies under the cursor";
     return;
   }
-  const Box box = box_of(viewer.now->shown);
+  const Box box = box_of(viewer.now->snapshot);
   viewer.camera = focused(viewer.camera, *point, 0.7 * norm(box.high - box.low));
 }
 
@@ -72,12 +72,12 @@ void toggle_wires(Viewer& viewer) {
 }
 
 void reset(Viewer& viewer) {
-  viewer.session.ask(AskReset{});
+  viewer.session.request(ResetRequest{});
   viewer.message = "from the beginning";
 }
 
 void reload(Viewer& viewer) {
-  viewer.session.ask(AskReload{});
+  viewer.session.request(ReloadRequest{});
   viewer.message = "the file as it is now";
 }
 
@@ -88,7 +88,8 @@ constexpr KeyHelp kKeys[] = {
      [](Viewer& v) {
        if (v.now) set_pace(v, !v.now->plays, v.now->pace);
      }},
-    {GLFW_KEY_PERIOD, ".", "one frame, while it stands still", [](Viewer& v) { v.session.ask(AskStep{}); }},
+    {GLFW_KEY_PERIOD, ".", "one frame, while it stands still",
+     [](Viewer& v) { v.session.request(StepRequest{}); }},
     {GLFW_KEY_BACKSPACE, "Backspace", "from the beginning, with what was changed", reset},
     {GLFW_KEY_R, "R", "read the file again", reload},
     {GLFW_KEY_MINUS, "-", "half as fast", change_pace<-1>},

@@ -28,7 +28,7 @@ Vec3d towards_eye(Vec3d normal, const SightRay& ray) {
   return dot(normal, ray.direction) > 0 ? -normal : normal;
 }
 
-double tip_of(const ShownTool& tool) {
+double tip_of(const ToolSnapshot& tool) {
   float lowest = 0;
   for (const Vec3 x : tool.mesh.vertices) lowest = std::min(lowest, x.z);
   return -double(lowest);
@@ -48,10 +48,10 @@ void lead(const Touching& touching, int put, double depth) {
 }
 
 bool begin_touch(Viewer& viewer, const Picked& picked, bool grabs) {
-  const ShownWorld& shown = viewer.now->shown;
-  const ShownBody& body = shown.bodies[picked.body];
+  const WorldSnapshot& snapshot = viewer.now->snapshot;
+  const BodySnapshot& body = snapshot.bodies[picked.body];
   for (const MouseTool& mouse : viewer.now->mouse) {
-    const ShownTool& tool = shown.tools[std::size_t(mouse.tool)];
+    const ToolSnapshot& tool = snapshot.tools[std::size_t(mouse.tool)];
     if (!(tool.body == body.id)) continue;
     const double size = std::max(tool.size, 1e-3);
     viewer.touching = Touching{.tool = mouse,
@@ -65,7 +65,7 @@ bool begin_touch(Viewer& viewer, const Picked& picked, bool grabs) {
                                .depth = viewer.depth < 0 ? size / 6 : viewer.depth,
                                .grabs = grabs,
                                .began = Clock::now()};
-    lead(*viewer.touching, ++viewer.puts, viewer.touching->depth);
+    lead(*viewer.touching, ++viewer.teleports, viewer.touching->depth);
     return true;
   }
   return false;
@@ -85,7 +85,7 @@ void move_touch(Viewer& viewer) {
 
 /// A line on a body of the model, from where the cursor is.
 bool begin_line(Viewer& viewer, const Picked& picked, BodyKind kind, std::optional<Drawn>& line) {
-  if (viewer.now->shown.bodies[picked.body].id.kind != kind) return false;
+  if (viewer.now->snapshot.bodies[picked.body].id.kind != kind) return false;
   line = Drawn{picked.body, picked.point, picked.point};
   return true;
 }
@@ -93,7 +93,7 @@ bool begin_line(Viewer& viewer, const Picked& picked, BodyKind kind, std::option
 void end_cut(Viewer& viewer) {
   const Drawn line = *viewer.cut;
   viewer.cut.reset();
-  const ShownBody& body = viewer.now->shown.bodies[line.body];
+  const BodySnapshot& body = viewer.now->snapshot.bodies[line.body];
   if (norm(line.to - line.from) < 0.005) {
     viewer.message = "no cut: expected a line of 5 mm or more";
     return;
@@ -102,7 +102,7 @@ void end_cut(Viewer& viewer) {
   for (const IncisionScene& incision : viewer.now->scene->incisions)
     if (incision.body == body.id.index) blade.depth = incision.blade.depth;
   blade.duration = std::clamp(norm(line.to - line.from) / 0.2, 0.1, 1.0);
-  viewer.session.ask(AskCut{.blade = blade, .body = body.id.index});
+  viewer.session.request(CutRequest{.blade = blade, .body = body.id.index});
   viewer.touched = (line.from + line.to) * 0.5;
   viewer.message =
       fmt::format("a cut of {:.0f} mm, {:.0f} mm deep", 1e3 * norm(line.to - line.from), 1e3 * blade.depth);
@@ -113,14 +113,15 @@ void blow(Viewer& viewer) {
   const double half_height =
       norm(viewer.camera.eye - viewer.camera.target) * camera_frame(viewer.camera).tan_half;
   const Vec3d velocity = (line.to - line.from) * (kWind / half_height);
-  viewer.session.ask(AskWind{.body = viewer.now->shown.bodies[line.body].id.index, .velocity = velocity});
+  viewer.session.request(
+      WindRequest{.body = viewer.now->snapshot.bodies[line.body].id.index, .velocity = velocity});
   viewer.message = fmt::format("wind of {:.1f} m/s", norm(velocity));
 }
 
 /// Does the left button mean the body under the cursor?
 bool begin_on_body(Viewer& viewer, bool shift) {
   if (!viewer.now || viewer.now->phase != SessionNow::Phase::kReady) return false;
-  const auto picked = pick(viewer.now->shown, ray_at_cursor(viewer));
+  const auto picked = pick(viewer.now->snapshot, ray_at_cursor(viewer));
   if (!picked) return false;
   if (viewer.mode == MouseMode::kCut) return begin_line(viewer, *picked, BodyKind::kLattice, viewer.cut);
   if (viewer.mode != MouseMode::kWind &&
@@ -142,11 +143,11 @@ void ask_for_ct(Viewer& viewer) {
   const bool volume = viewer.display.volume;
   if (!(volume || viewer.panels.ct) || now.scene->lattice_bodies.empty()) return;
   const CtWish wish{.here = viewer.panels.ct || !viewer.draws_there, .there = volume && viewer.draws_there};
-  const int frame = now.shown.frame;
+  const int frame = now.snapshot.frame;
   if (now.ct && now.ct->answers(wish) && (now.ct->frame == frame || viewer.ct_frame == frame)) return;
   if (wish == viewer.ct_wish && Clock::now() < viewer.asked_ct + pause_between(now.ct.get())) return;
   viewer.asked_ct = Clock::now(), viewer.ct_wish = wish, viewer.ct_frame = frame;
-  viewer.session.ask(AskCt{wish});
+  viewer.session.request(CtRequest{wish});
 }
 
 constexpr MouseHelp kMouse[] = {
@@ -175,7 +176,7 @@ void release_button(Viewer& viewer) {
   if (viewer.touching) {
     viewer.touched = viewer.touching->place;
     viewer.touching->grabs = false;
-    lead(*viewer.touching, viewer.puts, -kLift);
+    lead(*viewer.touching, viewer.teleports, -kLift);
     viewer.touching.reset();
   }
   if (viewer.cut) end_cut(viewer);
@@ -187,7 +188,7 @@ void move_cursor(Viewer& viewer, Seen place) {
   viewer.cursor = place;
   if (viewer.touching) return move_touch(viewer);
   if (viewer.cut) {
-    if (const auto found = pick(viewer.now->shown, ray_at_cursor(viewer));
+    if (const auto found = pick(viewer.now->snapshot, ray_at_cursor(viewer));
         found && found->body == viewer.cut->body)
       viewer.cut->to = found->point;
   } else if (viewer.wind) {
@@ -218,12 +219,12 @@ void look(Viewer& viewer) {
   const bool ready = now.phase == SessionNow::Phase::kReady;
   viewer.now = &now;
   if (!now.saved.empty() && now.saved != viewer.saved) viewer.message = viewer.saved = now.saved;
-  if (!ready || now.shown.bodies.empty()) {
+  if (!ready || now.snapshot.bodies.empty()) {
     viewer.touching.reset(), viewer.cut.reset(), viewer.wind.reset();
     return;
   }
   if (viewer.framed != now.world) meet_world(viewer);
-  if (viewer.touching) lead(*viewer.touching, viewer.puts, viewer.touching->depth);
+  if (viewer.touching) lead(*viewer.touching, viewer.teleports, viewer.touching->depth);
   ask_for_ct(viewer);
 }
 

@@ -190,7 +190,7 @@ void SceneWindow::Parts::handle_events() {
 void SceneWindow::Parts::draw_surfaces(int width, int height) {
   const SessionNow& now = *viewer->now;
   const DrawnState wanted{now.world,
-                          now.shown.frame,
+                          now.snapshot.frame,
                           width,
                           height,
                           viewer->camera,
@@ -210,9 +210,9 @@ void SceneWindow::Parts::draw_picture() {
   glfwGetFramebufferSize(window, &width, &height);
   if (width < 1 || height < 1) return;
   const SessionNow& now = *viewer->now;
-  const bool is_there = now.phase == SessionNow::Phase::kReady && !now.shown.bodies.empty();
-  const bool shows_volume = is_there && viewer->display.volume && now.ct;
-  if (is_there && !shows_volume) draw_surfaces(width, height);
+  const bool is_allocated = now.phase == SessionNow::Phase::kReady && !now.snapshot.bodies.empty();
+  const bool shows_volume = is_allocated && viewer->display.volume && now.ct;
+  if (is_allocated && !shows_volume) draw_surfaces(width, height);
   if (shows_volume && (viewer->draws_there || !now.ct->there)) {
     const Status status = renew({now.ct, viewer->display.preset, viewer->camera, width, height}, *volume);
     if (!status) viewer->message = status.error().message, viewer->draws_there = false;
@@ -259,7 +259,7 @@ void SceneWindow::Parts::save_pictures() {
 void SceneWindow::Parts::save_felt() {
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
-  session->ask(AskSave{free_name(options.out, options.scene.stem().string() + "-felt", ".h5")});
+  session->request(SaveRequest{free_name(options.out, options.scene.stem().string() + "-felt", ".h5")});
   viewer->wants_felt = false;
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "turgor/core/result.hpp"
-#include "turgor/io/image.hpp"
+#include "turgor/io/files/image.hpp"
 #include "turgor/window/viewer.hpp"
 
 namespace turgor {

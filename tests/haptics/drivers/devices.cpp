@@ -1,9 +1,9 @@
 #include "turgor/haptics/drivers/devices.hpp"
 
-#include "haptics/drivers/fake_library.hpp"
-#include "haptics/drivers/inverse_service.hpp"
-#include "haptics/fakes/fake_drd.hpp"
-#include "refused.hpp"
+#include "tests/haptics/drivers/fake_library.hpp"
+#include "tests/haptics/drivers/inverse_service.hpp"
+#include "tests/haptics/fakes/fake_drd.hpp"
+#include "tests/refused.hpp"
 #include "turgor/core/timing.hpp"
 
 namespace turgor::haptics {

@@ -6,11 +6,11 @@
 #include <map>
 #include <memory>
 
-#include "allocations.hpp"
-#include "folders.hpp"
-#include "haptics/drivers/fake_library.hpp"
-#include "haptics/fakes/fake_drd.hpp"
-#include "refused.hpp"
+#include "tests/allocations.hpp"
+#include "tests/folders.hpp"
+#include "tests/haptics/drivers/fake_library.hpp"
+#include "tests/haptics/fakes/fake_drd.hpp"
+#include "tests/refused.hpp"
 
 namespace turgor::haptics {
 namespace {
@@ -153,9 +153,9 @@ TEST_F(DhdArm, numbers_that_cannot_be_end_the_exchange) {
 TEST_F(DhdArm, forces_that_are_off_are_told_and_come_back_by_the_users_hand) {
   ASSERT_TRUE(open());
   arm.forces_off_cause = 2;
-  bool felt = true;
-  for (int n = 0; n < 64 && felt; n++) felt = exchange({3, 0, 0});
-  EXPECT_FALSE(felt);
+  bool haptic = true;
+  for (int n = 0; n < 64 && haptic; n++) haptic = exchange({3, 0, 0});
+  EXPECT_FALSE(haptic);
   EXPECT_NE(device->trouble().find("moved too fast"), std::string::npos) << device->trouble();
   EXPECT_FALSE(exchange());
   arm.forces_off_cause = 0;  // the button
@@ -165,9 +165,9 @@ TEST_F(DhdArm, forces_that_are_off_are_told_and_come_back_by_the_users_hand) {
 TEST_F(DhdArm, after_its_watchdog_forces_come_back_gently) {
   ASSERT_TRUE(open());
   arm.forces_off_cause = 3;
-  bool felt = true;
-  for (int n = 0; n < 64 && felt; n++) felt = exchange({3, 0, 0});
-  EXPECT_FALSE(felt);
+  bool haptic = true;
+  for (int n = 0; n < 64 && haptic; n++) haptic = exchange({3, 0, 0});
+  EXPECT_FALSE(haptic);
   EXPECT_FALSE(exchange({3, 0, 0})) << "a whole force at once";
   EXPECT_TRUE(exchange({0.1, 0, 0}));
 }

@@ -7,9 +7,9 @@
 #include <optional>
 #include <thread>
 
-#include "allocations.hpp"
-#include "haptics/drivers/inverse_service.hpp"
-#include "refused.hpp"
+#include "tests/allocations.hpp"
+#include "tests/haptics/drivers/inverse_service.hpp"
+#include "tests/refused.hpp"
 #include "turgor/core/timing.hpp"
 
 namespace turgor::haptics {

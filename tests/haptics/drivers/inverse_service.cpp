@@ -1,4 +1,4 @@
-#include "haptics/drivers/inverse_service.hpp"
+#include "tests/haptics/drivers/inverse_service.hpp"
 
 #include <chrono>
 #include <mutex>

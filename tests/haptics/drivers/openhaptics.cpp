@@ -6,10 +6,10 @@
 #include <mutex>
 #include <thread>
 
-#include "allocations.hpp"
-#include "haptics/drivers/fake_library.hpp"
-#include "haptics/fakes/fake_hd.hpp"
-#include "refused.hpp"
+#include "tests/allocations.hpp"
+#include "tests/haptics/drivers/fake_library.hpp"
+#include "tests/haptics/fakes/fake_hd.hpp"
+#include "tests/refused.hpp"
 
 namespace turgor::haptics {
 namespace {
@@ -24,12 +24,12 @@ struct Felt {
 };
 
 void feel(void* context, const DeviceInput& input, DeviceOutput& output) {
-  Felt& felt = *static_cast<Felt*>(context);
-  const std::lock_guard lock(felt.mutex);
-  if (felt.ticks == 0) felt.allocations = test::allocations;
-  felt.input = input;
-  output = felt.output;
-  felt.ticks++;
+  Felt& haptic = *static_cast<Felt*>(context);
+  const std::lock_guard lock(haptic.mutex);
+  if (haptic.ticks == 0) haptic.allocations = test::allocations;
+  haptic.input = input;
+  output = haptic.output;
+  haptic.ticks++;
 }
 
 class HdArm : public testing::Test {
@@ -46,7 +46,7 @@ class HdArm : public testing::Test {
   }
   void run() {
     ASSERT_TRUE(open());
-    ASSERT_TRUE(device->start(feel, &felt));
+    ASSERT_TRUE(device->start(feel, &haptic));
     wait(3);
   }
   /// For this many ticks of the vendor's thread.
@@ -58,19 +58,19 @@ class HdArm : public testing::Test {
   }
   void send(Vec3d force) {
     {
-      const std::lock_guard lock(felt.mutex);
-      felt.output.force = force;
+      const std::lock_guard lock(haptic.mutex);
+      haptic.output.force = force;
     }
     wait(3);
   }
   DeviceInput seen() {
-    const std::lock_guard lock(felt.mutex);
-    return felt.input;
+    const std::lock_guard lock(haptic.mutex);
+    return haptic.input;
   }
 
   FakeHd& arm = *test::fake<FakeHd>(FAKE_HD, "fake_hd");
   std::unique_ptr<OpenHaptics> device;
-  Felt felt;
+  Felt haptic;
 };
 
 TEST_F(HdArm, a_force_is_felt_along_the_axes_of_the_device) {
@@ -83,7 +83,7 @@ TEST_F(HdArm, a_force_is_felt_along_the_axes_of_the_device) {
   EXPECT_EQ(arm.forces_outside_frames, 0);
 }
 
-TEST_F(HdArm, what_the_hand_does_is_read_in_metres_and_our_axes) {
+TEST_F(HdArm, what_the_hand_does_is_read_in_meters_and_our_axes) {
   arm.transform[12] = 10, arm.transform[13] = 20, arm.transform[14] = 30;
   // A quarter turn about x, as columns: y goes to z, z to -y.
   const double columns[9] = {1, 0, 0, 0, 0, 1, 0, -1, 0};
@@ -140,9 +140,9 @@ TEST_F(HdArm, a_fault_ends_the_ticks_without_force_and_says_so) {
   EXPECT_EQ(arm.force[0], 0);
   EXPECT_NE(device->trouble().find("check cable and power (HD error 0x302)"), std::string::npos)
       << device->trouble();
-  const int ticks = felt.ticks;
+  const int ticks = haptic.ticks;
   wait(5);
-  EXPECT_EQ(felt.ticks, ticks);
+  EXPECT_EQ(haptic.ticks, ticks);
 }
 
 TEST_F(HdArm, a_tick_whose_numbers_cannot_be_is_left_out_without_force) {
@@ -151,9 +151,9 @@ TEST_F(HdArm, a_tick_whose_numbers_cannot_be_is_left_out_without_force) {
   arm.transform[12] = std::nan("");
   wait(3);
   EXPECT_EQ(arm.force[0], 0);
-  const int ticks = felt.ticks;
+  const int ticks = haptic.ticks;
   wait(5);
-  EXPECT_EQ(felt.ticks, ticks);
+  EXPECT_EQ(haptic.ticks, ticks);
   EXPECT_NE(device->remarks().find("cannot be"), std::string::npos);
   arm.transform[12] = 0;
   wait(3);
@@ -164,19 +164,19 @@ TEST_F(HdArm, a_tick_allocates_nothing) {
   run();
   wait(50);
   {
-    const std::lock_guard lock(felt.mutex);
-    felt.ticks = 0;  // the next one counts anew
+    const std::lock_guard lock(haptic.mutex);
+    haptic.ticks = 0;  // the next one counts anew
   }
   wait(50);
   std::size_t counted = 0;
   {
-    const std::lock_guard lock(felt.mutex);
-    counted = felt.allocations;
-    felt.ticks = 0;
+    const std::lock_guard lock(haptic.mutex);
+    counted = haptic.allocations;
+    haptic.ticks = 0;
   }
   wait(3);
-  const std::lock_guard lock(felt.mutex);
-  EXPECT_EQ(felt.allocations, counted);
+  const std::lock_guard lock(haptic.mutex);
+  EXPECT_EQ(haptic.allocations, counted);
 }
 
 TEST_F(HdArm, closing_lets_go_and_ends_the_thread) {

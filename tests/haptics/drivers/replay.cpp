@@ -3,8 +3,8 @@
 #include <numbers>
 #include <thread>
 
-#include "folders.hpp"
-#include "refused.hpp"
+#include "tests/folders.hpp"
+#include "tests/refused.hpp"
 
 namespace turgor::haptics {
 namespace {

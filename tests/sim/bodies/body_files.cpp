@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include "folders.hpp"
-#include "io/meshlab.hpp"
+#include "tests/folders.hpp"
+#include "tests/io/mesh/meshlab.hpp"
 #include "turgor/geometry/hex_block.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
 #include "turgor/geometry/up_axis.hpp"
-#include "turgor/io/mesh_files.hpp"
-#include "turgor/io/solid_files.hpp"
+#include "turgor/io/mesh/mesh_files.hpp"
+#include "turgor/io/mesh/solid_files.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {

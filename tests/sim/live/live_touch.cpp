@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "sim/four_kinds.hpp"
+#include "tests/sim/four_kinds.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/live/live_run.hpp"
 #include "turgor/sim/report/report_touch.hpp"
@@ -21,14 +21,14 @@ class PathDevice final : public haptics::Device {
   Status open() override { return Done{}; }
   const haptics::DeviceSpec& spec() const override { return spec_; }
   bool exchange(const haptics::DeviceOutput& output, haptics::DeviceInput& input) noexcept override {
-    felt = std::max(felt, norm(output.force));
+    haptic = std::max(haptic, norm(output.force));
     const contact::ToolCommand wanted = command_at(way_, double(++ticks_) * kTick);
     input.pose = wanted.pose, input.buttons = wanted.hold ? 1 : 0;
     return true;
   }
   void close() noexcept override {}
 
-  double felt = 0;  // [N]
+  double haptic = 0;  // [N]
 
  private:
   TouchingTool way_;
@@ -56,15 +56,15 @@ double feel(World& world, int tool, int frames) {
     (*live)->wait_for_frame();
   }
   (*live)->stop();
-  return device.felt;
+  return device.haptic;
 }
 
-void compare(const TouchLog& felt, const TouchLog& alone, double tolerance) {
-  ASSERT_GT(felt.size(), 100u);
+void compare(const TouchLog& haptic, const TouchLog& alone, double tolerance) {
+  ASSERT_GT(haptic.size(), 100u);
   double largest = 0, difference = 0;
-  for (std::size_t s = 0; s < std::min(felt.size(), alone.size()); s++) {
+  for (std::size_t s = 0; s < std::min(haptic.size(), alone.size()); s++) {
     largest = std::max(largest, norm(alone[s].force));
-    difference = std::max(difference, norm(felt[s].force - alone[s].force));
+    difference = std::max(difference, norm(haptic[s].force - alone[s].force));
   }
   EXPECT_GT(largest, 1e-3) << "N: it touches";
   EXPECT_LE(difference, tolerance * largest);
@@ -127,7 +127,7 @@ TEST(LiveTouch, frames_wait_for_the_clock_and_the_world_is_its_own_again_at_the_
   const Timer timer;
   feel(world, kBall, 10);
   EXPECT_GE(timer.seconds(), 9 * 0.02) << "frames of 20 ms, the first one at once";
-  EXPECT_FALSE(world.sfem_bodies[0].felt || world.rhombus_bodies[0].felt);
+  EXPECT_FALSE(world.sfem_bodies[0].haptic || world.rhombus_bodies[0].haptic);
   EXPECT_EQ(world.frame, 10);
   EXPECT_TRUE(step(Exec(1), world)) << "goes on without a hand";
   for (const TouchingTool& tool : world.tools) EXPECT_GT(tool.samples.size(), 50u) << tool.name;
@@ -145,7 +145,7 @@ TEST(LiveTouch, a_tool_that_is_not_there_or_in_two_hands_is_refused) {
   EXPECT_FALSE(start({-1}));
   EXPECT_FALSE(start({1, 1}));
   EXPECT_FALSE(start({}));
-  EXPECT_FALSE(world.sfem_bodies[0].felt || world.rhombus_bodies[0].felt);
+  EXPECT_FALSE(world.sfem_bodies[0].haptic || world.rhombus_bodies[0].haptic);
 }
 
 TEST(LiveTouch, a_simulated_hand_goes_the_path_and_is_pushed_back) {

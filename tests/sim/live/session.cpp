@@ -3,8 +3,8 @@
 #include <chrono>
 #include <fstream>
 
-#include "sim/four_kinds.hpp"
-#include "sim/live/watched_session.hpp"
+#include "tests/sim/four_kinds.hpp"
+#include "tests/sim/live/watched_session.hpp"
 #include "turgor/core/timing.hpp"
 
 namespace turgor {
@@ -32,7 +32,7 @@ fs::path four_kinds_file() {
 /// Looks until it is so, at most so long [s].
 bool wait_for_world(Session& session, int frames = 1) {
   return wait_until(session, [frames](const SessionNow& now) {
-    return now.phase == Phase::kReady && now.shown.frame >= frames;
+    return now.phase == Phase::kReady && now.snapshot.frame >= frames;
   });
 }
 
@@ -42,8 +42,8 @@ struct Above {
   double tip = 0;  // of the tool below its origin [m]
 };
 Above above(const SessionNow& now, const MouseTool& mouse) {
-  const ShownTool& tool = now.shown.tools[std::size_t(mouse.tool)];
-  const ShownBody& body = shown_body(now.shown, tool.body);
+  const ToolSnapshot& tool = now.snapshot.tools[std::size_t(mouse.tool)];
+  const BodySnapshot& body = body_snapshot(now.snapshot, tool.body);
   Above place;
   place.top =
       Vec3d(*std::max_element(body.x.begin(), body.x.end(), [](Vec3 a, Vec3 b) { return a.z < b.z; }));
@@ -57,10 +57,11 @@ double force_at(Session& session, std::size_t mouse, const Above& place, double 
   const Vec3d high{0, 0, place.tip + 0.02}, wanted{0, 0, place.tip - depth};
   tool.device->lead(
       {.pose = {place.top + wanted, {}}, .hold = false, .put = put, .put_at = place.top + high});
-  const double begin = session.now().shown.time;
-  EXPECT_TRUE(wait_until(session, [begin](const SessionNow& now) { return now.shown.time > begin + 0.6; }));
-  const auto& felt = session.now().felt[std::size_t(tool.tool)];
-  return felt.empty() ? 0 : felt.back().force;
+  const double begin = session.now().snapshot.time;
+  EXPECT_TRUE(
+      wait_until(session, [begin](const SessionNow& now) { return now.snapshot.time > begin + 0.6; }));
+  const auto& haptic = session.now().haptic[std::size_t(tool.tool)];
+  return haptic.empty() ? 0 : haptic.back().force;
 }
 
 TEST(Session,
@@ -100,12 +101,13 @@ TEST(Session, who_looks_on_is_told_how_far_loading_is) {
 TEST(Session, a_world_goes_on_by_the_clock_at_the_pace_that_is_asked_for) {
   Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session, 5)) << session.now().error;
-  session.ask(AskPace{.plays = true, .pace = 0.25});
+  session.request(PaceRequest{.plays = true, .pace = 0.25});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.pace == 0.25; }));
-  const double begin = session.now().shown.time;
+  const double begin = session.now().snapshot.time;
   const std::uint64_t ticks = session.now().haptics.ticks;
   const Timer timer;
-  ASSERT_TRUE(wait_until(session, [begin](const SessionNow& now) { return now.shown.time >= begin + 0.3; }));
+  ASSERT_TRUE(
+      wait_until(session, [begin](const SessionNow& now) { return now.snapshot.time >= begin + 0.3; }));
   EXPECT_GE(timer.seconds(), 0.95 * 0.3 / 0.25);
   EXPECT_GT(session.now().haptics.ticks, ticks + 300) << "the loop keeps its own rate";
 }
@@ -113,60 +115,62 @@ TEST(Session, a_world_goes_on_by_the_clock_at_the_pace_that_is_asked_for) {
 TEST(Session, it_stands_still_when_asked_and_a_step_is_one_frame) {
   Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session, 3)) << session.now().error;
-  session.ask(AskPace{.plays = false, .pace = 1});
+  session.request(PaceRequest{.plays = false, .pace = 1});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.plays; }));
-  const int frame = session.now().shown.frame;
+  const int frame = session.now().snapshot.frame;
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(session.now().shown.frame, frame);
-  session.ask(AskStep{}), session.ask(AskStep{});
-  EXPECT_TRUE(wait_until(session, [frame](const SessionNow& now) { return now.shown.frame == frame + 2; }));
-  session.ask(AskPace{});
-  EXPECT_TRUE(wait_until(session, [frame](const SessionNow& now) { return now.shown.frame > frame + 4; }));
+  EXPECT_EQ(session.now().snapshot.frame, frame);
+  session.request(StepRequest{}), session.request(StepRequest{});
+  EXPECT_TRUE(
+      wait_until(session, [frame](const SessionNow& now) { return now.snapshot.frame == frame + 2; }));
+  session.request(PaceRequest{});
+  EXPECT_TRUE(wait_until(session, [frame](const SessionNow& now) { return now.snapshot.frame > frame + 4; }));
 }
 
 TEST(Session, a_cut_that_is_asked_for_opens_a_wound_and_a_reset_closes_it) {
   Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
   const auto walls = [](const SessionNow& now) {
-    for (const ShownBody& body : now.shown.bodies)
+    for (const BodySnapshot& body : now.snapshot.bodies)
       if (body.id.kind == BodyKind::kLattice) return body.triangles.size() - body.wall_begin;
     return std::size_t(0);
   };
   EXPECT_EQ(walls(session.now()), 0u);
   const int world = session.now().world;
-  session.ask(AskCut{.blade = {.name = "cut",
-                               .from = {0.002, -0.02, -0.03},
-                               .to = {0.002, -0.02, 0.03},
-                               .depth = 0.012,
-                               .duration = 0.1},
-                     .body = 0});
+  session.request(CutRequest{.blade = {.name = "cut",
+                                       .from = {0.002, -0.02, -0.03},
+                                       .to = {0.002, -0.02, 0.03},
+                                       .depth = 0.012,
+                                       .duration = 0.1},
+                             .body = 0});
   EXPECT_TRUE(wait_until(session, [&](const SessionNow& now) { return walls(now) > 50; }));
   ASSERT_EQ(session.now().cuts.size(), 1u);
   EXPECT_EQ(session.now().cuts[0].name, "block") << "the body's";
-  session.ask(AskReset{});
+  session.request(ResetRequest{});
   EXPECT_TRUE(wait_until(session, [&](const SessionNow& now) {
-    return now.phase == Phase::kReady && now.world > world && walls(now) == 0 && now.shown.frame < 20;
+    return now.phase == Phase::kReady && now.world > world && walls(now) == 0 && now.snapshot.frame < 20;
   }));
 }
 
 TEST(Session, a_cut_beside_the_body_is_answered_by_a_sentence_and_the_world_goes_on) {
   Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
-  session.ask(
-      AskCut{.blade = {.name = "cut", .from = {1, 1, 1}, .to = {1, 1, 1.1}, .depth = 0.01}, .body = 0});
+  session.request(
+      CutRequest{.blade = {.name = "cut", .from = {1, 1, 1}, .to = {1, 1, 1.1}, .depth = 0.01}, .body = 0});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.error.empty(); }));
   EXPECT_NE(session.now().error.find("no cut"), std::string::npos);
   EXPECT_TRUE(session.now().cuts.empty()) << "nothing to save";
-  const int frame = session.now().shown.frame;
-  EXPECT_TRUE(wait_until(session, [frame](const SessionNow& now) { return now.shown.frame > frame + 3; }));
+  const int frame = session.now().snapshot.frame;
+  EXPECT_TRUE(wait_until(session, [frame](const SessionNow& now) { return now.snapshot.frame > frame + 3; }));
 }
 
 /// After half a second more: where the 121 vertices of the first body are on average, along y [m].
 double mean_y(Session& session) {
-  const double begin = session.now().shown.time;
-  EXPECT_TRUE(wait_until(session, [begin](const SessionNow& now) { return now.shown.time > begin + 0.5; }));
+  const double begin = session.now().snapshot.time;
+  EXPECT_TRUE(
+      wait_until(session, [begin](const SessionNow& now) { return now.snapshot.time > begin + 0.5; }));
   double mean = 0;
-  for (const Vec3 u : session.now().shown.bodies[0].displacement) mean += double(u.y) / 121;
+  for (const Vec3 u : session.now().snapshot.bodies[0].displacement) mean += double(u.y) / 121;
   return mean;
 }
 
@@ -183,12 +187,12 @@ box = [[-0.01, -0.01, 0.19], [0.21, 0.01, 0.21]]
   for (const double side : {-1.0, 1.0}) {
     Session session(file, {}, kOneThread);
     ASSERT_TRUE(wait_for_world(session)) << session.now().error;
-    EXPECT_FALSE(session.now().is_felt) << "no tool touches a cloth";
-    session.ask(AskWind{.body = 0, .velocity = {0, 6 * side, 0}});
+    EXPECT_FALSE(session.now().is_haptic) << "no tool touches a cloth";
+    session.request(WindRequest{.body = 0, .velocity = {0, 6 * side, 0}});
     EXPECT_GT(side * mean_y(session), 0.02) << "m, with the wind";
-    session.ask(AskChange{"body.flag.damping.motion", "0.8"});
+    session.request(ChangeRequest{"body.flag.damping.motion", "0.8"});
     EXPECT_GT(side * mean_y(session), 0.02) << "another key leaves the wind of a hand";
-    session.ask(AskChange{"body.flag.wind.velocity", side > 0 ? "[0, -6, 0]" : "[0, 6, 0]"});
+    session.request(ChangeRequest{"body.flag.wind.velocity", side > 0 ? "[0, -6, 0]" : "[0, 6, 0]"});
     mean_y(session);
     EXPECT_LT(side * mean_y(session), -0.01) << "the scene's wind is the latest now";
   }
@@ -200,22 +204,22 @@ TEST(Session, more_tension_leaves_whole_skin_where_it_is_and_opens_a_wound_wider
   const fs::path file = written(folder, "block.toml", test::block_scene_text("block.nii"));
   const auto largest = [](const SessionNow& now) {
     float most = 0;
-    for (const Vec3 u : now.shown.bodies[0].displacement) most = std::max(most, norm(u));
+    for (const Vec3 u : now.snapshot.bodies[0].displacement) most = std::max(most, norm(u));
     return double(most);
   };
   const auto settle = [](Session& session, double time) {
-    return wait_until(session, [time](const SessionNow& now) { return now.shown.time > time; });
+    return wait_until(session, [time](const SessionNow& now) { return now.snapshot.time > time; });
   };
   Session whole(file, {"incision.cut.start=0.19"}, kOneThread);  // not before the run's end
   ASSERT_TRUE(wait_for_world(whole)) << whole.now().error;
-  whole.ask(AskChange{"body.block.skin.tension", "90"});
+  whole.request(ChangeRequest{"body.block.skin.tension", "90"});
   ASSERT_TRUE(settle(whole, 0.15));
   EXPECT_LT(largest(whole.now()), 1e-5) << "m: the CT shows it at rest";
   Session cut(file, {}, kOneThread);
   ASSERT_TRUE(wait_for_world(cut) && settle(cut, 1.5));
   const double before = largest(cut.now());
   EXPECT_GT(before, 5e-4);
-  cut.ask(AskChange{"body.block.skin.tension", "90"});
+  cut.request(ChangeRequest{"body.block.skin.tension", "90"});
   ASSERT_TRUE(settle(cut, 3.5));
   EXPECT_GT(largest(cut.now()), 1.4 * before);
 }
@@ -227,16 +231,16 @@ TEST(Session, the_ct_of_a_body_at_rest_is_made_once) {
   Session session(file, {"incision.cut.start=0.3", "world.duration=0.5"}, kOneThread);
   const auto ask_until = [&](const std::function<bool(const SessionNow&)>& is_so) {
     return wait_until(session, [&](const SessionNow& now) {
-      if (now.phase == Phase::kReady) session.ask(AskCt{});
+      if (now.phase == Phase::kReady) session.request(CtRequest{});
       return now.ct && is_so(now);
     });
   };
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
   ASSERT_TRUE(ask_until([](const SessionNow&) { return true; }));
   const std::shared_ptr<const DeformedCt> first = session.now().ct;
-  ASSERT_TRUE(ask_until([](const SessionNow& now) { return now.shown.time > 0.25; }));
+  ASSERT_TRUE(ask_until([](const SessionNow& now) { return now.snapshot.time > 0.25; }));
   EXPECT_EQ(session.now().ct, first) << "frames go on, and nothing moves";
-  ASSERT_TRUE(ask_until([&](const SessionNow& now) { return now.shown.time > 0.35; }));
+  ASSERT_TRUE(ask_until([&](const SessionNow& now) { return now.snapshot.time > 0.35; }));
   EXPECT_NE(session.now().ct, first) << "it was cut";
   const int frame = session.now().ct->frame;
   ASSERT_TRUE(ask_until([&](const SessionNow& now) { return now.ct->frame > frame + 5; })) << "it opens";
@@ -260,15 +264,15 @@ body = "pad"
 shape = { sphere = 0.006 }
 friction = )" + mu + "\n" + path);
 }
-Vec3d tool_force(const SessionNow& now) { return now.shown.tools[0].force; }
+Vec3d tool_force(const SessionNow& now) { return now.snapshot.tools[0].force; }
 bool wait_for_time(Session& session, double time) {
-  return wait_until(session, [time](const SessionNow& now) { return now.shown.time > time; });
+  return wait_until(session, [time](const SessionNow& now) { return now.snapshot.time > time; });
 }
 /// What a finger on its path feels at a time [s], with a key changed before.
 Vec3d force_at(const fs::path& file, double time, double change, const std::string& value) {
   Session session(file, {}, kOneThread);
   EXPECT_TRUE(wait_for_time(session, change)) << session.now().error;
-  if (!value.empty()) session.ask(AskChange{"body.pad.young", value});
+  if (!value.empty()) session.request(ChangeRequest{"body.pad.young", value});
   EXPECT_TRUE(wait_for_time(session, time));
   EXPECT_EQ(session.now().error, "");
   return tool_force(session.now());
@@ -278,11 +282,11 @@ Vec3d force_at(const fs::path& file, double time, double change, const std::stri
 double rubs(const fs::path& file, const std::string& friction) {
   Session session(file, {}, kOneThread);
   EXPECT_TRUE(wait_for_time(session, 0.4)) << session.now().error;
-  if (!friction.empty()) session.ask(AskChange{"tool.finger.friction", friction});
+  if (!friction.empty()) session.request(ChangeRequest{"tool.finger.friction", friction});
   double sum = 0, last = 0;
   int count = 0;
   EXPECT_TRUE(wait_until(session, [&](const SessionNow& now) {
-    const double x = now.shown.tools[0].pose.position.x;
+    const double x = now.snapshot.tools[0].pose.position.x;
     if (x > 0.025 && x < 0.042 && x != last) sum -= tool_force(now).x / tool_force(now).z, count++;
     last = x;
     return x >= 0.042;
@@ -318,9 +322,9 @@ TEST(Session, what_a_hand_gives_an_elastic_body_it_gets_back_when_it_leaves) {
       "0.04], [9, 0.03, 0.03, 0.04]]";
   Session session(pad_file(press, "5e3", "0"), {}, kOneThread);
   ASSERT_TRUE(wait_for_time(session, 1.1)) << session.now().error;
-  FeltPoint most, before;
+  HapticSample most, before;
   double area = 0;  // under force over depth on the way in [J]
-  for (const FeltPoint& point : session.now().felt[0]) {
+  for (const HapticSample& point : session.now().haptic[0]) {
     if (point.depth > before.depth) area += 0.5 * (point.force + before.force) * (point.depth - before.depth);
     before = point;
     if (point.work > most.work) most = point;
@@ -328,26 +332,27 @@ TEST(Session, what_a_hand_gives_an_elastic_body_it_gets_back_when_it_leaves) {
   EXPECT_GT(most.force, 0.05) << "N";
   EXPECT_NEAR(most.work, area, 0.05 * area) << "by frames, where work is by ticks";
   EXPECT_LT(most.work, 0.5 * most.force * most.depth) << "a ball feels a pad stiffen as it sinks in";
-  EXPECT_NEAR(session.now().felt[0].back().work, 0, 0.02 * most.work) << "J";
+  EXPECT_NEAR(session.now().haptic[0].back().work, 0, 0.02 * most.work) << "J";
 }
 
 TEST(Session, a_file_with_a_mistake_is_the_one_that_is_read_again) {
   Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
   const fs::path folder = fresh_folder(), bad = written(folder, "pad.toml", "[world]\nduration = -1\n");
-  session.ask(AskOpen{.file = bad, .overrides = {}});
+  session.request(OpenRequest{.file = bad, .overrides = {}});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.phase == Phase::kFailed; }));
   fs::copy_file(pad_file("path = [[0, 0.03, 0.03, 0.04]]"), bad, fs::copy_options::overwrite_existing);
-  session.ask(AskReload{});
+  session.request(ReloadRequest{});
   EXPECT_TRUE(wait_until(session, [](const SessionNow& now) {
-    return now.phase == Phase::kReady && now.shown.bodies.size() == 1 && now.shown.bodies[0].name == "pad";
+    return now.phase == Phase::kReady && now.snapshot.bodies.size() == 1 &&
+           now.snapshot.bodies[0].name == "pad";
   }));
 }
 
 TEST(Session, a_value_that_is_not_allowed_is_refused_with_the_scenes_own_sentence) {
   Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
-  session.ask(AskChange{"body.block.solver.sweeps", "-3"});
+  session.request(ChangeRequest{"body.block.solver.sweeps", "-3"});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.error.empty(); }));
   EXPECT_NE(session.now().error.find("expected a whole number"), std::string::npos) << session.now().error;
 }
@@ -357,8 +362,8 @@ TEST(Session, a_scene_with_a_mistake_is_told_and_another_can_be_opened_after_it)
   Session session(bad, {}, kOneThread);
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.phase == Phase::kFailed; }));
   EXPECT_NE(session.now().error.find("bad.toml:2"), std::string::npos) << session.now().error;
-  session.ask(AskReset{});  // again the same mistake, not a crash
-  session.ask(AskOpen{.file = four_kinds_file(), .overrides = {}});
+  session.request(ResetRequest{});  // again the same mistake, not a crash
+  session.request(OpenRequest{.file = four_kinds_file(), .overrides = {}});
   EXPECT_TRUE(wait_for_world(session)) << session.now().error;
 }
 
@@ -366,11 +371,11 @@ TEST(Session, a_file_that_was_mended_is_read_again_where_another_scene_was_befor
   Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session)) << session.now().error;
   const fs::path bad = written(fresh_folder(), "bad.toml", "[world]\nduration = -1\n");
-  session.ask(AskOpen{.file = bad, .overrides = {}});
+  session.request(OpenRequest{.file = bad, .overrides = {}});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.phase == Phase::kFailed; }));
   EXPECT_EQ(session.now().scene, nullptr) << "the scene before is none of this file";
   fs::copy_file(four_kinds_file(), bad, fs::copy_options::overwrite_existing);
-  session.ask(AskReset{});
+  session.request(ResetRequest{});
   EXPECT_TRUE(
       wait_until(session, [&](const SessionNow& now) { return now.scene && now.scene->file == bad; }));
 }
@@ -391,9 +396,9 @@ wind = { velocity = [100, 0, 0] }
     return now.error.find("not finite") != std::string::npos;
   };
   EXPECT_TRUE(is_told(session.now())) << session.now().error;
-  session.ask(AskChange{"body.flag.wind.velocity", "[100, 0, 0]"});
+  session.request(ChangeRequest{"body.flag.wind.velocity", "[100, 0, 0]"});
   ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.error.empty(); }));
-  session.ask(AskStep{});
+  session.request(StepRequest{});
   EXPECT_TRUE(wait_until(session, is_told));
 }
 
@@ -401,11 +406,11 @@ TEST(Session, one_who_looks_away_for_a_second_costs_neither_ticks_nor_frames) {
   Session session(four_kinds_file(), {}, kOneThread);
   ASSERT_TRUE(wait_for_world(session, 5)) << session.now().error;
   const SessionNow& now = session.now();
-  const double begin = now.shown.time;
+  const double begin = now.snapshot.time;
   const haptics::TimingReport before = now.haptics;
   std::this_thread::sleep_for(std::chrono::seconds(1));
   const SessionNow& after = session.now();
-  EXPECT_GT(after.shown.time, begin + 0.5) << "s: frames went on";
+  EXPECT_GT(after.snapshot.time, begin + 0.5) << "s: frames went on";
   EXPECT_GT(after.haptics.ticks + after.haptics.missed, before.ticks + before.missed + 700);
   EXPECT_LT(after.haptics.period.largest, 0.5) << "s: no pause as long as the look away";
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <fstream>
 
-#include "sim/block_scene.hpp"
-#include "turgor/io/file.hpp"
+#include "tests/sim/block_scene.hpp"
+#include "turgor/io/files/file.hpp"
 
 namespace turgor {
 namespace {
@@ -17,13 +17,13 @@ World record_block(const fs::path& folder, const Scene& scene) {
   World world = test::block_world(exec, scene);
   Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", scene, world);
   EXPECT_TRUE(writer) << writer.error().message;
-  ShownWorld shown;
-  show(exec, world, shown);
-  EXPECT_TRUE(writer->add_snapshot(world, shown));
+  WorldSnapshot snapshot;
+  show(exec, world, snapshot);
+  EXPECT_TRUE(writer->add_snapshot(world, snapshot));
   for (int frame = 0; frame < 10; frame++) EXPECT_TRUE(step(exec, world));
-  show(exec, world, shown);
-  EXPECT_TRUE(writer->add_snapshot(world, shown));
-  EXPECT_TRUE(writer->finish(world, shown, make_pressed(world), "{\"a\": 1}"));
+  show(exec, world, snapshot);
+  EXPECT_TRUE(writer->add_snapshot(world, snapshot));
+  EXPECT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{\"a\": 1}"));
   return world;
 }
 
@@ -41,8 +41,8 @@ TEST(Recording, RestoresPositionsCutsAndPathsToTheBit) {
 
   World drawn = test::block_world(Exec(1), *again);
   ASSERT_TRUE(recording->check_world(drawn));
-  ShownWorld shown;
-  ASSERT_TRUE(recording->restore(Exec(1), 1, drawn, shown));
+  WorldSnapshot snapshot;
+  ASSERT_TRUE(recording->restore(Exec(1), 1, drawn, snapshot));
   const lattice::State &a = world.lattice_bodies[0].state, &b = drawn.lattice_bodies[0].state;
   EXPECT_EQ(drawn.frame, 10);
   EXPECT_EQ(a.u.x, b.u.x);
@@ -57,7 +57,7 @@ TEST(Recording, RestoresPositionsCutsAndPathsToTheBit) {
   const double gape =
       lattice::measure_wound(world.lattice_bodies[0].model, a, *world.cuts[0].path, 0).gape_max;
   EXPECT_EQ(lattice::measure_wound(drawn.lattice_bodies[0].model, b, *drawn.cuts[0].path, 0).gape_max, gape);
-  ASSERT_TRUE(recording->restore(Exec(1), 0, drawn, shown));
+  ASSERT_TRUE(recording->restore(Exec(1), 0, drawn, snapshot));
   EXPECT_TRUE(drawn.lattice_bodies[0].state->cut_edges.empty());
   EXPECT_FALSE(drawn.cuts[0].path);
 }
@@ -69,8 +69,8 @@ TEST(Recording, RestoresRegionsThatLeftTheBody) {
   const Result<Recording> recording = Recording::open(folder / "r.h5");
   ASSERT_TRUE(recording) << recording.error().message;
   World drawn = test::block_world(Exec(1), scene);
-  ShownWorld shown;
-  const Status restored = recording->restore(Exec(1), 1, drawn, shown);
+  WorldSnapshot snapshot;
+  const Status restored = recording->restore(Exec(1), 1, drawn, snapshot);
   ASSERT_TRUE(restored) << restored.error().message;
   const lattice::State &a = world.lattice_bodies[0].state, &b = drawn.lattice_bodies[0].state;
   EXPECT_GT(std::count(a.removed.begin(), a.removed.end(), 1), 0);
@@ -146,9 +146,9 @@ TEST(Recording, DamagedFilesAreErrorsAndNeverCrashes) {
     if (!recording) return false;
     const Result<Scene> again = recording->scene({});
     if (!again || !recording->check_world(world)) return false;
-    ShownWorld shown;
+    WorldSnapshot snapshot;
     for (int s = 0; s < std::min(recording->snapshot_count(), 4); s++)
-      if (!recording->restore(Exec(1), s, world, shown)) return false;
+      if (!recording->restore(Exec(1), s, world, snapshot)) return false;
     return true;
   };
   EXPECT_TRUE(read_all());
@@ -176,10 +176,10 @@ TEST(Recording, WhatTheFuzzTestsBeginWithIsARecordingOfThisVersionThatReplays) {
   Result<World> world = load_world(exec, *read_scene(folder / "recorded.toml"), {}, Purpose::kDraw);
   ASSERT_TRUE(world) << world.error().message;
   ASSERT_TRUE(recording->check_world(*world));
-  ShownWorld shown;
+  WorldSnapshot snapshot;
   std::vector<Pressed> pressed;
   for (int s = 0; s < recording->snapshot_count(); s++)
-    EXPECT_TRUE(recording->restore(exec, s, *world, shown));
+    EXPECT_TRUE(recording->restore(exec, s, *world, snapshot));
   EXPECT_TRUE(recording->restore_touch(*world, pressed));
 }
 

@@ -3,9 +3,9 @@
 #include <regex>
 #include <sstream>
 
-#include "sim/block_scene.hpp"
-#include "turgor/io/file.hpp"
-#include "turgor/io/hdf5_file.hpp"
+#include "tests/sim/block_scene.hpp"
+#include "turgor/io/files/file.hpp"
+#include "turgor/io/files/hdf5_file.hpp"
 #include "turgor/sim/recording/recording.hpp"
 
 namespace turgor {
@@ -59,14 +59,14 @@ TEST(RecordingDocument, NamesEveryDatasetOfARecordingAndItsUnitAndNoOther) {
       parse_scene(test::block_scene_text("block.nii") + kOthers, folder / "all.toml", {});
   ASSERT_TRUE(scene) << scene.error().message;
   World world = test::block_world(Exec(2), *scene);
-  world.lattice_bodies[0].state.change().copies.push_back({});  // as of solid tissue that was cut
+  world.lattice_bodies[0].state.change().virtual_nodes.push_back({});  // as of solid tissue that was cut
   {
     Result<RecordingWriter> writer = RecordingWriter::create(folder / "r.h5", *scene, world);
     ASSERT_TRUE(writer);
-    ShownWorld shown;
-    show(Exec(2), world, shown);
-    ASSERT_TRUE(writer->add_snapshot(world, shown));
-    ASSERT_TRUE(writer->finish(world, shown, make_pressed(world), "{}"));
+    WorldSnapshot snapshot;
+    show(Exec(2), world, snapshot);
+    ASSERT_TRUE(writer->add_snapshot(world, snapshot));
+    ASSERT_TRUE(writer->finish(world, snapshot, make_pressed(world), "{}"));
   }
   const Result<Hdf5File> file = Hdf5File::open(folder / "r.h5");
   ASSERT_TRUE(file) << file.error().message;

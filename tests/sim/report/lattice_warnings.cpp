@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/block_scene.hpp"
+#include "tests/sim/block_scene.hpp"
 
 namespace turgor {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/block_scene.hpp"
+#include "tests/sim/block_scene.hpp"
 
 namespace turgor {
 namespace {

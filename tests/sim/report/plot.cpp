@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <pugixml.hpp>
 
-#include "folders.hpp"
+#include "tests/folders.hpp"
 
 namespace turgor {
 namespace {

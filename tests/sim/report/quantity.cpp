@@ -20,7 +20,7 @@ struct Scar {
 };
 const Quantity<Scar> kScar[] = {
     {"name", units::kNone, "", [](const Scar& s) -> Json { return s.name; }, kInReport},
-    {"size.width", units::kMillimetres, "width", [](const Scar& s) -> Json { return s.width; }, kEverywhere,
+    {"size.width", units::kMillimeters, "width", [](const Scar& s) -> Json { return s.width; }, kEverywhere,
      "width of {}"},
     {"stitches", units::kCount, "stitches", [](const Scar& s) -> Json { return s.stitches; }},
     {"healed_at", units::kSeconds, "healed at",
@@ -72,7 +72,7 @@ TEST(Quantity, NoSectionOfAReportSaysAKeyTwice) {
     std::set<std::string> keys;
     for (const Caption& caption : section.captions) {
       EXPECT_TRUE(keys.insert(caption.key).second) << section.item << ": " << caption.key;
-      EXPECT_EQ(caption.label.empty(), caption.shown == kInReport)
+      EXPECT_EQ(caption.label.empty(), caption.snapshot == kInReport)
           << section.item << ": " << caption.key << ": what is shown has a caption";
     }
   }

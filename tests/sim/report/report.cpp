@@ -1,8 +1,8 @@
 #include "turgor/sim/report/report.hpp"
 
-#include "sim/block_scene.hpp"
+#include "tests/sim/block_scene.hpp"
 #include "turgor/core/hash.hpp"
-#include "turgor/io/image.hpp"
+#include "turgor/io/files/image.hpp"
 #include "turgor/sim/report/summary.hpp"
 
 namespace turgor {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "folders.hpp"
-#include "sim/scene/scene_error.hpp"
+#include "tests/folders.hpp"
+#include "tests/sim/scene/scene_error.hpp"
 
 namespace turgor {
 namespace {

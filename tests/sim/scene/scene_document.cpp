@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 #include "turgor/sim/scene/scene_key.hpp"
 
 namespace turgor {

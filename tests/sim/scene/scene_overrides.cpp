@@ -1,7 +1,7 @@
 // What --set does to a scene.
 #include <gtest/gtest.h>
 
-#include "sim/scene/scene_error.hpp"
+#include "tests/sim/scene/scene_error.hpp"
 #include "turgor/sim/scene/scene.hpp"
 
 namespace turgor {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "folders.hpp"
-#include "sim/scene/scene_error.hpp"
+#include "tests/folders.hpp"
+#include "tests/sim/scene/scene_error.hpp"
 #include "turgor/io/ct.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -97,7 +97,7 @@ press = { at_fraction = [0.3, 0.5, 1], depth = 0.008 }
   for (const ForceSample& s : world.tools[0].samples) deepest = std::max(deepest, s.depth);
   EXPECT_NEAR(deepest, 0.008, 2e-4);
   EXPECT_EQ(world.tools[0].samples.back().contacts, 0);
-  ShownBody now;
+  BodySnapshot now;
   show(exec, liver, now);
   for (const Vec3 u : now.displacement) ASSERT_EQ(u, Vec3{});
   EXPECT_LT(liver.jump, 1e-5 * 1.5 * 2 * 5400 / 0.75 * 0.005) << "N, in 10 um; a disc's stiffness";
@@ -139,7 +139,7 @@ CtVolume two_halves() {
   return ct;
 }
 
-TEST(SceneRhombus, stiffness_comes_from_a_ct_s_grey_values) {
+TEST(SceneRhombus, stiffness_comes_from_a_ct_s_gray_values) {
   const std::filesystem::path file = test::fresh_folder() / "ct.nrrd";
   ASSERT_TRUE(write_ct(file, two_halves()));
   const World world = loaded(std::string(kLiver) + "stiffness = { ct = \"" + file.string() +

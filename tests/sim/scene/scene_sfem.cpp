@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/scene/scene_error.hpp"
+#include "tests/sim/scene/scene_error.hpp"
 #include "turgor/sim/scene/scene.hpp"
 
 namespace turgor {
@@ -65,7 +65,7 @@ TEST(SceneSfem, EveryKeyReachesItsField) {
   ASSERT_TRUE(scene) << scene.error().message;
   ASSERT_EQ(scene->sfem_bodies.size(), 2u);
   const SfemScene& liver = scene->sfem_bodies[0];
-  const auto& labels = std::get<LabelledOrgan>(liver.source);
+  const auto& labels = std::get<LabeledOrgan>(liver.source);
   EXPECT_EQ(labels.file, "/data/seg.nii.gz");
   EXPECT_EQ(labels.label, 5);
   EXPECT_EQ(labels.resolution, 0.01);

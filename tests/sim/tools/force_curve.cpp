@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "folders.hpp"
+#include "tests/folders.hpp"
 
 namespace turgor {
 namespace {
@@ -40,7 +40,7 @@ TEST_F(ForceCurve, units_in_the_names_of_the_columns_are_obeyed) {
             "curve.csv: expected a depth before its force, found the columns \"force_N\" and \"depth_mm\"");
 }
 
-TEST_F(ForceCurve, a_micrometre_is_none_of_metres_however_its_letter_is_written) {
+TEST_F(ForceCurve, a_micrometer_is_none_of_meters_however_its_letter_is_written) {
   for (const char* header :
        {"depth_um,force_N", "depth_µm,force_N", "Tiefe [μm];Kraft [N]", " Tiefe in μm , Kraft in N \r"}) {
     const auto curve = read_force_curve(file(std::string(header) + "\n1500 20\n"));

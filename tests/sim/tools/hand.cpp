@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "refused.hpp"
-#include "sim/sfem_scene_text.hpp"
-#include "turgor/io/file.hpp"
+#include "tests/refused.hpp"
+#include "tests/sim/sfem_scene_text.hpp"
+#include "turgor/io/files/file.hpp"
 #include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/sim/report/forces_csv.hpp"
 #include "turgor/sim/report/report_rhombus.hpp"

@@ -15,16 +15,16 @@ struct Block {
 
 TEST(PressPath, AFractionOfOneMeansTheSurfaceSeenFromThatSide) {
   const Block block;
-  const SurfacePlace top = place_on_surface(block.rest(), {0.5, 0.5, 1}, true, 0.01);
+  const SurfaceSample top = place_on_surface(block.rest(), {0.5, 0.5, 1}, true, 0.01);
   EXPECT_NEAR(norm(top.point - Vec3d{0.05, 0.03, 0.04}), 0, 1e-12);
   EXPECT_NEAR(norm(top.normal - Vec3d{0, 0, 1}), 0, 1e-12);
-  const SurfacePlace front = place_on_surface(block.rest(), {0.25, 0, 0.5}, true, 0.01);
+  const SurfaceSample front = place_on_surface(block.rest(), {0.25, 0, 0.5}, true, 0.01);
   EXPECT_NEAR(norm(front.point - Vec3d{0.025, 0, 0.02}), 0, 1e-12);
   EXPECT_NEAR(norm(front.normal - Vec3d{0, -1, 0}), 0, 1e-12);
 }
 
-TEST(PressPath, APlaceInMetresIsMovedToTheNearestPointOfTheSurface) {
-  const SurfacePlace place = place_on_surface(Block().rest(), {0.05, 0.03, 0.07}, false, 0.01);
+TEST(PressPath, APlaceInMetersIsMovedToTheNearestPointOfTheSurface) {
+  const SurfaceSample place = place_on_surface(Block().rest(), {0.05, 0.03, 0.07}, false, 0.01);
   EXPECT_NEAR(norm(place.point - Vec3d{0.05, 0.03, 0.04}), 0, 1e-12);
 }
 

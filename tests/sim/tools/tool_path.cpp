@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "folders.hpp"
+#include "tests/folders.hpp"
 
 namespace turgor {
 namespace {
@@ -41,7 +41,7 @@ TEST(ToolPath, StraightPathsAreStraightAndRestAtTheirEnds) {
   EXPECT_EQ(path_at(path, 7).position.x, 2);
 }
 
-TEST(ToolPath, SmoothPathsPassEveryRowAndNeverSwingBeyondTheirNeighbours) {
+TEST(ToolPath, SmoothPathsPassEveryRowAndNeverSwingBeyondTheirNeighbors) {
   const ToolPath path{*path_rows({{0, 0, 0, 0}, {1, 1, 0, 0}, {2, 1, 0, 0}, {3, 5, 0, 0}}), true};
   double before = 0;
   for (int n = 0; n <= 300; n++) {

@@ -170,12 +170,12 @@ bool Dhd::fail(Condition condition) noexcept {
 
 bool Dhd::exchange(const DeviceOutput& output, DeviceInput& input) noexcept {
   if (!is_open_) return false;
-  const DeviceOutput felt = to_be_sent(spec_, output);
+  const DeviceOutput haptic = to_be_sent(spec_, output);
   DeviceInput read;
-  if (!send(felt) || !receive(read)) return fail(Condition::kFailed);
+  if (!send(haptic) || !receive(read)) return fail(Condition::kFailed);
   if (!is_plausible(read)) return fail(Condition::kImplausible);
   if (condition_ != Condition::kGood || ++exchanges_ % kLookEvery == 0)
-    if (const Condition seen = look(norm(felt.force)); seen != Condition::kGood) return fail(seen);
+    if (const Condition seen = look(norm(haptic.force)); seen != Condition::kGood) return fail(seen);
   condition_ = Condition::kGood;
   input = read;
   return true;

@@ -43,7 +43,7 @@ std::string no_arm(const DeviceOptions& options, const std::vector<std::string>&
 std::string fault_of(const DeviceOptions& options, const Inverse3Link& link) {
   if (!link.is_understood())
     return fmt::format("inverse3: what the Inverse Service at {} says makes no sense", options.address);
-  if (!link.arm().is_there) return no_arm(options, link.ids());
+  if (!link.arm().is_allocated) return no_arm(options, link.ids());
   if (!link.arm().is_calibrated)
     return fmt::format("inverse3: the arm {} is not calibrated; do it as its lights and the Haply Hub say",
                        on_one_line(link.id()));
@@ -72,7 +72,7 @@ Status Inverse3::open() {
 Status Inverse3::wait_for_arm() {
   const double end = steady_seconds() + options_.patience;
   for (int asked = 0;; asked++) {
-    if (link_->arm().is_there) return Done{};
+    if (link_->arm().is_allocated) return Done{};
     if (options_.which.empty() && link_->ids().size() > 1)
       return Error{fmt::format("inverse3: there are the arms {}; say which", listed(link_->ids()))};
     const std::string fault = fault_of(options_, *link_);
@@ -89,7 +89,7 @@ void Inverse3::serve() {
     const Status served = serve_once();
     if (!served) say("inverse3: " + served.error().message);
     publish();
-    const bool waits = !served || !link_->arm().is_there;
+    const bool waits = !served || !link_->arm().is_allocated;
     if (waits && !stops_) pause(kAskAgain);
     pause(next + kPeriod - steady_seconds());
   }

@@ -41,8 +41,8 @@ Status Inverse3Link::talk(Vec3d force, const std::atomic<bool>& stops) {
 
 /// Configuration goes with the first command of a connection, and with the first after an arm came back.
 std::string Inverse3Link::next_command(Vec3d force) {
-  arm_is_configured_ = arm_is_configured_ && arm_.is_there;
-  if (!arm_.is_there) return ask_for_all();
+  arm_is_configured_ = arm_is_configured_ && arm_.is_allocated;
+  if (!arm_.is_allocated) return ask_for_all();
   if (!arm_is_configured_) {
     arm_is_configured_ = true;
     return configuring_command(id_, !std::exchange(session_is_told_, true));
@@ -74,7 +74,8 @@ void Inverse3Link::hear(const std::string& answer) {
 void Inverse3Link::say_goodbye() noexcept {
   if (!socket_) return;
   try {
-    if (arm_.is_there && socket_->send(force_command(id_, {}), kGoodbye)) (void)socket_->receive(kGoodbye);
+    if (arm_.is_allocated && socket_->send(force_command(id_, {}), kGoodbye))
+      (void)socket_->receive(kGoodbye);
   } catch (...) {  // no memory for it: the connection is closed all the same, and the arm lets go
   }
   socket_->close(kGoodbye);

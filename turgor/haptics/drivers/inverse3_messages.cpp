@@ -103,8 +103,8 @@ bool read_arm(const Json& message, const std::string& id, Inverse3Arm& arm) {
   if (!message.is_object()) return false;
   Inverse3Arm said = arm;
   const Json& said_of_arm = element(member(message, "inverse3"), id);
-  said.is_there = said_of_arm.is_object();
-  if (said.is_there) {
+  said.is_allocated = said_of_arm.is_object();
+  if (said.is_allocated) {
     const Json& state = member(said_of_arm, "state");
     const Json& velocity = member(state, "cursor_velocity");
     if (!read_vector(member(state, "cursor_position"), said.position)) return false;

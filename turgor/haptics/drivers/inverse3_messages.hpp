@@ -17,7 +17,7 @@ namespace turgor::haptics {
 /// which is zero then.
 struct Inverse3Arm {
   std::string type = "inverse3";  // or inverse3x, minverse
-  bool is_there = false;          // the last message tells of it
+  bool is_allocated = false;      // the last message tells of it
   bool is_calibrated = false;
   Vec3d position, velocity;  // of the cursor [m] [m/s]
   bool has_grip = false;

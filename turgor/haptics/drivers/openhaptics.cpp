@@ -13,7 +13,7 @@ namespace turgor::haptics {
 
 namespace {
 
-constexpr double kMillimetre = 1e-3;  // [m]
+constexpr double kMillimeter = 1e-3;  // [m]
 
 /// The device's frame is x right, y up, z towards the user; ours x right, y away from the user, z up.
 Vec3d to_ours(Vec3d v) { return {v.x, -v.z, v.y}; }
@@ -82,11 +82,11 @@ Status OpenHaptics::describe() {
   const Vec3d low = to_ours({box[0], box[1], box[2]}), high = to_ours({box[3], box[4], box[5]});
   spec_ = {
       .name = on_one_line(fmt::format("{} {}", model ? model : "3D Systems device", serial ? serial : "")),
-      .workspace_low = min(low, high) * kMillimetre,
-      .workspace_high = max(low, high) * kMillimetre,
+      .workspace_low = min(low, high) * kMillimeter,
+      .workspace_high = max(low, high) * kMillimeter,
       .force = force,
-      .stiffness = stiffness / kMillimetre,
-      .damping = damping / kMillimetre,
+      .stiffness = stiffness / kMillimeter,
+      .damping = damping / kMillimeter,
       .has_orientation = true};
   return Done{};
 }
@@ -146,8 +146,8 @@ bool OpenHaptics::read(DeviceInput& input) const noexcept {
   hd_.get_doubles(hd::kAngularVelocity, w);
   hd_.get_integers(hd::kButtons, &buttons);
   const auto column = [&](int c) { return to_ours(Vec3d{m[4 * c], m[4 * c + 1], m[4 * c + 2]}); };
-  input = {.pose = {column(3) * kMillimetre, {{column(0), -column(2), column(1)}}},
-           .velocity = to_ours(Vec3d{v[0], v[1], v[2]}) * kMillimetre,
+  input = {.pose = {column(3) * kMillimeter, {{column(0), -column(2), column(1)}}},
+           .velocity = to_ours(Vec3d{v[0], v[1], v[2]}) * kMillimeter,
            .angular_velocity = to_ours(Vec3d{w[0], w[1], w[2]}),
            .buttons = std::uint32_t(buttons),
            .time = steady_seconds()};

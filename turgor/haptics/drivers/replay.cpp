@@ -9,7 +9,7 @@
 
 #include "turgor/haptics/drivers/readings.hpp"
 #include "turgor/haptics/rotation.hpp"
-#include "turgor/io/number_table.hpp"
+#include "turgor/io/files/number_table.hpp"
 
 namespace turgor::haptics {
 

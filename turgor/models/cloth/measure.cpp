@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "turgor/geometry/surface_check.hpp"
-#include "turgor/models/cloth/fields.hpp"
+#include "turgor/models/cloth/model/fields.hpp"
 
 namespace turgor::cloth {
 
@@ -16,7 +16,7 @@ void for_row(const Rows& rows, std::size_t vertex, const Visit& visit) {
   if (rows.slot_begin.empty()) return;
   const std::size_t batch = vertex / std::size_t(kLanes), l = vertex % std::size_t(kLanes);
   for (int s = rows.slot_begin[batch]; s < rows.slot_begin[batch + 1]; s++)
-    visit(std::size_t(s) * std::size_t(kLanes) + l, std::size_t(neighbour(rows, s, int(l))));
+    visit(std::size_t(s) * std::size_t(kLanes) + l, std::size_t(neighbor(rows, s, int(l))));
 }
 
 /// Calls visit(stiffness, rest, other vertex) for the springs of a vertex, or the edges of a sheet.
@@ -133,7 +133,8 @@ Vec3d hold_force(const Model& model, const State& state, int mesh_vertex, Vec3d 
   for (int n = state.contacts.begin[v]; n < state.contacts.begin[v + 1]; n++) {
     const auto item = std::size_t(state.contacts.item[std::size_t(n)]);
     const Contact& c = state.contacts.list[item / 4];
-    force -= Vec3d(c.normal * c.impulse + c.rub) * (double(c.weight[item % 4]) / state.impulse_time);
+    force -=
+        Vec3d(c.normal * c.impulse + c.friction_impulse) * (double(c.weight[item % 4]) / state.impulse_time);
   }
   return force;
 }
@@ -149,7 +150,7 @@ SelfDistance self_distance(const Exec& exec, const Model& model, const State& st
   SelfDistance result;
   if (!model.params.collision.self) return result;
   const double thickness = model.params.collision.thickness;
-  NearPoints near;
+  SpatialHash near;
   sort_points(exec, state.x, model.count, Real(4.1 * thickness), near);
   for (int i = 0; i < model.count; i++)
     visit_near(near, state.x[std::size_t(i)], Real(2 * thickness), [&](int j, Vec3 xj) {

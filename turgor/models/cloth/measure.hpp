@@ -1,7 +1,7 @@
 // What reports say about a cloth: energy, momentum, how stretched it is, and whether it keeps out of itself.
 #pragma once
 
-#include "turgor/models/cloth/cloth.hpp"
+#include "turgor/models/cloth/model/cloth.hpp"
 
 namespace turgor::cloth {
 

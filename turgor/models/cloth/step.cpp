@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/models/cloth/fields.hpp"
-#include "turgor/models/cloth/motion_loops.hpp"
-#include "turgor/models/cloth/strain_limit.hpp"
-#include "turgor/models/cloth/system.hpp"
+#include "turgor/models/cloth/model/fields.hpp"
+#include "turgor/models/cloth/solver/motion_kernels.hpp"
+#include "turgor/models/cloth/solver/strain_limit.hpp"
+#include "turgor/models/cloth/solver/system.hpp"
 
 namespace turgor::cloth {
 
@@ -48,7 +48,7 @@ void move(const Exec& exec, State& state, Vectors& from, Real dt) {
 /// 2/3 dt from where the two steps before lead. Returns the time of that step; all of dt where there is none
 /// before.
 double lead_on(const Exec& exec, State& state, double dt) {
-  LastStep& last = state.last;
+  Bdf2History& last = state.last;
   const bool leads = last.dt == dt;
   last.dt = dt;
   last.x.resize(state.x.size()), last.v.resize(state.v.size());
@@ -74,7 +74,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   const bool two_steps = model.params.solver.integrator == Integrator::kBdf2;
   const double dt = state.impulse_time = two_steps ? lead_on(exec, state, frame) : frame;
   assemble(exec, model, state, inputs, dt);
-  if (uses_gradients(model.params.solver.method)) find_bearing(exec, model, state, inputs, dt);
+  if (uses_gradients(model.params.solver.method)) find_implicit_contacts(exec, model, state, inputs, dt);
   solve_change(exec, model, state, dt);
   if (uses_gradients(model.params.solver.method)) solve_what_turned(exec, model, state, inputs, dt);
   if (uses_gradients(model.params.solver.method))
@@ -100,7 +100,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   }
   move(exec, state, two_steps ? state.last.x : state.x, Real(dt));
   solve_places(exec, model, state, dt);
-  if (model.params.collision.self) report.caught = avoid_crossings(exec, model, state);
+  if (model.params.collision.self) report.in_impact_zone = resolve_ccd(exec, model, state);
   state.time += frame;
   return report;
 }

@@ -23,14 +23,14 @@
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/lattice.hpp"
 #include "turgor/geometry/volume.hpp"
-#include "turgor/models/lattice/runs.hpp"
+#include "turgor/models/lattice/model/runs.hpp"
 
 namespace turgor::lattice {
 
-enum class Method : std::uint8_t { kPbd, kDescent };
-/// The order of a sweep: slab by slab of layers, or colour by colour (colours.hpp).
-enum class Schedule : std::uint8_t { kSlabs, kColours };
-enum class SkinLaw : std::uint8_t { kArea, kFibre };
+enum class Method : std::uint8_t { kPbd, kVbd };
+/// The order of a sweep: slab by slab of layers, or colour by colour (colors.hpp).
+enum class Ordering : std::uint8_t { kSlabs, kColors };
+enum class SkinLaw : std::uint8_t { kArea, kFiber };
 /// Springs along the edges, as in the paper, or solid cells that answer alike in every direction.
 enum class TissueLaw : std::uint8_t { kSprings, kSolid };
 /// What a node is made of. Outside = air around the body; gas = air inside it (lungs, bowel).
@@ -38,7 +38,7 @@ enum class Tissue : std::uint8_t { kOutside, kGas, kFat, kMuscle, kBone };
 
 struct SkinParams {
   bool enabled = true;
-  SkinLaw law = SkinLaw::kFibre;
+  SkinLaw law = SkinLaw::kFiber;
   double tension_along = 45;   // pull along Langer's lines; the area law uses the mean of both [N/m]
   double tension_across = 45;  // pull across them [N/m]
   double stiffness = 300;      // of the membrane, in both directions [N/m]
@@ -61,14 +61,15 @@ struct TissueParams {
 };
 
 struct SolverParams {
-  Method method = Method::kDescent;
-  Schedule schedule = Schedule::kSlabs;
+  Method method = Method::kVbd;
+  Ordering ordering = Ordering::kSlabs;
   int sweeps = 5;
   double damping = 1.2;      // velocities lose exp(-damping·t) [1/s]
   double pbd_stiffness = 1;  // pbd only: scales the density-based stiffness in [0, 1] [1]
   bool pbd_volume = false;   // pbd only: project the tetrahedra's volumes too
-  bool coarse = true;  // solid descent only: the smooth part of what sweeps leave is solved for (coarse.hpp)
-  double sleep = 0;    // descent only: rows near which nothing is faster sleep; 0: none does [m/s]
+  bool coarse =
+      true;  // solid descent only: the smooth part of what sweeps leave is solved for (coarse_correction.hpp)
+  double sleep = 0;  // descent only: rows near which nothing is faster sleep; 0: none does [m/s]
 };
 
 struct Params {
@@ -155,7 +156,7 @@ struct Model {
   Params params;
   Grid grid;                            // of the nodes, in the patient
   Lattice lattice;                      // of the nodes, in memory
-  Layers own;                           // worked on here: all, unless others hold the rest (others.hpp)
+  Layers owned;                         // worked on here: all, unless others hold the rest (halo.hpp)
   aligned_vector<Real> inverse_mass;    // by slot; 0 = fixed, or no node [1/kg]
   aligned_vector<Real> root_stiffness;  // by slot; an edge has the product of its two ends [√Pa, pbd: 1]
   aligned_vector<Tissue> tissue;        // by slot
@@ -183,46 +184,46 @@ struct CutEdge {
   Real along = 0;              // where on the blade's path [m]
 };
 
-/// Lines through a cell, 8 × 8 along each axis (crossed_lines.hpp), that a blade went through.
-struct CrossedCell {
+/// Lines through a cell, 8 × 8 along each axis (cut_fraction.hpp), that a blade went through.
+struct CutFractionSamples {
   int slot = 0;               // of its lowest node
   std::uint8_t incision = 0;  // of the scene
   std::array<std::uint64_t, 3> lines{};
 };
 
-/// Displacement of a copy of a node beside a blade (pieces.hpp), along the lattice's axes [m].
-struct CopyShift {
+/// Displacement of a copy of a node beside a blade (fragments.hpp), along the lattice's axes [m].
+struct VirtualNodeShift {
   Real x = 0, y = 0, z = 0;
 };
 
 /// A cell's tissue on one side of a blade. Its corners are slots, or slot_count + number of a copy.
-struct CellPart {
+struct CutCellElement {
   std::array<int, 8> corner{};
   Real young = 0;  // of the cell, by the part's share of its volume [Pa]
 };
 /// A skin triangle on one side of a blade, likewise.
-struct SkinPart {
+struct CutSkinElement {
   int triangle = 0;
   Int3 corner;     // of its vertices
   Real share = 0;  // of its area
 };
 /// A node, or a copy of one, that such parts hang on.
-struct PartNode {
+struct ElementNode {
   int corner = 0, slot = 0;  // itself; the node that it is or was copied from
   int first = 0, count = 0;  // PartsOfCells::uses
   Vec3 pull;                 // of Skin::pull, more than the node alone has [N]
 };
 /// Corner `at` of cells[part], or of skin[-1 - part].
-struct PartUse {
+struct NodeElement {
   int part = 0, at = 0;
 };
-/// What cells and skin that blades parted bear (parts.hpp).
-struct PartsOfCells {
-  std::vector<CellPart> cells;
-  std::vector<SkinPart> skin;
-  std::vector<PartNode> nodes, copies;  // slots ascend in both
-  std::vector<int> layer_begin;         // of the copies: size.z + 1 entries
-  std::vector<PartUse> uses;
+/// What cells and skin that blades parted bear (cut_elements.hpp).
+struct CutElements {
+  std::vector<CutCellElement> cells;
+  std::vector<CutSkinElement> skin;
+  std::vector<ElementNode> nodes, virtual_nodes;  // slots ascend in both
+  std::vector<int> layer_begin;                   // of the copies: size.z + 1 entries
+  std::vector<NodeElement> uses;
   std::vector<std::pair<int, std::uint64_t>> places;  // of all copies: by what the next cut knows them again
 };
 
@@ -238,17 +239,17 @@ struct Sleep {
   std::uint8_t coarse_still = 0;    // steps in which all rows slept, as `still`: then the coarse space sleeps
 };
 
-/// What solves for the smooth part of a step's motion (coarse.hpp).
+/// What solves for the smooth part of a step's motion (coarse_correction.hpp).
 struct CoarseSpace;
 
 /// Room for the forces that a step leaves over, along the lattice's axes: of nodes, two layers at a time of
 /// every stretch of layers; of copies, all.
-struct LeftOver {
-  std::vector<VecField> layers;   // by stretch [N]
-  std::vector<CopyShift> copies;  // [N]
+struct ResidualWorkspace {
+  std::vector<VecField> layers;                 // by stretch [N]
+  std::vector<VirtualNodeShift> virtual_nodes;  // [N]
 };
 
-constexpr std::uint8_t kParted = 1u << kFamilyCount;
+constexpr std::uint8_t kIsCut = 1u << kFamilyCount;
 
 /// What changes.
 struct State {
@@ -261,22 +262,23 @@ struct State {
   std::vector<std::uint8_t> row_cut;     // by row: is an edge cut that touches this row or one beside it?
   std::vector<std::uint8_t> skin_cut;    // by skin triangle: 1 = holds no tension
   std::vector<CutEdge> cut_edges;        // in the order they were cut
-  std::vector<CrossedCell> crossed;      // by slot and incision
-  int crossed_lines = 0;                 // in them, in all
-  std::vector<CopyShift> copies, copies_before;  // of nodes beside blades, as make_pieces numbers them
-  PartsOfCells parts;                            // follows from the cuts
-  int removed_nodes = 0;                         // how many left the body
+  std::vector<CutFractionSamples> cut_samples;  // by slot and incision
+  int cut_sample_count = 0;                     // in them, in all
+  std::vector<VirtualNodeShift> virtual_nodes,
+      virtual_nodes_before;  // of nodes beside blades, as make_pieces numbers them
+  CutElements parts;         // follows from the cuts
+  int removed_nodes = 0;     // how many left the body
   Sleep sleep;
   std::shared_ptr<const CoarseSpace> coarse;  // follows from the cuts and the length of steps
-  LeftOver left_over;                         // room to work in
+  ResidualWorkspace residual_forces;          // room to work in
   std::size_t cuts_before = 0;                // cut_version a step ago
   int steps_since_cut = 0;
   std::bitset<256> blades_on;  // by incision: its blade is on its way
 };
 
-/// Where a state is elsewhere (kept_state.hpp): brings places and velocities of these nodes, ascending, into
-/// it. Null: all are here.
-using BringNodes = std::function<void(std::span<const int>)>;
+/// Where a state is elsewhere (device_state.hpp): brings places and velocities of these nodes, ascending,
+/// into it. Null: all are here.
+using DownloadNodes = std::function<void(std::span<const int>)>;
 
 /// A force from outside on one node, for the length of a step. Fixed and removed nodes do not feel it.
 struct NodeLoad {
@@ -298,13 +300,13 @@ struct NodeContact {
   Real stiffness = 0;    // of the last sweep's penalty [N/m]
 };
 
-struct Others;
+struct HaloExchange;
 struct Inputs {
-  Vec3d gravity;                    // patient frame [m/s²]
-  bool measure_residual = false;    // descent only; costs about two sweeps
-  std::span<const NodeLoad> loads;  // those of one node add up
-  std::span<NodeContact> contacts;  // descent only; slots ascend
-  const Others* others = nullptr;   // who holds the layers of the body that are not the model's own
+  Vec3d gravity;                       // patient frame [m/s²]
+  bool measure_residual = false;       // descent only; costs about two sweeps
+  std::span<const NodeLoad> loads;     // those of one node add up
+  std::span<NodeContact> contacts;     // descent only; slots ascend
+  const HaloExchange* halo = nullptr;  // who holds the layers of the body that are not the model's own
 };
 
 /// How far a step is from the minimum of its energy: forces left over at the free nodes [N].
@@ -351,7 +353,7 @@ inline bool is_solid(const Model& model, const State& state, int slot) {
 }
 /// Grows with every cut: what was made of the cuts is to be made anew when it has changed.
 inline std::size_t cut_version(const State& state) {
-  return state.cut_edges.size() + std::size_t(state.crossed_lines) + std::size_t(state.removed_nodes);
+  return state.cut_edges.size() + std::size_t(state.cut_sample_count) + std::size_t(state.removed_nodes);
 }
 inline bool is_body(Tissue t) { return t != Tissue::kOutside; }
 

@@ -5,11 +5,11 @@
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
-#include "turgor/models/lattice/coarse.hpp"
-#include "turgor/models/lattice/fields.hpp"
-#include "turgor/models/lattice/sleep.hpp"
-#include "turgor/models/lattice/step_loops.hpp"
-#include "turgor/models/lattice/sweeps.hpp"
+#include "turgor/models/lattice/coarse/coarse_correction.hpp"
+#include "turgor/models/lattice/model/fields.hpp"
+#include "turgor/models/lattice/solver/sleep.hpp"
+#include "turgor/models/lattice/solver/step_kernels.hpp"
+#include "turgor/models/lattice/solver/sweeps.hpp"
 
 namespace turgor::lattice {
 
@@ -28,18 +28,18 @@ void for_each_run(const Model& model, const State& state, int k, const Body& bod
 }
 
 /// Do velocities lead neighbours too far?
-bool is_wild(const Exec& exec, const Model& model, State& state, Real dt, const Others* others) {
+bool is_wild(const Exec& exec, const Model& model, State& state, Real dt, const HaloExchange* halo) {
   const Real most = wild_from(model, dt);
   if (!(2 * state.fastest > most)) return false;
-  const FindWild find{moving_nodes(model, state), {neighbours_of(model, 0), neighbours_of(model, 1)}, most};
+  const FindWild find{moving_nodes(model, state), {neighbors_of(model, 0), neighbors_of(model, 1)}, most};
   std::atomic<bool> found = false;
-  for_layers(exec, model.own, [&](std::size_t k) {
+  for_layers(exec, model.owned, [&](std::size_t k) {
     for_each_run(model, state, int(k), [&](Run run) {
       for (int s = run.begin; s < run.begin + run.count && !found; s++)
         if (find.is_wild(s)) found = true;
     });
   });
-  return others ? others->largest(found.load()) != 0 : found.load();
+  return halo ? halo->largest(found.load()) != 0 : found.load();
 }
 
 struct PredictLayer {
@@ -123,13 +123,13 @@ void go_back(const Model& model, State& state) {
     if (model.inverse_mass[s] > 0 || !std::isfinite(u.x + u.y + u.z)) state.u.set(s, state.u_before[s]);
     state.v.set(s, {});
   }
-  state.copies = state.copies_before;
+  state.virtual_nodes = state.virtual_nodes_before;
   state.fastest = 0;
   state.sleep.still.clear();  // everybody is awake
 }
 
 void check_contacts(const Model& model, std::span<const NodeContact> contacts) {
-  TURGOR_ASSERT(contacts.empty() || model.params.solver.method == Method::kDescent,
+  TURGOR_ASSERT(contacts.empty() || model.params.solver.method == Method::kVbd,
                 "contacts press with newtons, which projections do not know");
   for (std::size_t c = 0; c < contacts.size(); c++) {
     const auto slot = std::size_t(contacts[c].slot);
@@ -150,19 +150,19 @@ void predict(const Exec& exec, const Model& model, State& state, const Inputs& i
   // that few sweeps cannot carry back to the nodes that are held, or a large load on a light node, would turn
   // cells inside out, from where springs do not lead back. A body that nothing holds falls as a whole.
   const bool pbd = model.params.solver.method == Method::kPbd, held = model.free_nodes < model.body_nodes;
-  state.copies_before = state.copies;
+  state.virtual_nodes_before = state.virtual_nodes;
   if (pbd) add_loads(model, state, inputs.loads, Real(dt));
   const Vec3 fall = pbd || !held ? lattice_gravity(model, inputs) : Vec3{};
-  const bool goes_on = pbd || !held || !is_wild(exec, model, state, Real(dt), inputs.others);
+  const bool goes_on = pbd || !held || !is_wild(exec, model, state, Real(dt), inputs.halo);
   for_layers(exec, moved_layers(model), PredictLayer{model, state, fall, Real(dt), goes_on});
   if (!pbd) add_loads(model, state, inputs.loads, Real(dt));
 }
 
-StepReport finish(const Exec& exec, const Model& model, State& state, double dt, const Others* others) {
+StepReport finish(const Exec& exec, const Model& model, State& state, double dt, const HaloExchange* halo) {
   std::atomic<std::uint32_t> largest{0};
   const Real scale = speed_scale(model.params.solver, dt);
   for_layers(exec, moved_layers(model), FinishLayer{model, state, scale, largest});
-  const Real speed2 = std::bit_cast<Real>(others ? others->largest(largest.load()) : largest.load());
+  const Real speed2 = std::bit_cast<Real>(halo ? halo->largest(largest.load()) : largest.load());
   if (std::isfinite(speed2)) {
     state.time += dt;
     state.fastest = std::sqrt(speed2);
@@ -178,7 +178,7 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   if (may_sleep) wake_rows(model, state, inputs, coarse);
   const bool solves = coarse && (!may_sleep || state.sleep.carried);
   predict(exec, model, state, inputs, dt);
-  const bool measures = inputs.measure_residual && model.params.solver.method == Method::kDescent;
+  const bool measures = inputs.measure_residual && model.params.solver.method == Method::kVbd;
   Residual residual;
   const double before = measures ? measure_residual(exec, model, state, inputs, dt).rms : 0;
   const int sweeps = model.params.solver.sweeps;
@@ -186,17 +186,17 @@ StepReport step(const Exec& exec, const Model& model, State& state, const Inputs
   const bool solid = model.params.tissue.law == TissueLaw::kSolid;
   for (int sweep = 0; sweep < sweeps; sweep++) {
     if (model.params.solver.method == Method::kPbd) {
-      sweep_pbd(exec, model, state, inputs.others);
+      sweep_pbd(exec, model, state, inputs.halo);
       continue;
     }
     if (solves && is_turn(solid, sweep, sweeps))
-      is_slow = correct_smooth_part(exec, model, state, inputs, dt) <= model.params.solver.sleep * dt;
-    sweep_descent(exec, model, state, inputs, dt, sweep_order(solid, sweep, sweeps));
+      is_slow = apply_coarse_correction(exec, model, state, inputs, dt) <= model.params.solver.sleep * dt;
+    sweep_vbd(exec, model, state, inputs, dt, sweep_order(solid, sweep, sweeps));
   }
-  if (solves && !(may_sleep && is_slow)) correct_smooth_part(exec, model, state, inputs, dt);
+  if (solves && !(may_sleep && is_slow)) apply_coarse_correction(exec, model, state, inputs, dt);
   if (measures) residual = measure_residual(exec, model, state, inputs, dt);
   residual.before = before;
-  StepReport report = finish(exec, model, state, dt, inputs.others);
+  StepReport report = finish(exec, model, state, dt, inputs.halo);
   report.residual = residual;
   if (may_sleep && report.finite) {
     lay_down_rows(exec, model, state, dt, coarse);
@@ -211,7 +211,7 @@ std::size_t memory_bytes(const Model& model, const State& state) {
 
 std::uint64_t hash_of_layers(const Model& model, const State& state, std::uint64_t hash) {
   const Lattice& l = model.lattice;
-  for (int k = model.own.begin; k < model.own.end; k++)
+  for (int k = model.owned.begin; k < model.owned.end; k++)
     for (int j = 0; j < l.size.y; j++)
       for (int parity = 0; parity < 2; parity++)
         hash = hash_of_fields(state, std::size_t(row_slot(l, j, k) + parity * l.half),
@@ -221,7 +221,8 @@ std::uint64_t hash_of_layers(const Model& model, const State& state, std::uint64
 
 std::uint64_t state_hash(const Model& model, const State& state) {
   std::uint64_t hash = hash_of_layers(model, state, kHashSeed);
-  if (!state.copies.empty()) hash = hash_values(std::span<const CopyShift>(state.copies), hash);
+  if (!state.virtual_nodes.empty())
+    hash = hash_values(std::span<const VirtualNodeShift>(state.virtual_nodes), hash);
   if (can_sleep(model)) {
     hash = hash_values(std::span<const std::uint8_t>(state.sleep.still), hash);
     hash = hash_values(std::span<const std::uint8_t>(&state.sleep.coarse_still, 1), hash);

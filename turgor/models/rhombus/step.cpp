@@ -32,7 +32,7 @@ struct MovingTouch {
   ChainShape depth, drag;
   double width = 0;        // of a unit [m]
   double half_fold = 0;    // half the surface between the jaws when they closed [m]
-  double ring_centre = 0;  // where the bulge is highest [units]
+  double ring_center = 0;  // where the bulge is highest [units]
   bool turned = false;
 };
 
@@ -49,7 +49,7 @@ MovingTouch moving_touch(const Model& model, const Touching& t) {
   m.depth = shape_of_force(model.chain, t.depth_force);
   m.drag = shape_of_force(model.chain, -t.drag_force);
   m.width = unit_width(model.chain) * t.tip.scale;
-  m.ring_centre = 2 + 2 * mean_index(m.depth);
+  m.ring_center = 2 + 2 * mean_index(m.depth);
   if (!t.holding) return m;
   m.half_fold = 0.5 * t.held_opening;
   m.turned = !(t.turn == Mat3d{});
@@ -59,7 +59,7 @@ MovingTouch moving_touch(const Model& model, const Touching& t) {
 /// How far from the touch anything moves [m].
 double reach(const Model& model, const MovingTouch& m) {
   double units = std::max(m.depth.units, m.drag.units);
-  if (model.params.bulge > 0) units = std::max(units, 2 * m.ring_centre);
+  if (model.params.bulge > 0) units = std::max(units, 2 * m.ring_center);
   if (m.turned) units = std::max(units, kTurnedUnits);
   return std::max(units * m.width, kFoldReach * m.half_fold);
 }
@@ -102,7 +102,7 @@ Vec3d chain_move(const MovingTouch& m, Vec3d x, double distance) {
 
 /// Shape of the bulge: a ring around the dent.
 double ring(const MovingTouch& m, double distance) {
-  const double off = std::abs(distance / m.width - m.ring_centre) / m.ring_centre;
+  const double off = std::abs(distance / m.width - m.ring_center) / m.ring_center;
   return std::abs(m.parts.depth) * fading(off);
 }
 

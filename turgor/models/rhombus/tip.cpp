@@ -7,8 +7,8 @@ namespace turgor::rhombus {
 
 Tip tip_on(const Chain& chain, double radius) {
   if (chain.params.tip == 0) return {};
-  const double felt = std::max(radius, kSharpestTip);
-  return {felt, felt / chain.params.tip};
+  const double haptic = std::max(radius, kSharpestTip);
+  return {haptic, haptic / chain.params.tip};
 }
 
 DiscDepth disc_depth(const Tip& tip, double depth) {

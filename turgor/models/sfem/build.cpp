@@ -101,7 +101,7 @@ Result<Model> build(const Exec& exec, Body body, const Params& params) {
   model.body = std::move(body);
   model.params = params;
   model.surface = surface(model.body.mesh);
-  model.neighbours = face_neighbours(model.body.mesh);
+  model.neighbors = face_neighbors(model.body.mesh);
   number_free_nodes(model);
   const BlockMatrix all = assemble(exec, model.body.mesh, model.body.materials, element_materials(model.body),
                                    params.formulation);

@@ -134,7 +134,7 @@ Status check_inclusions(const Body& body) {
     const Inclusion& inclusion = body.inclusions[i];
     double nearest = INFINITY;
     for (std::size_t e = 0; e < element_count(body.mesh); e++)
-      nearest = std::min(nearest, norm(centroid(body.mesh, e) - inclusion.centre));
+      nearest = std::min(nearest, norm(centroid(body.mesh, e) - inclusion.center));
     if (!(nearest <= inclusion.radius))
       return Error{"inclusion " + std::to_string(i) + " holds no element: its radius is " +
                    number(inclusion.radius) + " m, the nearest centroid of an element is " + number(nearest) +

@@ -30,7 +30,7 @@ Mat3d orthonormal(Mat3d r) {
 
 /// The gradient of each corner's shape function at the element's centre. Of a hexahedron: as the motion of
 /// the box that its faces' centres span.
-std::vector<Vec3d> centre_gradients(const SolidMesh& mesh, std::size_t e) {
+std::vector<Vec3d> center_gradients(const SolidMesh& mesh, std::size_t e) {
   static constexpr std::array<Vec3d, 8> kCorner{
       {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
   static constexpr std::array<Vec3d, 4> kLinear{{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -56,7 +56,7 @@ std::vector<int> find_volumes(const Model& model, const NodalVolumes& volumes) {
   const SolidMesh& mesh = model.body.mesh;
   const std::vector<int> material = element_materials(model.body);
   const auto key = [&](int n) {
-    return std::pair(volumes.centre[std::size_t(n)], volumes.material[std::size_t(n)]);
+    return std::pair(volumes.center[std::size_t(n)], volumes.material[std::size_t(n)]);
   };
   std::vector<int> all(volumes.volume.size()), found;
   for (std::size_t n = 0; n < all.size(); n++) all[n] = int(n);
@@ -123,7 +123,7 @@ void add_pressure(const Exec& exec, const SolidMesh& mesh, const Corotation& cor
       exec, pressure.size(),
       [&](std::size_t n) {
         double swelling = 0;  // [m³]
-        for (const int e : corotation.around[std::size_t(corotation.volumes.centre[n])])
+        for (const int e : corotation.around[std::size_t(corotation.volumes.center[n])])
           for (std::size_t c = 4 * std::size_t(e); c < 4 * std::size_t(e) + 4; c++)
             if (volume_of[c] == int(n))
               swelling += own.swelling[std::size_t(e)] * volume(mesh, std::size_t(e)) / 4;
@@ -225,7 +225,7 @@ Corotation make_corotation(const Exec& exec, const Model& model, int averaging) 
   Corotation c{.averaging = averaging};
   c.matrices = element_matrices(exec, body.mesh, body.materials, material, model.params.formulation);
   for (std::size_t e = 0; e < element_count(body.mesh); e++)
-    for (const Vec3d g : centre_gradients(body.mesh, e)) c.gradient.push_back(g);
+    for (const Vec3d g : center_gradients(body.mesh, e)) c.gradient.push_back(g);
   c.around = holders(element_lists(body.mesh), body.mesh.vertices.size());
   if (!averages_nodes(body.mesh, model.params.formulation)) return c;
   c.volumes = nodal_volumes(body.mesh, material);

@@ -15,7 +15,7 @@ std::vector<int> nested_dissection(const BlockMatrix& k) {
   std::iota(order.begin(), order.end(), 0);
   std::vector<idx_t> first{0}, others;
   for (const int row : order) {
-    for (const int other : neighbours(k, row))
+    for (const int other : neighbors(k, row))
       if (other != row) others.push_back(other);
     first.push_back(idx_t(others.size()));
   }

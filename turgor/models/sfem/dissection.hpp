@@ -9,7 +9,7 @@
 
 namespace turgor::sfem {
 
-inline std::span<const int> neighbours(const BlockMatrix& k, int row) {
+inline std::span<const int> neighbors(const BlockMatrix& k, int row) {
   const std::size_t begin = k.row_begin[std::size_t(row)], end = k.row_begin[std::size_t(row) + 1];
   return {k.column.data() + begin, end - begin};
 }

@@ -187,7 +187,7 @@ std::vector<int> element_materials(const Body& body) {
   material.resize(count, 0);
   for (std::size_t e = 0; e < count; e++)
     for (const Inclusion& inclusion : body.inclusions)
-      if (norm(centroid(body.mesh, e) - inclusion.centre) <= inclusion.radius)
+      if (norm(centroid(body.mesh, e) - inclusion.center) <= inclusion.radius)
         material[e] = inclusion.material;
   return material;
 }
@@ -204,7 +204,7 @@ NodalVolumes nodal_volumes(const SolidMesh& mesh, std::span<const int> material)
       const bool new_material = i == 0 || shares[i].material != shares[i - 1].material;
       if (new_material) {
         result.material.push_back(shares[i].material);
-        result.centre.push_back(int(v));
+        result.center.push_back(int(v));
         result.volume.push_back(0);
         result.vertices.begin.push_back(result.vertices.begin.back());
       }

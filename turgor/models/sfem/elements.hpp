@@ -57,7 +57,7 @@ struct NodalVolumes {
   std::vector<Vec3d> gradient;  // for each of `vertices.item` [m²]
   std::vector<double> volume;   // [m³]
   std::vector<int> material;
-  std::vector<int> centre;  // the vertex
+  std::vector<int> center;  // the vertex
 };
 NodalVolumes nodal_volumes(const SolidMesh& mesh, std::span<const int> material);
 

@@ -20,7 +20,7 @@ std::vector<int> elimination_tree(const BlockMatrix& k, const std::vector<int>& 
                                   const std::vector<int>& place) {
   std::vector<int> parent(order.size(), -1), top(order.size(), -1);  // `top` shortens paths
   for (int i = 0; i < int(order.size()); i++)
-    for (const int other : neighbours(k, order[std::size_t(i)]))
+    for (const int other : neighbors(k, order[std::size_t(i)]))
       for (int j = place[std::size_t(other)]; j >= 0 && j < i;) {
         const int next = top[std::size_t(j)];
         top[std::size_t(j)] = i;
@@ -57,7 +57,7 @@ std::vector<int> column_counts(const BlockMatrix& k, const std::vector<int>& ord
   std::vector<int> count(order.size(), 0), seen(order.size(), -1);
   for (int i = 0; i < int(order.size()); i++) {
     seen[std::size_t(i)] = i;
-    for (const int other : neighbours(k, order[std::size_t(i)]))
+    for (const int other : neighbors(k, order[std::size_t(i)]))
       for (int j = place[std::size_t(other)]; j < i && seen[std::size_t(j)] != i;
            j = parent[std::size_t(j)]) {
         count[std::size_t(j)]++;
@@ -163,7 +163,7 @@ void find_rows(const BlockMatrix& k, Elimination& plan) {
       found.push_back(place);
     };
     for (int j = s.first; j < s.first + s.count; j++)
-      for (const int other : neighbours(k, plan.order[std::size_t(j)])) add(plan.place[std::size_t(other)]);
+      for (const int other : neighbors(k, plan.order[std::size_t(j)])) add(plan.place[std::size_t(other)]);
     for (const int c : children[n])
       for (const int row : rows_of(plan, plan.supernodes[std::size_t(c)])) add(row);
     std::sort(found.begin(), found.end());

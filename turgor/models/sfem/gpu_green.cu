@@ -1,6 +1,6 @@
 #include "turgor/core/gpu_run.cuh"
+#include "turgor/models/sfem/device_green.hpp"
 #include "turgor/models/sfem/gpu_green.hpp"
-#include "turgor/models/sfem/green_on.hpp"
 
 namespace turgor::sfem {
 
@@ -8,9 +8,9 @@ namespace {
 
 template <class T>
 Status fill(const Gpu& gpu, const Model& model, std::vector<T>& values, const Progress& progress) {
-  Rooms<GpuSide> rooms;
-  GreenOn<GpuSide, T> there(model, rooms);
-  if (!rooms.all_there) return no_room("the store of Green's functions", rooms.bytes, gpu);
+  DeviceAllocator<GpuSide> rooms;
+  DeviceGreen<GpuSide, T> there(model, rooms);
+  if (!rooms.all_allocated) return no_room("the store of Green's functions", rooms.bytes, gpu);
   there.fill(values, progress);
   return Done{};
 }

@@ -9,7 +9,7 @@
 
 #include "turgor/models/sfem/dissection.hpp"
 #include "turgor/models/sfem/gpu_green.hpp"
-#include "turgor/models/sfem/kept_places.hpp"
+#include "turgor/models/sfem/stored_permutation.hpp"
 
 namespace turgor::sfem {
 

@@ -1,7 +1,7 @@
 #include <Eigen/Dense>
 
 #include "turgor/models/sfem/cholesky.hpp"
-#include "turgor/models/sfem/green_on.hpp"
+#include "turgor/models/sfem/device_green.hpp"
 
 namespace turgor::sfem {
 

@@ -178,7 +178,7 @@ std::vector<int> patch_elements(const Model& model, std::span<const Vec3d> touch
   };
   for (std::size_t i = 0; i < found.size(); i++)
     for (std::size_t f = 0; f < faces; f++) {
-      const int across = model.neighbours[std::size_t(found[i]) * faces + f];
+      const int across = model.neighbors[std::size_t(found[i]) * faces + f];
       if (across < 0 || seen[std::size_t(across)]) continue;
       seen[std::size_t(across)] = 1;
       if (is_near(across) && usable[std::size_t(across)]) found.push_back(across);

@@ -182,7 +182,7 @@ bool has_congruent_parts(const SolidMesh& mesh, int e) {
 int material_at(const Body& body, int e, Vec3d x) {
   int material = body.material.empty() ? 0 : body.material[std::size_t(e)];
   for (const Inclusion& sphere : body.inclusions)
-    if (norm(x - sphere.centre) <= sphere.radius) material = sphere.material;
+    if (norm(x - sphere.center) <= sphere.radius) material = sphere.material;
   return material;
 }
 
@@ -191,9 +191,9 @@ std::vector<int> fine_materials(const Model& model, const FineMesh& fine) {
   const std::size_t n = std::size_t(model.body.mesh.corners);
   std::vector<int> material(fine.parent.size());
   for (std::size_t f = 0; f < material.size(); f++) {
-    Vec3d centre;
-    for (std::size_t c = 0; c < n; c++) centre += fine.nodes[std::size_t(fine.corners[n * f + c])].x;
-    material[f] = material_at(model.body, fine.parent[f], centre / double(n));
+    Vec3d center;
+    for (std::size_t c = 0; c < n; c++) center += fine.nodes[std::size_t(fine.corners[n * f + c])].x;
+    material[f] = material_at(model.body, fine.parent[f], center / double(n));
   }
   return material;
 }

@@ -17,10 +17,10 @@ constexpr double kSlow = 0.85;   // a level with more than this part of the clus
 
 /// Clusters while they are merged.
 struct Places {
-  std::vector<Vec3d> centre, normal;
+  std::vector<Vec3d> center, normal;
   std::vector<double> area;
   std::vector<std::uint8_t> alone;  // 1: never merged
-  std::vector<std::vector<int>> neighbours;
+  std::vector<std::vector<int>> neighbors;
 };
 
 Places places_of_points(const Patch& patch) {
@@ -34,15 +34,14 @@ Places places_of_points(const Patch& patch) {
       const auto p = std::size_t(t[corner]);
       places.normal[p] += product;
       places.area[p] += norm(product) / 6;
-      for (const int other : {t[(corner + 1) % 3], t[(corner + 2) % 3]})
-        places.neighbours[p].push_back(other);
+      for (const int other : {t[(corner + 1) % 3], t[(corner + 2) % 3]}) places.neighbors[p].push_back(other);
     }
   }
   double softest = 0;
   const auto softness = [&](std::size_t p) { return patch.compliance[(9 * n + 3) * p]; };
   for (std::size_t p = 0; p < n; p++) softest = std::max(softest, softness(p));
   for (std::size_t p = 0; p < n; p++) {
-    places.centre[p] = patch.points[p].x, places.normal[p] = normalized(places.normal[p]);
+    places.center[p] = patch.points[p].x, places.normal[p] = normalized(places.normal[p]);
     places.alone[p] = !(softness(p) > kRigid * softest);
   }
   return places;
@@ -51,11 +50,11 @@ Places places_of_points(const Patch& patch) {
 /// Every place with the nearest free neighbour that faces its way; what finds none joins the smallest one.
 /// The new number of each, in the order of the first of a pair.
 std::vector<int> merge_pairs(const Places& places, int& count) {
-  const std::size_t n = places.centre.size();
+  const std::size_t n = places.center.size();
   std::vector<int> merged(n, -1), left;
   const auto find = [&](std::size_t a, bool free, const auto& cost) {
     int best = -1;
-    for (const int b : places.neighbours[a]) {
+    for (const int b : places.neighbors[a]) {
       const auto other = std::size_t(b);
       if (other == a || (merged[other] < 0) != free || places.alone[other] != 0) continue;
       if (dot(places.normal[a], places.normal[other]) < kAlike) continue;
@@ -66,7 +65,7 @@ std::vector<int> merge_pairs(const Places& places, int& count) {
   count = 0;
   for (std::size_t a = 0; a < n; a++) {
     if (merged[a] >= 0) continue;
-    const auto apart = [&](std::size_t b) { return norm(places.centre[b] - places.centre[a]); };
+    const auto apart = [&](std::size_t b) { return norm(places.center[b] - places.center[a]); };
     const int pair = places.alone[a] != 0 ? -1 : find(a, true, apart);
     if (pair < 0 && places.alone[a] == 0) {
       left.push_back(int(a));
@@ -88,14 +87,14 @@ Places merged_places(const Places& from, const std::vector<int>& merged, std::si
   for (std::size_t a = 0; a < merged.size(); a++) {
     const auto m = std::size_t(merged[a]);
     to.area[m] += from.area[a];
-    to.centre[m] += from.area[a] * from.centre[a], to.normal[m] += from.area[a] * from.normal[a];
+    to.center[m] += from.area[a] * from.center[a], to.normal[m] += from.area[a] * from.normal[a];
     to.alone[m] = from.alone[a];
-    for (const int b : from.neighbours[a])
-      if (const int other = merged[std::size_t(b)]; other != merged[a]) to.neighbours[m].push_back(other);
+    for (const int b : from.neighbors[a])
+      if (const int other = merged[std::size_t(b)]; other != merged[a]) to.neighbors[m].push_back(other);
   }
   for (std::size_t m = 0; m < count; m++) {
-    to.centre[m] = to.centre[m] / to.area[m], to.normal[m] = normalized(to.normal[m]);
-    std::vector<int>& near = to.neighbours[m];
+    to.center[m] = to.center[m] / to.area[m], to.normal[m] = normalized(to.normal[m]);
+    std::vector<int>& near = to.neighbors[m];
     sort_unique(near);
   }
   return to;
@@ -148,10 +147,10 @@ void add_levels(Patch& patch, std::size_t fewest) {
   const std::vector<double> area = places.area;
   std::vector<int> cluster(area.size());
   for (std::size_t p = 0; p < cluster.size(); p++) cluster[p] = int(p);
-  while (places.centre.size() > fewest) {
+  while (places.center.size() > fewest) {
     int count = 0;
     const std::vector<int> merged = merge_pairs(places, count);
-    if (double(count) > kSlow * double(places.centre.size())) break;
+    if (double(count) > kSlow * double(places.center.size())) break;
     for (int& c : cluster) c = merged[std::size_t(c)];
     places = merged_places(places, merged, std::size_t(count));
     patch.levels.push_back(list_points(cluster, area, std::size_t(count)));

@@ -221,7 +221,7 @@ FineMesh refine(const Model& model, std::span<const int> elements, int refinemen
     fine.parent.insert(fine.parent.end(), sub.shape.size(), e);
     fine.shape.insert(fine.shape.end(), sub.shape.begin(), sub.shape.end());
     for (std::size_t f = 0; f < faces.size(); f++) {
-      const int across = model.neighbours[std::size_t(e) * faces.size() + f];
+      const int across = model.neighbors[std::size_t(e) * faces.size() + f];
       if (across >= 0 && std::binary_search(elements.begin(), elements.end(), across)) continue;
       const bool fixed = across < 0 && is_fixed_face(model, corners, faces[f]);
       for (const Int3 points : sub.face[f]) {

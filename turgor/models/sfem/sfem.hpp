@@ -46,7 +46,7 @@ enum class Precision : std::uint8_t { kSingle, kDouble };
 
 /// A sphere of another material inside the body.
 struct Inclusion {
-  Vec3d centre;       // [m]
+  Vec3d center;       // [m]
   double radius = 0;  // [m]
   int material = 0;   // index into Body::materials
 };
@@ -102,10 +102,10 @@ struct Model {
   Body body;
   Params params;
   SolidSurface surface;
-  std::vector<int> neighbours;  // across each face of each element (face_neighbours)
-  std::vector<int> free_node;   // row of each vertex in K; -1 = fixed or unused
-  std::vector<int> vertex;      // of each row of K
-  BlockMatrix stiffness;        // K [N/m]
+  std::vector<int> neighbors;  // across each face of each element (face_neighbours)
+  std::vector<int> free_node;  // row of each vertex in K; -1 = fixed or unused
+  std::vector<int> vertex;     // of each row of K
+  BlockMatrix stiffness;       // K [N/m]
   std::optional<Cholesky> factor;
   Green green;
 };

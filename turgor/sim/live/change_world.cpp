@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "turgor/models/lattice/skin.hpp"
+#include "turgor/models/lattice/build/skin.hpp"
 
 namespace turgor {
 

@@ -8,11 +8,11 @@ namespace {
 
 /// A tick later. What is farther than a hand moves in a tick is no way: a mouse, or a program, put the tool
 /// there, where nothing is known yet.
-void go_on(LocalExchange& exchange, const contact::ToolCommand& now) {
+void extrapolate(LocalExchange& exchange, const contact::ToolCommand& now) {
   NumberedCommand& last = exchange.latest_tick;
   const double longest = haptics::SafetyParams().jump;
   if (norm(now.pose.position - last.command.pose.position) > longest) {
-    last.puts++, last.put = now.pose;
+    last.teleports++, last.put = now.pose;
     exchange.touch = {.params = exchange.touch.params};
   }
   last.command = now, last.number++;
@@ -21,26 +21,27 @@ void go_on(LocalExchange& exchange, const contact::ToolCommand& now) {
 /// Not one of where the tool was before it was put elsewhere.
 void take_plane(LocalExchange& exchange) {
   const contact::LocalContact& plane = exchange.plane.read();
-  if (plane.puts == exchange.latest_tick.puts) contact::take(exchange.touch, plane), exchange.age = 0;
+  if (plane.teleports == exchange.latest_tick.teleports)
+    contact::take(exchange.touch, plane), exchange.age = 0;
 }
 
 }  // namespace
 
-void begin_felt(FrameTouchedBody& body, const std::vector<TouchingTool>& tools) {
-  body.felt = std::vector<LocalExchange>(body.tool_indices.size());
+void begin_haptics(FrameTouchedBody& body, const std::vector<TouchingTool>& tools) {
+  body.haptic = std::vector<LocalExchange>(body.tool_indices.size());
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
-    LocalExchange& exchange = body.felt[t];
+    LocalExchange& exchange = body.haptic[t];
     exchange.before = command_at(tools[std::size_t(body.tool_indices[t])], 0);
     exchange.latest_tick.command = exchange.before;
     exchange.command.write(exchange.latest_tick);
   }
 }
 
-void tick_felt(FrameTouchedBody& body, std::span<const contact::ToolCommand> commands, double dt,
-               std::span<contact::ToolReading> readings) {
+void tick_haptics(FrameTouchedBody& body, std::span<const contact::ToolCommand> commands, double dt,
+                  std::span<contact::ToolReading> readings) {
   for (std::size_t t = 0; t < commands.size(); t++) {
-    LocalExchange& exchange = body.felt[t];
-    go_on(exchange, commands[t]);
+    LocalExchange& exchange = body.haptic[t];
+    extrapolate(exchange, commands[t]);
     exchange.command.write(exchange.latest_tick);
     exchange.age += dt;
     if (exchange.plane.has_news()) take_plane(exchange);
@@ -50,21 +51,22 @@ void tick_felt(FrameTouchedBody& body, std::span<const contact::ToolCommand> com
 }
 
 void keep_frame(FrameTouchedBody& body) {
-  for (std::size_t t = 0; t < body.tool_indices.size(); t++) body.felt[t].awaiting.keep(body.felt[t].plane);
+  for (std::size_t t = 0; t < body.tool_indices.size(); t++)
+    body.haptic[t].awaiting.keep(body.haptic[t].plane);
 }
 
-void give_frame(FrameTouchedBody& body, std::size_t t, TickKnew knew) {
-  LocalExchange& exchange = body.felt[t];
-  exchange.awaiting.give(knew.frame, exchange.plane);
+void give_frame(FrameTouchedBody& body, std::size_t t, TickInputs inputs_used) {
+  LocalExchange& exchange = body.haptic[t];
+  exchange.awaiting.give(inputs_used.frame, exchange.plane);
 }
 
 void take_commands(FrameTouchedBody& body, double from, double to, std::vector<TouchingTool>& tools) {
   constexpr int kRows = 16;
-  for (std::size_t t = 0; t < body.felt.size(); t++) {
-    LocalExchange& exchange = body.felt[t];
+  for (std::size_t t = 0; t < body.haptic.size(); t++) {
+    LocalExchange& exchange = body.haptic[t];
     const NumberedCommand newest = exchange.command.read();
-    exchange.was_put = newest.puts != exchange.puts;
-    if (exchange.was_put) exchange.before.pose = newest.put, exchange.memory = {};
+    exchange.was_teleported = newest.teleports != exchange.teleports;
+    if (exchange.was_teleported) exchange.before.pose = newest.put, exchange.memory = {};
     const contact::ToolCommand before = exchange.before, now = newest.command;
     std::vector<HandRow>& hand = tools[std::size_t(body.tool_indices[t])].hand;
     hand.resize(kRows + 1);
@@ -74,13 +76,13 @@ void take_commands(FrameTouchedBody& body, double from, double to, std::vector<T
       hand[std::size_t(row)].command.pose.position =
           before.pose.position * (1 - part) + now.pose.position * part;
     }
-    exchange.before = now, exchange.ticks = newest.number, exchange.puts = newest.puts;
+    exchange.before = now, exchange.ticks = newest.number, exchange.teleports = newest.teleports;
   }
 }
 
 void leave_plane(FrameTouchedBody& body, std::size_t t, contact::LocalContact plane) {
-  LocalExchange& exchange = body.felt[t];
-  plane.number = ++exchange.planes, plane.puts = exchange.puts;
+  LocalExchange& exchange = body.haptic[t];
+  plane.number = ++exchange.planes, plane.teleports = exchange.teleports;
   exchange.plane.write(plane);
 }
 

@@ -29,15 +29,15 @@ void log_body(LiveTicks& ticks, const TickedBody& ticked, Body& body) {
     TickedTool& tool = ticks.order[slot];
     log_tick(body, t, sample_of(time_of(ticks), ticks.commands[slot], ticks.readings[slot]),
              ticks.tools[std::size_t(tool.index)]);
-    if (tool.rows.size() < tool.rows.capacity()) tool.rows.push_back({ticks.step, tick_knew(body, t)});
+    if (tool.rows.size() < tool.rows.capacity()) tool.rows.push_back({ticks.step, tick_inputs(body, t)});
   }
 }
 
 void tick_body(LiveTicks& ticks, const TickedBody& ticked) {
   visit_body(*ticks.world, ticked.id, [&](auto& body) {
     if constexpr (is_touched<decltype(body)>) {
-      tick_felt(body, {&ticks.commands[ticked.first], ticked.count}, ticks.step,
-                {&ticks.readings[ticked.first], ticked.count});
+      tick_haptics(body, {&ticks.commands[ticked.first], ticked.count}, ticks.step,
+                   {&ticks.readings[ticked.first], ticked.count});
       log_body(ticks, ticked, body);
     }
   });
@@ -61,26 +61,26 @@ bool goes_on(LiveTicks& ticks) {
 
 /// What every tool feels, for whoever looks on.
 void tell_felt(LiveTicks& ticks) {
-  std::vector<FeltNow>& felt = ticks.felt.writing();
+  std::vector<HapticStatus>& haptic = ticks.haptic.writing();
   for (std::size_t slot = 0; slot < ticks.order.size(); slot++)
-    felt[std::size_t(ticks.order[slot].index)] = {ticks.readings[slot], ticks.order[slot].work};
-  ticks.felt.publish();
+    haptic[std::size_t(ticks.order[slot].index)] = {ticks.readings[slot], ticks.order[slot].work};
+  ticks.haptic.publish();
 }
 
 /// The force on the tool against its way, by the mean of both ends. Where a mouse puts it elsewhere is no
 /// way.
-void add_work(const contact::ToolCommand& command, const contact::ToolReading& felt, TickedTool& tool) {
+void add_work(const contact::ToolCommand& command, const contact::ToolReading& haptic, TickedTool& tool) {
   const contact::Pose& now = command.pose;
   const double longest = haptics::SafetyParams().jump;
   if (const Vec3d way = now.position - tool.pose.position; tool.seen && norm(way) < longest) {
     const Vec3d turn = haptics::rotation_vector(now.axes * transposed(tool.pose.axes));
-    tool.work -= 0.5 * (dot(felt.force + tool.force, way) + dot(felt.torque + tool.torque, turn));
+    tool.work -= 0.5 * (dot(haptic.force + tool.force, way) + dot(haptic.torque + tool.torque, turn));
   }
-  tool.seen = true, tool.pose = now, tool.force = felt.force, tool.torque = felt.torque;
+  tool.seen = true, tool.pose = now, tool.force = haptic.force, tool.torque = haptic.torque;
 }
 
 void tick_tools(LiveTicks& ticks, std::span<const contact::ToolCommand> hands,
-                std::span<contact::ToolReading> felt) {
+                std::span<contact::ToolReading> haptic) {
   for (std::size_t slot = 0; slot < ticks.order.size(); slot++) {
     const TickedTool& ticked = ticks.order[slot];
     ticks.commands[slot] = command_of(ticks, ticked, ticks.tools[std::size_t(ticked.index)], hands);
@@ -90,7 +90,7 @@ void tick_tools(LiveTicks& ticks, std::span<const contact::ToolCommand> hands,
   for (std::size_t slot = 0; slot < ticks.order.size(); slot++)
     add_work(ticks.commands[slot], ticks.readings[slot], ticks.order[slot]);
   for (std::size_t slot = 0; slot < ticks.order.size(); slot++)
-    if (ticks.order[slot].hand >= 0) felt[std::size_t(ticks.order[slot].hand)] = ticks.readings[slot];
+    if (ticks.order[slot].hand >= 0) haptic[std::size_t(ticks.order[slot].hand)] = ticks.readings[slot];
   tell_felt(ticks);
 }
 
@@ -115,23 +115,23 @@ void prepare_ticks(World& world, const std::vector<HeldTool>& held, std::size_t 
   for (TouchingTool& tool : ticks.tools) tool.samples.preallocate(most);
   for_each_touched(world, [&](BodyId id, auto& body) {
     if (body.tool_indices.empty()) return;
-    begin_felt(body, world.tools);
+    begin_haptics(body, world.tools);
     ticks.bodies.push_back({id, ticks.order.size(), body.tool_indices.size()});
     for (const int tool : body.tool_indices) add_tool(tool, held, most, ticks);
   });
   ticks.commands.resize(ticks.order.size());
   ticks.readings.resize(ticks.order.size());
   for (int slot = 0; slot < 3; slot++) {  // each of the three has its memory before the first tick
-    ticks.felt.write(std::vector<FeltNow>(world.tools.size()));
-    ticks.felt.read();
+    ticks.haptic.write(std::vector<HapticStatus>(world.tools.size()));
+    ticks.haptic.read();
   }
 }
 
 void tick_all(void* context, std::span<const contact::ToolCommand> hands, double /*dt*/,
-              std::span<contact::ToolReading> felt) {
+              std::span<contact::ToolReading> haptic) {
   LiveTicks& ticks = *static_cast<LiveTicks*>(context);
-  for (contact::ToolReading& reading : felt) reading = {};
-  if (goes_on(ticks)) tick_tools(ticks, hands, felt);
+  for (contact::ToolReading& reading : haptic) reading = {};
+  if (goes_on(ticks)) tick_tools(ticks, hands, haptic);
   ticks.turns++;
 }
 

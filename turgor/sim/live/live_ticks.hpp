@@ -20,7 +20,7 @@ struct TickedBody {
 /// Of one tick, besides what a log keeps of it.
 struct TickRow {
   double step = 0;  // [s]
-  TickKnew knew;
+  TickInputs inputs_used;
 };
 
 /// A tool as the haptic thread has it.
@@ -51,7 +51,7 @@ struct LiveTicks {
   std::vector<TickedTool> order;  // body by body, as the two below
   std::vector<contact::ToolCommand> commands;
   std::vector<contact::ToolReading> readings;
-  latest<std::vector<FeltNow>> felt;  // as World::tools
+  latest<std::vector<HapticStatus>> haptic;  // as World::tools
 };
 
 /// The bodies that tools touch, and which of the tools hands hold. From here on a tick allocates nothing; it
@@ -60,6 +60,6 @@ void prepare_ticks(World& world, const std::vector<HeldTool>& held, std::size_t 
 
 /// A haptics::ToolTick; its context is a LiveTicks.
 void tick_all(void* context, std::span<const contact::ToolCommand> hands, double dt,
-              std::span<contact::ToolReading> felt);
+              std::span<contact::ToolReading> haptic);
 
 }  // namespace turgor

@@ -34,13 +34,13 @@ struct LiveTouch::Parts {
   std::unique_ptr<haptics::Loop> loop;
   FrameClock clock;
   int first_frame = 0;
-  std::size_t most = 0;                        // ticks, and frames, that are kept
-  std::vector<std::vector<FrameKnew>> frames;  // of every slot of LiveTicks::order
+  std::size_t most = 0;                          // ticks, and frames, that are kept
+  std::vector<std::vector<FrameInputs>> frames;  // of every slot of LiveTicks::order
   bool stopped = false;
 
   void end_bodies();
   void rest();
-  FeltTool felt_tool(std::size_t slot) const;
+  HapticTool felt_tool(std::size_t slot) const;
 };
 
 LiveTouch::LiveTouch(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -75,7 +75,7 @@ void LiveTouch::note_frame() {
       if constexpr (is_touched<decltype(body)>)
         for (std::size_t t = 0; t < ticked.count; t++)
           if (p.frames[ticked.first + t].size() < p.most)
-            p.frames[ticked.first + t].push_back(frame_knew(body, t));
+            p.frames[ticked.first + t].push_back(frame_inputs(body, t));
     });
 }
 
@@ -94,10 +94,10 @@ void LiveTouch::allow(double time) {
   if (ticks.left >= 0) ticks.left += std::lround(time / (ticks.period * ticks.pace));
 }
 
-const std::vector<FeltNow>& LiveTouch::felt() { return parts_->ticks.felt.read(); }
+const std::vector<HapticStatus>& LiveTouch::haptic() { return parts_->ticks.haptic.read(); }
 
 void LiveTouch::Parts::end_bodies() {
-  for_each_touched(world, [](BodyId, auto& body) { end_felt(body); });
+  for_each_touched(world, [](BodyId, auto& body) { end_haptics(body); });
 }
 
 void LiveTouch::stop() {
@@ -118,26 +118,26 @@ void LiveTouch::Parts::rest() {
 }
 
 /// World::tools are the haptic thread's.
-FeltTool LiveTouch::Parts::felt_tool(std::size_t slot) const {
+HapticTool LiveTouch::Parts::felt_tool(std::size_t slot) const {
   const TickedTool& ticked = ticks.order[slot];
   const TouchingTool& tool = world.tools[std::size_t(ticked.index)];
-  FeltTool felt{.name = tool.name, .ticks = {}, .frames = frames[slot]};
+  HapticTool haptic{.name = tool.name, .ticks = {}, .frames = frames[slot]};
   for (std::size_t n = 0; n < ticked.rows.size(); n++)
-    felt.ticks.push_back({.time = tool.samples[n].time,
-                          .step = ticked.rows[n].step,
-                          .command = command_of(tool.samples[n]),
-                          .knew = ticked.rows[n].knew});
-  return felt;
+    haptic.ticks.push_back({.time = tool.samples[n].time,
+                            .step = ticked.rows[n].step,
+                            .command = command_of(tool.samples[n]),
+                            .inputs_used = ticked.rows[n].inputs_used});
+  return haptic;
 }
 
-Result<FeltRun> LiveTouch::felt_run() {
+Result<HapticRecording> LiveTouch::haptic_recording() {
   Parts& p = *parts_;
   if (p.first_frame > 0) return Error{"no felt run: the world was not felt from its beginning"};
   if (!p.stopped) {
     p.rest();
     std::swap(p.world.tools, p.ticks.tools);
   }
-  FeltRun run{.frames = p.world.frame, .hash = state_hash(p.world)};
+  HapticRecording run{.frames = p.world.frame, .hash = state_hash(p.world)};
   run.tools.resize(p.world.tools.size());
   bool is_whole = true;
   for (std::size_t slot = 0; slot < p.ticks.order.size(); slot++) {

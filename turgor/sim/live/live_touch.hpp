@@ -15,8 +15,8 @@
 
 #include "turgor/core/result.hpp"
 #include "turgor/haptics/loop.hpp"
-#include "turgor/sim/live/felt_run.hpp"
 #include "turgor/sim/live/frame_clock.hpp"
+#include "turgor/sim/live/haptic_recording.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -29,7 +29,7 @@ struct HeldTool {
 };
 
 /// Of a tool: the newest tick, and what its hand has given the body since the beginning and not got back.
-struct FeltNow {
+struct HapticStatus {
   contact::ToolReading reading;
   double work = 0;  // [J]
 };
@@ -60,10 +60,10 @@ class LiveTouch {
 
   /// All that decided what became of the world since it was loaded, but the scene and what was asked for; the
   /// ticks rest for a moment. Error: it was longer than what is kept, or began elsewhere than at frame 0.
-  Result<FeltRun> felt_run();
+  Result<HapticRecording> haptic_recording();
 
   /// What every tool felt in the newest tick, as World::tools; by one reader's thread.
-  const std::vector<FeltNow>& felt();
+  const std::vector<HapticStatus>& haptic();
 
   const haptics::TimingReport& timing();
   FrameTiming frames() const;

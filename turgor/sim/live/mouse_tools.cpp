@@ -19,7 +19,7 @@ bool has_tool(const Scene& scene, BodyId id) {
 bool can_be_touched(const Scene& scene, BodyId id) {
   if (id.kind == BodyKind::kCloth) return why_untouched(scene.cloth_bodies[std::size_t(id.index)]).empty();
   if (id.kind != BodyKind::kLattice) return true;
-  return scene.lattice_bodies[std::size_t(id.index)].params.solver.method == lattice::Method::kDescent;
+  return scene.lattice_bodies[std::size_t(id.index)].params.solver.method == lattice::Method::kVbd;
 }
 
 /// In front of the body, before anything is asked of it.

@@ -44,9 +44,9 @@ std::string not_finite(const World& world) {
 struct Session::Thread {
   Session& session;
   Exec exec;
-  AskOpen file;
+  OpenRequest file;
   std::shared_ptr<const Scene> scene, original;  // with what was changed; as the world was made
-  std::vector<FeltAsk> granted;                  // since then
+  std::vector<RecordedRequest> applied;          // since then
   std::unique_ptr<World> world;                  // stays where it is in memory
   std::vector<MouseTool> mouse;
   std::unique_ptr<LiveTouch> touch;  // after the world and the devices, which it uses
@@ -60,7 +60,7 @@ struct Session::Thread {
   std::size_t cuts = 0;  // that it had then
 
   void run();
-  bool wait(std::vector<Ask>& asked);
+  bool wait(std::vector<Request>& asked);
   void load();
   void tell(double done);
   Status try_load();
@@ -74,23 +74,23 @@ struct Session::Thread {
   void take_felt();
   void set_pace();
 
-  void answer(const AskPace& ask);
-  void answer(const AskStep&);
-  void answer(const AskReset&);
-  void answer(const AskReload&);
-  void answer(const AskOpen& ask);
-  void answer(const AskCt& ask);
-  void answer(const AskChange& ask);
-  void answer(const AskSave& ask);
+  void handle(const PaceRequest& request);
+  void handle(const StepRequest&);
+  void handle(const ResetRequest&);
+  void handle(const ReloadRequest&);
+  void handle(const OpenRequest& request);
+  void handle(const CtRequest& request);
+  void handle(const ChangeRequest& request);
+  void handle(const SaveRequest& request);
   template <class AnyAsk>
-  void answer(const AnyAsk& ask);
+  void handle(const AnyAsk& request);
 };
 
 void Session::Thread::run() {
   load();
-  std::vector<Ask> asked;
+  std::vector<Request> asked;
   while (wait(asked)) {
-    for (const Ask& ask : asked) std::visit([this](const auto& one) { answer(one); }, ask);
+    for (const Request& request : asked) std::visit([this](const auto& one) { handle(one); }, request);
     asked.clear();
     if (next.plays && world) frame();
     publish();
@@ -99,11 +99,11 @@ void Session::Thread::run() {
 }
 
 /// For something to do. False: to end.
-bool Session::Thread::wait(std::vector<Ask>& asked) {
+bool Session::Thread::wait(std::vector<Request>& asked) {
   std::unique_lock lock(session.mutex_);
   const bool goes_on = next.plays && world;
-  if (!goes_on) session.woken_.wait(lock, [this] { return session.ends_ || !session.asked_.empty(); });
-  asked.swap(session.asked_);
+  if (!goes_on) session.woken_.wait(lock, [this] { return session.ends_ || !session.requests_.empty(); });
+  asked.swap(session.requests_);
   return !session.ends_;
 }
 
@@ -147,7 +147,7 @@ Status Session::Thread::try_load() {
     scene = std::make_shared<const Scene>(std::move(*read));
   }
   next.scene = original = scene;
-  granted.clear();
+  applied.clear();
   const Scene with_tools = with_mouse_tools(*scene);
   const BeginWork begin = [this](const std::string& label, const std::string&) -> Progress {
     next.doing = label, next.done = 0;
@@ -157,7 +157,7 @@ Status Session::Thread::try_load() {
   Result<World> loaded = load_world(exec, with_tools, begin);
   if (!loaded) return loaded.error();
   world = std::make_unique<World>(std::move(*loaded));
-  next.felt.resize(world->tools.size());
+  next.haptic.resize(world->tools.size());
   clock.emplace(world->dt);
   Result<LiveHands> hands = hold_mouse_tools(*world);
   if (!hands) return hands.error();
@@ -167,7 +167,7 @@ Status Session::Thread::try_load() {
     if (!started) return started.error();
     touch = std::move(*started);
   }
-  next.mouse = mouse, next.is_felt = touch != nullptr;
+  next.mouse = mouse, next.is_haptic = touch != nullptr;
   set_pace();
   return Done{};
 }
@@ -215,11 +215,12 @@ void Session::Thread::set_pace() {
 
 void Session::Thread::take_felt() {
   if (!touch) return;
-  const std::vector<FeltNow>& felt = touch->felt();
-  for (std::size_t t = 0; t < felt.size(); t++) {
-    std::vector<FeltPoint>& points = next.felt[t];
-    if (points.size() == SessionNow::kMostFelt) points.erase(points.begin());
-    points.push_back({time_of(*world), norm(felt[t].reading.force), felt[t].reading.depth, felt[t].work});
+  const std::vector<HapticStatus>& haptic = touch->haptic();
+  for (std::size_t t = 0; t < haptic.size(); t++) {
+    std::vector<HapticSample>& points = next.haptic[t];
+    if (points.size() == SessionNow::kMaxHapticSamples) points.erase(points.begin());
+    points.push_back(
+        {time_of(*world), norm(haptic[t].reading.force), haptic[t].reading.depth, haptic[t].work});
   }
 }
 
@@ -229,24 +230,24 @@ void Session::Thread::publish() {
   if (world) next.cuts = cuts_by_hand(*scene, *world);
   next.frames = touch ? touch->frames() : clock ? clock->timing() : FrameTiming();
   SessionNow& out = session.now_.writing();
-  ShownWorld shown = out.world == next.world ? std::move(out.shown) : ShownWorld();
+  WorldSnapshot snapshot = out.world == next.world ? std::move(out.snapshot) : WorldSnapshot();
   out = next;
-  out.shown = std::move(shown);
+  out.snapshot = std::move(snapshot);
   if (world && next.phase == SessionNow::Phase::kReady) {
     const Timer timer;
-    show(exec, *world, out.shown);
+    show(exec, *world, out.snapshot);
     average(next.show_seconds, timer.seconds());
   }
   session.now_.publish();
 }
 
-void Session::Thread::answer(const AskPace& ask) {
-  next.plays = ask.plays, next.pace = ask.pace;
+void Session::Thread::handle(const PaceRequest& request) {
+  next.plays = request.plays, next.pace = request.pace;
   if (next.plays) next.error.clear();
   if (world) set_pace();
 }
 
-void Session::Thread::answer(const AskStep&) {
+void Session::Thread::handle(const StepRequest&) {
   if (!world || next.plays) return;
   if (touch) touch->allow(world->dt);
   if (touch) std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * world->dt / next.pace));
@@ -257,26 +258,26 @@ void Session::Thread::answer(const AskStep&) {
   if (report && !report->finite) next.error = not_finite(*world);
 }
 
-void Session::Thread::answer(const AskReset&) { load(); }
+void Session::Thread::handle(const ResetRequest&) { load(); }
 
 /// After a file that could not be read: that file.
-void Session::Thread::answer(const AskReload&) {
+void Session::Thread::handle(const ReloadRequest&) {
   if (scene) file.overrides = scene->overrides;
   scene.reset();
   load();
 }
 
-void Session::Thread::answer(const AskOpen& ask) {
-  file = ask, scene.reset();
+void Session::Thread::handle(const OpenRequest& request) {
+  file = request, scene.reset();
   load();
 }
 
-void Session::Thread::answer(const AskCt& ask) {
+void Session::Thread::handle(const CtRequest& request) {
   if (!world || world->lattice_bodies.empty()) return;
   const LatticeBody& body = world->lattice_bodies[0];
-  if (next.ct && next.ct->answers(ask.wish) && is_as_it_was(body)) return;
+  if (next.ct && next.ct->answers(request.wish) && is_as_it_was(body)) return;
   next.ct = std::make_shared<const DeformedCt>(
-      make_deformed_ct(exec, body, world->frame, ask.wish, SessionNow::kMostSamples));
+      make_deformed_ct(exec, body, world->frame, request.wish, SessionNow::kMostSamples));
   moved = 0, cuts = body.state.cuts();
 }
 
@@ -289,42 +290,42 @@ bool Session::Thread::is_as_it_was(const LatticeBody& body) const {
 
 /// A cut, a wind, another value of a key: of a world, or a sentence why not.
 template <class AnyAsk>
-void Session::Thread::answer(const AnyAsk& ask) {
+void Session::Thread::handle(const AnyAsk& request) {
   if (!world) return;
-  const Status status = grant(exec, ask, scene, *world);
+  const Status status = apply_request(exec, request, scene, *world);
   next.error = status ? "" : status.error().message;
   if (!status) return;
-  granted.push_back({world->frame, ask});
+  applied.push_back({world->frame, request});
   next.scene = scene;
 }
 
 /// Where there is no world, what another will be made of.
-void Session::Thread::answer(const AskChange& ask) {
-  if (world) return answer<AskChange>(ask);
+void Session::Thread::handle(const ChangeRequest& request) {
+  if (world) return handle<ChangeRequest>(request);
   if (!scene) return;
-  Result<Scene> changed = with_change(*scene, ask.key, ask.value);
+  Result<Scene> changed = with_change(*scene, request.key, request.value);
   next.error = changed ? "" : changed.error().message;
   if (changed) next.scene = scene = std::make_shared<const Scene>(std::move(*changed));
 }
 
-void Session::Thread::answer(const AskSave& ask) {
+void Session::Thread::handle(const SaveRequest& request) {
   if (!world) return;
-  Result<FeltRun> run =
-      touch ? touch->felt_run() : FeltRun{.frames = world->frame, .hash = state_hash(*world)};
+  Result<HapticRecording> run =
+      touch ? touch->haptic_recording() : HapticRecording{.frames = world->frame, .hash = state_hash(*world)};
   Status status = run ? Status(Done{}) : run.error();
   if (status) {
     note_scene(*original, true, *run);
-    run->asks = granted;
-    status = write_felt_run(ask.file, *run);
+    run->requests = applied;
+    status = write_haptic_recording(request.file, *run);
   }
-  next.saved = status ? fmt::format("saved {}: turgor replay does it again", ask.file.string())
+  next.saved = status ? fmt::format("saved {}: turgor replay does it again", request.file.string())
                       : status.error().message;
 }
 
 Session::Session(const std::filesystem::path& file, std::vector<std::string> overrides,
                  const SessionParams& params)
     : params_(params) {
-  thread_ = std::thread([this, opened = AskOpen{file, std::move(overrides)}] {
+  thread_ = std::thread([this, opened = OpenRequest{file, std::move(overrides)}] {
     Thread thread{*this, Exec(params_.threads), opened, {}, {}, {}, {}, {}, {}, {}, {}, {}, 0};
     thread.run();
   });
@@ -339,10 +340,10 @@ Session::~Session() {
   thread_.join();
 }
 
-void Session::ask(Ask ask) {
+void Session::request(Request request) {
   {
     const std::lock_guard lock(mutex_);
-    asked_.push_back(std::move(ask));
+    requests_.push_back(std::move(request));
   }
   woken_.notify_one();
 }

@@ -17,9 +17,9 @@
 #include "turgor/core/latest.hpp"
 #include "turgor/haptics/mouse_device.hpp"
 #include "turgor/sim/deformed_ct.hpp"
-#include "turgor/sim/live/asks.hpp"
 #include "turgor/sim/live/live_touch.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/live/requests.hpp"
+#include "turgor/sim/snapshot.hpp"
 
 namespace turgor {
 
@@ -30,7 +30,7 @@ struct MouseTool {
 };
 
 /// Of a tool, once a frame.
-struct FeltPoint {
+struct HapticSample {
   double time = 0, force = 0, depth = 0;  // [s] [N] [m]
   double work = 0;                        // that the hand gave the body and did not get back [J]
 };
@@ -44,46 +44,47 @@ struct SessionNow {
   double done = 0;                     // of that, 0 … 1
   std::string error;                   // why there is no world, or why it stands still
   std::shared_ptr<const Scene> scene;  // as it was loaded; null: it could not be read
-  ShownWorld shown;
+  WorldSnapshot snapshot;
   std::vector<MouseTool> mouse;
-  std::vector<lattice::Incision> cuts;       // that were asked for and made; `name` is that of their body
-  std::vector<std::vector<FeltPoint>> felt;  // of every tool, the newest last, at most kMostFelt
-  double pace = 1;                           // that is wished: seconds a second of the clock
+  std::vector<lattice::Incision> cuts;  // that were asked for and made; `name` is that of their body
+  std::vector<std::vector<HapticSample>> haptic;  // of every tool, the newest last, at most kMostFelt
+  double pace = 1;                                // that is wished: seconds a second of the clock
   bool plays = true;
   double frame_seconds = 0, show_seconds = 0;  // wall times of a frame, means over some
   double real_pace = 0;                        // that is reached
-  bool is_felt = false;                        // a haptic loop goes on:
+  bool is_haptic = false;                      // a haptic loop goes on:
   haptics::TimingReport haptics;
   FrameTiming frames;
   std::shared_ptr<const DeformedCt> ct;  // of the first lattice, when asked for last; null: it was not
   std::vector<std::string> notes;        // what a person should know of how the world was made
   std::string saved;                     // what became of the latest AskSave: a sentence
 
-  static constexpr std::size_t kMostFelt = 900;
+  static constexpr std::size_t kMaxHapticSamples = 900;
   static constexpr int kMostSamples = 160;  // of `ct` here, along an axis
 };
 
 /// What a session may be asked for.
-struct AskPace {
+struct PaceRequest {
   bool plays = true;
   double pace = 1;  // above 0
 };
-struct AskStep {};    // one frame, while it stands still
-struct AskReset {};   // the same scene from its beginning
-struct AskReload {};  // its file as it is now, with what was changed
-struct AskOpen {      // a file, as it is now
+struct StepRequest {};    // one frame, while it stands still
+struct ResetRequest {};   // the same scene from its beginning
+struct ReloadRequest {};  // its file as it is now, with what was changed
+struct OpenRequest {      // a file, as it is now
   std::filesystem::path file;
   std::vector<std::string> overrides;
 };
-struct AskCt {  // see SessionNow::ct
+struct CtRequest {  // see SessionNow::ct
   CtWish wish;
 };
-/// Writes all that was felt and asked for since the world was loaded: see felt_run.hpp and SessionNow::saved.
-struct AskSave {
+/// Writes all that was felt and asked for since the world was loaded: see haptic_recording.hpp and
+/// SessionNow::saved.
+struct SaveRequest {
   std::filesystem::path file;
 };
-using Ask =
-    std::variant<AskPace, AskStep, AskReset, AskReload, AskOpen, AskCut, AskWind, AskCt, AskChange, AskSave>;
+using Request = std::variant<PaceRequest, StepRequest, ResetRequest, ReloadRequest, OpenRequest, CutRequest,
+                             WindRequest, CtRequest, ChangeRequest, SaveRequest>;
 
 struct SessionParams {
   int threads = 0;  // of physics; 0 = one a core
@@ -98,7 +99,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  void ask(Ask ask);
+  void request(Request request);
   /// The newest; by one reader's thread. The reference holds until the next time.
   const SessionNow& now() { return now_.read(); }
   bool has_news() const { return now_.has_news(); }
@@ -108,7 +109,7 @@ class Session {
   SessionParams params_;
   latest<SessionNow> now_;
   std::mutex mutex_;  // of the two below
-  std::vector<Ask> asked_;
+  std::vector<Request> requests_;
   bool ends_ = false;
   std::condition_variable woken_;
   std::thread thread_;

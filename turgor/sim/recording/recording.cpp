@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/models/lattice/fields.hpp"
-#include "turgor/models/lattice/fine_lattice.hpp"
+#include "turgor/models/lattice/cutting/fine_lattice.hpp"
+#include "turgor/models/lattice/model/fields.hpp"
 #include "turgor/sim/recording/recording_cloth.hpp"
 #include "turgor/sim/recording/recording_fields.hpp"
 #include "turgor/sim/recording/recording_touch.hpp"
@@ -71,9 +71,10 @@ Status write_body(Hdf5File& file, const LatticeBody& body) {
 Status write_state(const SnapshotOut& out, const LatticeBody& body, BodyId id) {
   Writing writing(out.file, fmt::format("{}/bodies/{}/", out.group, body.name));
   write_fields(writing, *body.state, {Axis::kSlot, body_slots(body.model)});
-  std::vector<float> copies;
-  for (const lattice::CopyShift& c : body.state->copies) copies.insert(copies.end(), {c.x, c.y, c.z});
-  if (!copies.empty()) writing.array("copies", copies, 3, "m");
+  std::vector<float> virtual_nodes;
+  for (const lattice::VirtualNodeShift& c : body.state->virtual_nodes)
+    virtual_nodes.insert(virtual_nodes.end(), {c.x, c.y, c.z});
+  if (!virtual_nodes.empty()) writing.array("copies", virtual_nodes, 3, "m");
   return writing.status() ? write_tools(out, body, id) : writing.status();
 }
 
@@ -105,9 +106,9 @@ void read_copies(const SnapshotIn& in, const LatticeBody& body, std::size_t most
   if (!in.file.has(fmt::format("{}/bodies/{}/copies", in.group, body.name))) return;
   const auto flat = reading.array<float>("copies", reading.count("copies", 3 * most));
   for (std::size_t n = 0; n + 2 < flat.size(); n += 3) {
-    const lattice::CopyShift c{flat[n], flat[n + 1], flat[n + 2]};
+    const lattice::VirtualNodeShift c{flat[n], flat[n + 1], flat[n + 2]};
     if (!std::isfinite(c.x + c.y + c.z)) reading.fail("copies", "a value is not a number");
-    state.copies.push_back(c);
+    state.virtual_nodes.push_back(c);
   }
 }
 
@@ -127,10 +128,10 @@ Status read_state(const SnapshotIn& in, LatticeBody& body, BodyId id) {
   state.removed_nodes = int(std::count(state.removed.begin(), state.removed.end(), std::uint8_t(1)));
   state.time = time_of(in.world);
   body.state.change() = std::move(state);
-  ShownBody none;
+  BodySnapshot none;
   if (!body.tool_indices.empty())
     if (const Status tools = read_tools(in, body, none); !tools) return tools;
-  show(in.exec, body, shown_body(in.shown, id));
+  show(in.exec, body, body_snapshot(in.snapshot, id));
   return Done{};
 }
 
@@ -156,7 +157,7 @@ Result<RecordingWriter> RecordingWriter::create(const fs::path& path, const Scen
   return RecordingWriter(std::move(*file));
 }
 
-Status RecordingWriter::add_snapshot(const World& world, const ShownWorld& shown) {
+Status RecordingWriter::add_snapshot(const World& world, const WorldSnapshot& snapshot) {
   const std::string group = snapshot_group(snapshots_++);
   if (const Status status = Writing(file_, group + "/")
                                 .array<double>("time", {time_of(world)}, 1, "s")
@@ -164,7 +165,7 @@ Status RecordingWriter::add_snapshot(const World& world, const ShownWorld& shown
                                 .status();
       !status)
     return status;
-  const SnapshotOut out{file_, group, shown};
+  const SnapshotOut out{file_, group, snapshot};
   const Status bodies =
       try_each_body(world, [&](BodyId id, const auto& body) { return write_state(out, body, id); });
   if (!bodies) return bodies;
@@ -173,9 +174,9 @@ Status RecordingWriter::add_snapshot(const World& world, const ShownWorld& shown
   return file_.flush();
 }
 
-Status RecordingWriter::finish(const World& world, const ShownWorld& shown,
+Status RecordingWriter::finish(const World& world, const WorldSnapshot& snapshot,
                                const std::vector<Pressed>& pressed, const std::string& report) {
-  if (const Status status = write_touch(file_, world, shown, pressed); !status) return status;
+  if (const Status status = write_touch(file_, world, snapshot, pressed); !status) return status;
   const Status status =
       Writing(file_, "/").array<std::int32_t>("snapshot_count", {snapshots_}).text("report", report).status();
   return status ? file_.close() : status;
@@ -268,15 +269,15 @@ Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   return Done{};
 }
 
-Status Recording::restore(const Exec& exec, int snapshot, World& world, ShownWorld& shown) const {
-  const std::string group = snapshot_group(snapshot);
+Status Recording::restore(const Exec& exec, int index, World& world, WorldSnapshot& snapshot) const {
+  const std::string group = snapshot_group(index);
   const Result<std::vector<std::int32_t>> frame = file_.read<std::int32_t>(group + "/frame", 1);
   if (!frame) return frame.error();
   world.frame = (*frame)[0];
-  show_names(world, shown);
+  show_names(world, snapshot);
   for (Cut& cut : world.cuts)
     if (const Status status = restore_cut(group, cut); !status) return status;
-  const SnapshotIn in{file_, path_.string(), group, exec, world, shown};
+  const SnapshotIn in{file_, path_.string(), group, exec, world, snapshot};
   return try_each_body(world, [&](BodyId id, auto& body) { return read_state(in, body, id); });
 }
 

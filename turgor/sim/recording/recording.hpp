@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "turgor/core/result.hpp"
-#include "turgor/io/hdf5_file.hpp"
+#include "turgor/io/files/hdf5_file.hpp"
 #include "turgor/sim/pressed.hpp"
 #include "turgor/sim/scene/scene.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -22,9 +22,9 @@ class RecordingWriter {
   static Result<RecordingWriter> create(const std::filesystem::path& path, const Scene& scene,
                                         const World& world);
   /// `shown`: the world as it looks now.
-  Status add_snapshot(const World& world, const ShownWorld& shown);
+  Status add_snapshot(const World& world, const WorldSnapshot& snapshot);
   /// What every tool felt, bodies when they were pressed most, and the run's report, as JSON; last.
-  Status finish(const World& world, const ShownWorld& shown, const std::vector<Pressed>& pressed,
+  Status finish(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,
                 const std::string& report);
 
  private:
@@ -46,7 +46,7 @@ class Recording {
   Status check_world(const World& world) const;
   int snapshot_count() const { return snapshots_; }
   /// Puts the world into the state of a snapshot, and shows it as it was recorded.
-  Status restore(const Exec& exec, int snapshot, World& world, ShownWorld& shown) const;
+  Status restore(const Exec& exec, int index, World& world, WorldSnapshot& snapshot) const;
   /// What every tool felt in the whole run, and bodies when they were pressed most.
   Status restore_touch(World& world, std::vector<Pressed>& pressed) const;
   const std::string& report() const { return report_; }

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "turgor/io/hdf5_file.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/io/files/hdf5_file.hpp"
+#include "turgor/sim/snapshot.hpp"
 
 namespace turgor {
 
@@ -14,7 +14,7 @@ namespace turgor {
 struct SnapshotOut {
   Hdf5File& file;
   std::string group;  // without a slash at its end
-  const ShownWorld& shown;
+  const WorldSnapshot& snapshot;
 };
 /// A snapshot that is read, into the world and into how it looks: every model has a read_state(in, body, id).
 struct SnapshotIn {
@@ -23,7 +23,7 @@ struct SnapshotIn {
   std::string group;  // without a slash at its end
   const Exec& exec;
   const World& world;
-  ShownWorld& shown;
+  WorldSnapshot& snapshot;
 };
 
 /// Writes one thing after another until one cannot be written.

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/models/cloth/fields.hpp"
+#include "turgor/models/cloth/model/fields.hpp"
 #include "turgor/sim/recording/recording_fields.hpp"
 #include "turgor/sim/recording/recording_touch.hpp"
 
@@ -29,10 +29,10 @@ Status read_state(const SnapshotIn& in, ClothBody& body, BodyId id) {
   Reading reading(in.file, group_of(in.group, body));
   read_fields(reading, body.state.change(), entries_of(body));
   if (!reading.status()) return reading.status();
-  ShownBody none;
+  BodySnapshot none;
   if (!body.tool_indices.empty())
     if (const Status tools = read_tools(in, body, none); !tools) return tools;
-  show(in.exec, body, shown_body(in.shown, id));
+  show(in.exec, body, body_snapshot(in.snapshot, id));
   return Done{};
 }
 

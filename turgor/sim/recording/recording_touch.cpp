@@ -36,9 +36,9 @@ Vec3d vector_at(const std::vector<double>& values, std::size_t i) {
   return {values[i], values[i + 1], values[i + 2]};
 }
 
-std::vector<double> tool_rows(const std::vector<ShownTool>& tools) {
+std::vector<double> tool_rows(const std::vector<ToolSnapshot>& tools) {
   std::vector<double> values;
-  for (const ShownTool& tool : tools) {
+  for (const ToolSnapshot& tool : tools) {
     append(values, tool.pose.position);
     for (const Vec3d& axis : tool.pose.axes.column) append(values, axis);
     append(values, tool.force);
@@ -47,7 +47,8 @@ std::vector<double> tool_rows(const std::vector<ShownTool>& tools) {
   return values;
 }
 
-void show_row(const std::vector<double>& values, std::size_t row, const TouchingTool& tool, ShownTool& out) {
+void show_row(const std::vector<double>& values, std::size_t row, const TouchingTool& tool,
+              ToolSnapshot& out) {
   const std::size_t i = kPose * row;
   const contact::Pose pose{vector_at(values, i),
                            {{vector_at(values, i + 3), vector_at(values, i + 6), vector_at(values, i + 9)}}};
@@ -115,8 +116,8 @@ bool read_inside(Reading& reading, TriMesh& inside) {
   return true;
 }
 
-Status write_shown(Hdf5File& file, const std::string& group, double time, const ShownBody& surface,
-                   const std::vector<ShownTool>& tools) {
+Status write_shown(Hdf5File& file, const std::string& group, double time, const BodySnapshot& surface,
+                   const std::vector<ToolSnapshot>& tools) {
   return Writing(file, group)
       .array<double>("time", {time}, 1, "s")
       .array("rest", flat(surface.rest), 3, "m")
@@ -136,7 +137,7 @@ struct ReadRows {
   std::vector<double> tools;  // of every tool kPose numbers
 };
 Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std::size_t tool_count,
-                            ShownBody& surface) {
+                            BodySnapshot& surface) {
   Reading reading(file, group);
   const auto time = reading.array<double>("time", 1);
   const std::size_t count = reading.count("rest", 3 * kMostVertices) / 3,
@@ -163,12 +164,12 @@ Result<ReadRows> read_shown(const Hdf5File& file, const std::string& group, std:
   return ReadRows{time[0], tools};
 }
 
-Status write_deepest(Hdf5File& file, const ShownWorld& shown, const Pressed& pressed) {
+Status write_deepest(Hdf5File& file, const WorldSnapshot& snapshot, const Pressed& pressed) {
   const bool touched = pressed.force > 0;
-  const ShownBody& body = touched ? pressed.body : shown_body(shown, pressed.id);
+  const BodySnapshot& body = touched ? pressed.body : body_snapshot(snapshot, pressed.id);
   const std::string group = fmt::format("/deepest/{}/", body.name);
-  const Status status = write_shown(file, group, touched ? pressed.time : shown.time, body,
-                                    touched ? pressed.tools : tools_on(shown, pressed.id));
+  const Status status = write_shown(file, group, touched ? pressed.time : snapshot.time, body,
+                                    touched ? pressed.tools : tools_on(snapshot, pressed.id));
   return status ? Writing(file, group).array<double>("force", {pressed.force}, 1, "N").status() : status;
 }
 
@@ -192,8 +193,8 @@ std::string surface_group(const std::string& snapshot, const TouchedBody& body) 
 
 /// Its surface as it is shown, with its tools.
 Status write_surface(const SnapshotOut& out, const TouchedBody& body, BodyId id) {
-  return write_shown(out.file, surface_group(out.group, body), out.shown.time, shown_body(out.shown, id),
-                     tools_on(out.shown, id));
+  return write_shown(out.file, surface_group(out.group, body), out.snapshot.time,
+                     body_snapshot(out.snapshot, id), tools_on(out.snapshot, id));
 }
 
 /// Are its tools kept? A body that none touches has them nowhere; lattices and cloth are drawn from their
@@ -208,17 +209,17 @@ bool keeps_surface(const Body& body) {
 
 Status write_tools(const SnapshotOut& out, const TouchedBody& body, BodyId id) {
   if (body.tool_indices.empty()) return Done{};
-  return write_shown(out.file, surface_group(out.group, body), out.shown.time, ShownBody(),
-                     tools_on(out.shown, id));
+  return write_shown(out.file, surface_group(out.group, body), out.snapshot.time, BodySnapshot(),
+                     tools_on(out.snapshot, id));
 }
 
-Status read_tools(const SnapshotIn& in, const TouchedBody& body, ShownBody& surface) {
+Status read_tools(const SnapshotIn& in, const TouchedBody& body, BodySnapshot& surface) {
   const Result<ReadRows> rows =
       read_shown(in.file, surface_group(in.group, body), body.tool_indices.size(), surface);
   if (!rows) return rows.error();
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
     const auto n = std::size_t(body.tool_indices[t]);
-    show_row(rows->tools, t, in.world.tools[n], in.shown.tools[n]);
+    show_row(rows->tools, t, in.world.tools[n], in.snapshot.tools[n]);
   }
   return Done{};
 }
@@ -230,13 +231,13 @@ Status write_state(const SnapshotOut& out, const RhombusBody& body, BodyId id) {
   return write_surface(out, body, id);
 }
 Status read_state(const SnapshotIn& in, SfemBody& body, BodyId id) {
-  return read_tools(in, body, shown_body(in.shown, id));
+  return read_tools(in, body, body_snapshot(in.snapshot, id));
 }
 Status read_state(const SnapshotIn& in, RhombusBody& body, BodyId id) {
-  return read_tools(in, body, shown_body(in.shown, id));
+  return read_tools(in, body, body_snapshot(in.snapshot, id));
 }
 
-Status write_touch(Hdf5File& file, const World& world, const ShownWorld& shown,
+Status write_touch(Hdf5File& file, const World& world, const WorldSnapshot& snapshot,
                    const std::vector<Pressed>& pressed) {
   for (const TouchingTool& tool : world.tools) {
     std::vector<double> rows;
@@ -249,7 +250,7 @@ Status write_touch(Hdf5File& file, const World& world, const ShownWorld& shown,
   }
   Status status = Done{};
   for_each_touched(world, [&](BodyId id, const auto& body) {
-    if (status && keeps_surface(body)) status = write_deepest(file, shown, pressed_body(pressed, id));
+    if (status && keeps_surface(body)) status = write_deepest(file, snapshot, pressed_body(pressed, id));
   });
   return status;
 }

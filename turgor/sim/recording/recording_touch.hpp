@@ -20,10 +20,10 @@ Status read_state(const SnapshotIn& in, RhombusBody& body, BodyId id);
 /// The tools on a lattice or a cloth, if there are any: its surface comes from its state.
 Status write_tools(const SnapshotOut& out, const TouchedBody& body, BodyId id);
 /// The tools on a body, with the surface that was recorded.
-Status read_tools(const SnapshotIn& in, const TouchedBody& body, ShownBody& surface);
+Status read_tools(const SnapshotIn& in, const TouchedBody& body, BodySnapshot& surface);
 
 /// Samples of all tools, and every body when it was pressed most.
-Status write_touch(Hdf5File& file, const World& world, const ShownWorld& shown,
+Status write_touch(Hdf5File& file, const World& world, const WorldSnapshot& snapshot,
                    const std::vector<Pressed>& pressed);
 Status read_touch(const Hdf5File& file, World& world, std::vector<Pressed>& pressed);
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 #include "turgor/sim/report/quantity.hpp"
 
 namespace turgor {
@@ -23,8 +23,8 @@ const Quantity<F> kFelt[] = {
     {"torque_y", kTorque, "", [](const F& s) -> Json { return s.torque.y; }},
     {"torque_z", kTorque, "", [](const F& s) -> Json { return s.torque.z; }},
     {"contacts", kCount, "", [](const F& s) -> Json { return s.contacts; }},
-    {"depth", kMetres, "", [](const F& s) -> Json { return s.depth; }},
-    {"path", kMetres, "", [](const F& s) -> Json { return s.path; }},
+    {"depth", kMeters, "", [](const F& s) -> Json { return s.depth; }},
+    {"path", kMeters, "", [](const F& s) -> Json { return s.path; }},
 };
 
 std::string cell(const Json& value) {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "turgor/geometry/where_is.hpp"
-#include "turgor/models/lattice/folded.hpp"
+#include "turgor/models/lattice/mechanics/inverted_cells.hpp"
 
 namespace turgor {
 
@@ -60,7 +60,7 @@ void warn_of_blade(const Cut& cut, const Model& model, std::vector<std::string>&
 }
 
 void warn_of_folds(const Exec& exec, const LatticeBody& body, std::vector<std::string>& warnings) {
-  const lattice::FoldedCells folded = lattice::find_folded_cells(exec, body.model, body.state);
+  const lattice::InvertedCells folded = lattice::find_folded_cells(exec, body.model, body.state);
   if (folded.count == 0) return;
   const Vec3d place(position(body.model, body.state, folded.first));
   warnings.push_back(fmt::format(

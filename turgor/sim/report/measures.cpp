@@ -106,8 +106,8 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
     if (near.pieces.version != body.state.cuts())
       near = build_surface(body.model, cuts, &body.ct, lattice::Extent::kCuts);
     std::vector<int> nodes;
-    if (body.state.is_away()) nodes = nodes_beside(body.model, cuts, near, *cut.path, int(c));
-    m.wound = body.state.look_at_wounds(nodes, [&](const lattice::State& state) {
+    if (body.state.is_on_device()) nodes = nodes_beside(body.model, cuts, near, *cut.path, int(c));
+    m.wound = body.state.read_wound_nodes(nodes, [&](const lattice::State& state) {
       return lattice::measure_wound(body.model, state, near, *cut.path, int(c));
     });
     m.series.push_back(sample_of(m.wound, time_of(world)));
@@ -115,7 +115,7 @@ void measure_frame(const Exec& exec, const World& world, const FrameReport& fram
   if (!snapshot) return;
   SolverSample sample{time_of(world), frame.residual, 0, frame.largest_speed};
   for (const LatticeBody& body : world.lattice_bodies)
-    if (body.model.params.solver.method == lattice::Method::kDescent)  // the other has no energy in joules
+    if (body.model.params.solver.method == lattice::Method::kVbd)  // the other has no energy in joules
       sample.energy += lattice::energy(exec, body.model, body.state);
   measures.solver.push_back(sample);
 }

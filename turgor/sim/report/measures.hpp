@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "turgor/models/lattice/surface.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
 #include "turgor/sim/pressed.hpp"
 #include "turgor/sim/world.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/io/xml_text.hpp"
+#include "turgor/io/files/xml_text.hpp"
 #include "turgor/sim/report/amount.hpp"
 
 namespace turgor::page {
@@ -15,11 +15,11 @@ std::string with_unit(const Caption& caption) {
   return *caption.unit.text ? fmt::format("{} [{}]", caption.label, caption.unit.text) : caption.label;
 }
 
-std::string name_of(const Json& item) { return item.contains("name") ? shown(item.at("name")) : ""; }
+std::string name_of(const Json& item) { return item.contains("name") ? snapshot(item.at("name")) : ""; }
 
 }  // namespace
 
-std::string shown(const Json& value) { return xml_text(number_of(value)); }
+std::string snapshot(const Json& value) { return xml_text(number_of(value)); }
 
 std::string table_row(const std::vector<std::string>& cells, const char* tag) {
   std::string row = "<tr>";
@@ -32,13 +32,13 @@ std::string quantity_table(const Json& items, const char* heading, const std::ve
   for (const Json& item : items) cells.push_back(name_of(item));
   std::string table = "<div class=\"scroll\"><table>" + table_row(cells, "th");
   for (const Caption& caption : captions) {
-    if (!(caption.shown & kInTable)) continue;
+    if (!(caption.snapshot & kInTable)) continue;
     cells = {with_unit(caption)};
     bool any = false;
     for (const Json& item : items) {
       const Json* value = find(item, caption.key);
       any = any || value;
-      cells.push_back(value ? shown(*value) : "–");
+      cells.push_back(value ? snapshot(*value) : "–");
     }
     if (any) table += table_row(cells, "td");
   }

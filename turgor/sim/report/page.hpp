@@ -12,7 +12,7 @@
 namespace turgor::page {
 
 /// A number as people read it: three or four digits; text escaped.
-std::string shown(const Json& value);
+std::string snapshot(const Json& value);
 std::string table_row(const std::vector<std::string>& cells, const char* tag);
 
 /// A row a quantity, a column for each of `items`; what none of them has is left out.

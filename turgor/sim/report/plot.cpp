@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/round_ticks.hpp"
-#include "turgor/io/xml_text.hpp"
+#include "turgor/io/files/xml_text.hpp"
 
 namespace turgor {
 

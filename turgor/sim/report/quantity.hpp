@@ -23,8 +23,8 @@ struct Unit {
 namespace units {
 inline constexpr Unit kNone{"", ""}, kCount{"", ""}, kDegrees{"deg", "°"}, kPercent{"percent", "%", 100};
 inline constexpr Unit kSeconds{"s", "s"}, kMilliseconds{"ms", "ms", 1e3}, kMicroseconds{"us", "µs", 1e6};
-inline constexpr Unit kMillimetres{"mm", "mm", 1e3}, kMetres{"m", "m"}, kSquareMillimetres{"mm2", "mm²", 1e6},
-    kSquareMetres{"m2", "m²"}, kMillilitres{"ml", "ml", 1e6};
+inline constexpr Unit kMillimeters{"mm", "mm", 1e3}, kMeters{"m", "m"}, kSquareMillimeters{"mm2", "mm²", 1e6},
+    kSquareMeters{"m2", "m²"}, kMillilitres{"ml", "ml", 1e6};
 inline constexpr Unit kNewtons{"N", "N"}, kTorque{"Nm", "N·m"}, kTension{"N_per_m", "N/m"},
     kPascals{"Pa", "Pa"}, kJoules{"J", "J"}, kSpeed{"m_per_s", "m/s"}, kGrams{"g", "g", 1e3},
     kBytes{"bytes", "bytes"};
@@ -45,7 +45,7 @@ struct Quantity {
   const char* caption;  // without its unit
   Json (*of)(
       const T&);  // in the unit of the SI, a text or a whole number; null = not known; absent() = no such
-  unsigned shown = kInTable;
+  unsigned snapshot = kInTable;
   const char* figure = "";  // a key figure of the page, "gape of {}"; "" = none
 };
 
@@ -100,14 +100,14 @@ void add_rows(Json& json, const char* columns_key, const char* rows_key, const Q
 struct Caption {
   std::string key, label;
   Unit unit;
-  unsigned shown;
+  unsigned snapshot;
   std::string figure;
 };
 template <class T, std::size_t N>
 std::vector<Caption> captions_of(const Quantity<T> (&quantities)[N]) {
   std::vector<Caption> captions;
   for (const Quantity<T>& q : quantities)
-    captions.push_back({full_key(q.key, q.unit), q.caption, q.unit, q.shown, q.figure});
+    captions.push_back({full_key(q.key, q.unit), q.caption, q.unit, q.snapshot, q.figure});
   return captions;
 }
 

@@ -51,7 +51,7 @@ std::vector<ForceAt> forces_over_time(const ClothBody& body, const std::vector<V
 }
 
 /// What lies on an obstacle, or pulls at a hold.
-struct Bearing {
+struct ImplicitContacts {
   const World& world;
   const ClothBody& body;
   const ClothObstacle* obstacle = nullptr;
@@ -60,7 +60,7 @@ struct Bearing {
 };
 
 /// None without gravity.
-Json weight_of(const Bearing& b, double whole) {
+Json weight_of(const ImplicitContacts& b, double whole) {
   const double g = norm(b.world.gravity);
   return g > 0 ? Json(dot(b.mean, b.world.gravity) / g / whole) : Json();
 }
@@ -73,25 +73,27 @@ double largest_force(const ClothHold& hold) {
 }
 
 /// What each obstacle bears: the force on it, and how much of the cloth's weight that is.
-const Quantity<Bearing> kObstacle[] = {
-    {"name", kNone, "", [](const Bearing& b) -> Json { return b.obstacle->name; }, kInReport},
-    {"cloth", kNone, "cloth", [](const Bearing& b) -> Json { return b.body.name; }},
-    {"kind", kNone, "kind", [](const Bearing& b) -> Json { return kind_name(*b.obstacle); }},
-    {"force_N", kNone, "", [](const Bearing& b) { return three(b.mean); }, kInReport},
-    {"weight", kNewtons, "weight it bears", [](const Bearing& b) { return weight_of(b, 1); }, kEverywhere},
+const Quantity<ImplicitContacts> kObstacle[] = {
+    {"name", kNone, "", [](const ImplicitContacts& b) -> Json { return b.obstacle->name; }, kInReport},
+    {"cloth", kNone, "cloth", [](const ImplicitContacts& b) -> Json { return b.body.name; }},
+    {"kind", kNone, "kind", [](const ImplicitContacts& b) -> Json { return kind_name(*b.obstacle); }},
+    {"force_N", kNone, "", [](const ImplicitContacts& b) { return three(b.mean); }, kInReport},
+    {"weight", kNewtons, "weight it bears", [](const ImplicitContacts& b) { return weight_of(b, 1); },
+     kEverywhere},
     {"weight_share",
      {"", "1"},
      "part of the cloth's weight",
-     [](const Bearing& b) { return weight_of(b, b.body.model.total_mass * norm(b.world.gravity)); }},
+     [](const ImplicitContacts& b) { return weight_of(b, b.body.model.total_mass * norm(b.world.gravity)); }},
 };
 /// What each hold takes.
-const Quantity<Bearing> kHold[] = {
-    {"name", kNone, "", [](const Bearing& b) -> Json { return b.hold->scene.name; }, kInReport},
-    {"cloth", kNone, "cloth", [](const Bearing& b) -> Json { return b.body.name; }},
-    {"vertices", kCount, "vertices", [](const Bearing& b) -> Json { return b.hold->vertices.size(); }},
-    {"force_N", kNone, "", [](const Bearing& b) { return three(b.mean); }, kInReport},
-    {"largest", kNewtons, "largest force", [](const Bearing& b) -> Json { return largest_force(*b.hold); },
-     kEverywhere},
+const Quantity<ImplicitContacts> kHold[] = {
+    {"name", kNone, "", [](const ImplicitContacts& b) -> Json { return b.hold->scene.name; }, kInReport},
+    {"cloth", kNone, "cloth", [](const ImplicitContacts& b) -> Json { return b.body.name; }},
+    {"vertices", kCount, "vertices",
+     [](const ImplicitContacts& b) -> Json { return b.hold->vertices.size(); }},
+    {"force_N", kNone, "", [](const ImplicitContacts& b) { return three(b.mean); }, kInReport},
+    {"largest", kNewtons, "largest force",
+     [](const ImplicitContacts& b) -> Json { return largest_force(*b.hold); }, kEverywhere},
 };
 
 const Quantity<ClothSample> kSteps[] = {
@@ -149,9 +151,9 @@ const Quantity<P> kCloth[] = {
     {"triangles", kCount, "triangles", [](const P& p) -> Json { return p.body.model.triangles.size(); }},
     {"springs", kCount, "springs", [](const P& p) -> Json { return p.body.model.spring_count; }, kEverywhere},
     {"parts", kCount, "", [](const P& p) -> Json { return p.body.model.part_begin.size() - 1; }, kInReport},
-    {"area", kSquareMetres, "area", [](const P& p) -> Json { return p.body.model.area; }},
+    {"area", kSquareMeters, "area", [](const P& p) -> Json { return p.body.model.area; }},
     {"mass", kGrams, "mass", [](const P& p) -> Json { return p.body.model.total_mass; }},
-    {"mean_edge", kMillimetres, "mean edge", [](const P& p) -> Json { return p.body.model.mean_edge; }},
+    {"mean_edge", kMillimeters, "mean edge", [](const P& p) -> Json { return p.body.model.mean_edge; }},
     {"method", kNone, "solver",
      [](const P& p) -> Json { return method_name(p.body.model.params.solver.method); }},
     {"device", kNone, "", [](const P& p) -> Json { return p.device == Device::kGpu ? "gpu" : "cpu"; },
@@ -176,9 +178,9 @@ const Quantity<P> kCloth[] = {
      [](const P& p) -> Json { return percentile(p.seconds, 0.5); }, kEverywhere, "a step of {} (median)"},
     {"step_p99", kMilliseconds, "a step, 99 of 100",
      [](const P& p) -> Json { return percentile(p.seconds, 0.99); }, kEverywhere},
-    {"thickness", kMillimetres, "thickness",
+    {"thickness", kMillimeters, "thickness",
      [](const P& p) -> Json { return p.body.model.params.collision.thickness; }},
-    {"smallest_distance", kMillimetres, "smallest distance of layers",
+    {"smallest_distance", kMillimeters, "smallest distance of layers",
      [](const P& p) { return std::isfinite(p.self.smallest) ? Json(p.self.smallest) : Json(); }},
     {"pairs_too_near", kCount, "pairs nearer than 0.99 of the thickness",
      [](const P& p) -> Json { return p.self.too_near; }, kEverywhere},
@@ -213,11 +215,12 @@ Json report_body(const ReportInput& input, const ClothScene& scene, const ClothB
   Json json = values_of(kCloth, part), obstacles = Json::array(), holds = Json::array();
   for (const ClothObstacle& o : body.obstacles) {
     obstacles.push_back(
-        values_of(kObstacle, Bearing{world, body, &o, nullptr, mean_force(o.force, world.dt)}));
+        values_of(kObstacle, ImplicitContacts{world, body, &o, nullptr, mean_force(o.force, world.dt)}));
     add_rows(obstacles.back(), "series_columns", "series", kForce, forces_over_time(body, o.force));
   }
   for (const ClothHold& h : body.holds) {
-    holds.push_back(values_of(kHold, Bearing{world, body, nullptr, &h, mean_force(h.force, world.dt)}));
+    holds.push_back(
+        values_of(kHold, ImplicitContacts{world, body, nullptr, &h, mean_force(h.force, world.dt)}));
     add_rows(holds.back(), "series_columns", "series", kForce, forces_over_time(body, h.force));
   }
   json["obstacles"] = std::move(obstacles), json["holds"] = std::move(holds);

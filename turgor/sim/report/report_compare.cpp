@@ -16,13 +16,13 @@ struct Ring {
   double distance = 0, displacement = 0;  // mean over its vertices [m]
 };
 const Quantity<Ring> kRing[] = {
-    {"distance", kMillimetres, "distance from the deepest place",
+    {"distance", kMillimeters, "distance from the deepest place",
      [](const Ring& r) -> Json { return r.distance; }},
-    {"displacement", kMillimetres, "displacement", [](const Ring& r) -> Json { return r.displacement; }},
+    {"displacement", kMillimeters, "displacement", [](const Ring& r) -> Json { return r.displacement; }},
 };
 
 /// Means over rings of a millimetre.
-std::vector<Ring> rings_of(const ShownBody& surface) {
+std::vector<Ring> rings_of(const BodySnapshot& surface) {
   constexpr std::size_t kRings = 80;
   constexpr double kRingWidth = 1e-3;  // [m]
   std::size_t most = 0;
@@ -57,8 +57,8 @@ const Quantity<Cost> kCost[] = {
     {"model", kNone, "model", [](const Cost& c) -> Json { return model_name(c.pressed.id.kind); }},
     {"force_max", kNewtons, "largest force", [](const Cost& c) -> Json { return c.pressed.force; }},
     {"force_max_at", kSeconds, "… at", [](const Cost& c) -> Json { return c.pressed.time; }},
-    {"depth_max", kMillimetres, "deepest press", [](const Cost& c) -> Json { return c.depth; }},
-    {"displacement_max", kMillimetres, "deepest dent", [](const Cost& c) -> Json { return c.dent; }},
+    {"depth_max", kMillimeters, "deepest press", [](const Cost& c) -> Json { return c.depth; }},
+    {"displacement_max", kMillimeters, "deepest dent", [](const Cost& c) -> Json { return c.dent; }},
     {"build", kSeconds, "reading and building", [](const Cost& c) -> Json { return c.build; }},
     {"force_every", kMilliseconds, "a force every", [](const Cost& c) -> Json { return c.interval; }},
     {"force_p50", kMilliseconds, "… takes, median",

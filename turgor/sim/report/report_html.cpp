@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "turgor/io/base64.hpp"
-#include "turgor/io/file.hpp"
-#include "turgor/io/xml_text.hpp"
+#include "turgor/io/files/base64.hpp"
+#include "turgor/io/files/file.hpp"
+#include "turgor/io/files/xml_text.hpp"
 #include "turgor/sim/output_folder.hpp"
 #include "turgor/sim/report/page.hpp"
 #include "turgor/sim/report/report.hpp"
@@ -20,7 +20,7 @@ namespace turgor {
 namespace {
 
 namespace fs = std::filesystem;
-using page::curve_of, page::drawn, page::key_figure, page::shown;
+using page::curve_of, page::drawn, page::key_figure, page::snapshot;
 
 constexpr const char* kPageHead = R"(<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
@@ -174,8 +174,8 @@ std::string key_figures(const Json& report) {
   std::string html = "<div class=\"figures\">";
   for (const Section& section : report_sections())
     html += page::quantity_figures(section.items(report), section.captions);
-  const auto seconds = [&](const char* key) { return shown(report.at("timing").value(key, Json())); };
-  html += key_figure(shown(report.at("simulated_s")) + " s",
+  const auto seconds = [&](const char* key) { return snapshot(report.at("timing").value(key, Json())); };
+  html += key_figure(snapshot(report.at("simulated_s")) + " s",
                      fmt::format("simulated in {} s, drawn in {} s, written in {} s", seconds("physics_s"),
                                  seconds("drawing_s"), seconds("files_s")));
   return html + "</div>\n";
@@ -198,17 +198,17 @@ std::string report_html(const Json& report, const fs::path& folder, const std::s
   std::string html = fmt::format(fmt::runtime(kPageHead), name);
   html +=
       fmt::format("<h1>{}</h1>\n<p class=\"soft\">{:g} frames a second; {} threads on {}; turgor {}</p>\n",
-                  name, scene.at("frame_rate_per_s").get<double>(), shown(machine.at("threads")),
-                  shown(machine.at("processor")), shown(report.at("version")));
+                  name, scene.at("frame_rate_per_s").get<double>(), snapshot(machine.at("threads")),
+                  snapshot(machine.at("processor")), snapshot(report.at("version")));
   for (const Json& warning : report.at("warnings"))
-    html += "<p class=\"warning\">" + shown(warning) + "</p>\n";
+    html += "<p class=\"warning\">" + snapshot(warning) + "</p>\n";
   html += key_figures(report);
   html += motion + pictures(report, folder) + videos(report, folder);
   html += curves(report);
   html += tables(report) + files(report);
   html += "<h2>Scene</h2>\n<pre><code>" + xml_text(report.at("scene_text").get<std::string>()) +
           "</code></pre>\n";
-  for (const Json& text : scene.at("overrides")) html += "<p><code>--set " + shown(text) + "</code></p>\n";
+  for (const Json& text : scene.at("overrides")) html += "<p><code>--set " + snapshot(text) + "</code></p>\n";
   return html + kReadPlots + "</main></body></html>\n";
 }
 

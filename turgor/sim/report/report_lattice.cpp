@@ -47,7 +47,7 @@ const Quantity<LatticePart> kLattice[] = {
      }},
     {"schedule", kNone, "order of a sweep",
      [](const LatticePart& l) -> Json {
-       return l.scene.params.solver.schedule == lattice::Schedule::kColours ? "colours" : "slabs";
+       return l.scene.params.solver.ordering == lattice::Ordering::kColors ? "colours" : "slabs";
      }},
     {"device", kNone, "",
      [](const LatticePart& l) -> Json { return l.scene.device == Device::kGpu ? "gpu" : "cpu"; }, kInReport},
@@ -81,17 +81,17 @@ const Quantity<C> kWound[] = {
      [](const C& c) -> Json { return c.pull.opening; }, kEverywhere},
     {"tension_along_cut", kTension, "skin tension along the cut",
      [](const C& c) -> Json { return c.pull.lengthwise; }},
-    {"depth", kMillimetres, "depth", [](const C& c) -> Json { return c.depth; }},
-    {"width", kMillimetres, "", [](const C& c) -> Json { return c.width; }, kInReport},
-    {"length", kMillimetres, "length of the cut skin", [](const C& c) -> Json { return c.wound.length; },
+    {"depth", kMillimeters, "depth", [](const C& c) -> Json { return c.depth; }},
+    {"width", kMillimeters, "", [](const C& c) -> Json { return c.width; }, kInReport},
+    {"length", kMillimeters, "length of the cut skin", [](const C& c) -> Json { return c.wound.length; },
      kEverywhere},
-    {"gape_max", kMillimetres, "gape, largest", [](const C& c) -> Json { return c.wound.gape_max; },
+    {"gape_max", kMillimeters, "gape, largest", [](const C& c) -> Json { return c.wound.gape_max; },
      kEverywhere, "gape of {}"},
-    {"gape_mean", kMillimetres, "gape, mean", [](const C& c) -> Json { return c.wound.gape_mean; },
+    {"gape_mean", kMillimeters, "gape, mean", [](const C& c) -> Json { return c.wound.gape_mean; },
      kEverywhere},
-    {"opening_area", kSquareMillimetres, "opening area",
+    {"opening_area", kSquareMillimeters, "opening area",
      [](const C& c) -> Json { return c.wound.opening_area; }, kEverywhere},
-    {"edge_displacement", kMillimetres, "displacement of the lips",
+    {"edge_displacement", kMillimeters, "displacement of the lips",
      [](const C& c) -> Json { return c.wound.edge_displacement; }},
     {"edges_cut", kCount, "lattice edges cut",
      [](const C& c) -> Json { return c.region ? absent() : Json(c.edges); }},
@@ -102,17 +102,17 @@ const Quantity<C> kWound[] = {
 using W = WoundSample;
 const Quantity<W> kWoundSeries[] = {
     {"time", kSeconds, "time", [](const W& s) -> Json { return s.time; }},
-    {"gape_max", kMillimetres, "largest gape", [](const W& s) -> Json { return s.gape_max; }},
-    {"gape_mean", kMillimetres, "mean gape", [](const W& s) -> Json { return s.gape_mean; }},
-    {"opening_area", kSquareMillimetres, "opening area", [](const W& s) -> Json { return s.opening_area; }},
-    {"edge_displacement", kMillimetres, "displacement of the lips",
+    {"gape_max", kMillimeters, "largest gape", [](const W& s) -> Json { return s.gape_max; }},
+    {"gape_mean", kMillimeters, "mean gape", [](const W& s) -> Json { return s.gape_mean; }},
+    {"opening_area", kSquareMillimeters, "opening area", [](const W& s) -> Json { return s.opening_area; }},
+    {"edge_displacement", kMillimeters, "displacement of the lips",
      [](const W& s) -> Json { return s.edge_displacement; }},
 };
 
 using G = lattice::GapePoint;
 const Quantity<G> kProfile[] = {
-    {"along", kMillimetres, "along the cut", [](const G& p) -> Json { return p.along; }},
-    {"gape", kMillimetres, "gape", [](const G& p) -> Json { return p.gape; }},
+    {"along", kMillimeters, "along the cut", [](const G& p) -> Json { return p.along; }},
+    {"gape", kMillimeters, "gape", [](const G& p) -> Json { return p.gape; }},
 };
 
 const Quantity<SolverSample> kSolver[] = {
@@ -156,7 +156,7 @@ namespace {
 /// Of the forces that the sweeps of a frame were to balance, how much they left, at snapshots at which
 /// something moved; null when nothing did. Below 0.1 the way of a wound is the tissue's to some 10 %, above
 /// it is the solver's, and its rest alone the tissue's.
-Json left_over(const Measures& measures) {
+Json residual_forces(const Measures& measures) {
   constexpr double kMoves = 1e-3;  // [m/s]
   double left = 0, before = 0;
   for (const SolverSample& sample : measures.solver)
@@ -167,7 +167,7 @@ Json left_over(const Measures& measures) {
 }  // namespace
 
 Json solver_report(const Measures& measures) {
-  Json json{{"left_over_by_sweeps", left_over(measures)}};
+  Json json{{"left_over_by_sweeps", residual_forces(measures)}};
   add_rows(json, "columns", "samples", kSolver, measures.solver);
   return json;
 }

@@ -48,7 +48,7 @@ const Quantity<R> kRhombus[] = {
     {"decay", kNone, "β", [](const R& r) -> Json { return r.scene.params.chain.decay; }},
     {"angle", kDegrees, "θ",
      [](const R& r) -> Json { return r.scene.params.chain.angle * 180 / std::numbers::pi; }},
-    {"side", kMillimetres, "side of the rhombi",
+    {"side", kMillimeters, "side of the rhombi",
      [](const R& r) -> Json { return r.scene.params.chain.side; }},
     {"bulge", kNone, "volume that bulges", [](const R& r) -> Json { return r.scene.params.bulge; }},
     {"memory", kBytes, "memory",

@@ -9,8 +9,8 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/report/force_error.hpp"
-#include "turgor/sim/report/off_the_body.hpp"
-#include "turgor/sim/report/over_parts.hpp"
+#include "turgor/sim/report/inclusion_marks.hpp"
+#include "turgor/sim/report/missed_body.hpp"
 #include "turgor/sim/report/report_compare.hpp"
 #include "turgor/sim/report/section.hpp"
 
@@ -25,7 +25,7 @@ constexpr std::size_t kMostSamples = 2000;  // of a series; every tick is in for
 struct SolidSourceText {
   std::string operator()(const SolidFile& s) const { return s.file.string(); }
   std::string operator()(const ClosedSurface& s) const { return s.file.string(); }
-  std::string operator()(const LabelledOrgan& s) const {
+  std::string operator()(const LabeledOrgan& s) const {
     return fmt::format("label {} of {}", s.label, s.phantom ? "the phantom" : s.file.string());
   }
   std::string operator()(const HexBlock& s) const {
@@ -119,9 +119,9 @@ const Quantity<B> kSfem[] = {
      [](const B& b) { return of_tets(b, b.body.facts.quality.min_dihedral); }},
     {"mesh.max_dihedral", kDegrees, "largest dihedral angle",
      [](const B& b) { return of_tets(b, b.body.facts.quality.max_dihedral); }},
-    {"mesh.shortest_edge", kMillimetres, "",
+    {"mesh.shortest_edge", kMillimeters, "",
      [](const B& b) { return of_tets(b, b.body.facts.quality.shortest_edge); }, kInReport},
-    {"mesh.longest_edge", kMillimetres, "",
+    {"mesh.longest_edge", kMillimeters, "",
      [](const B& b) { return of_tets(b, b.body.facts.quality.longest_edge); }, kInReport},
     {"green.store", kBytes, "Green's functions",
      [](const B& b) -> Json { return b.body.facts.cost.store_bytes; }, kEverywhere},
@@ -140,7 +140,7 @@ const Quantity<B> kSfem[] = {
     {"memory", kBytes, "memory of the model",
      [](const B& b) -> Json { return sfem::memory_bytes(b.body.model); }},
     {"shape", kSeconds, "reading and meshing", [](const B& b) -> Json { return b.body.facts.shape_seconds; }},
-    {"patch.radius", kMillimetres, "", [](const B& b) -> Json { return b.scene.patch.radius; }, kInReport},
+    {"patch.radius", kMillimeters, "", [](const B& b) -> Json { return b.scene.patch.radius; }, kInReport},
     {"patch.refinement", kCount, "", [](const B& b) -> Json { return b.body.refinement; }, kInReport},
     {"patch.local_nodes_most", kCount, "local nodes of the patch, most",
      [](const B& b) -> Json { return b.local_nodes; }, kEverywhere},
@@ -218,7 +218,7 @@ const Quantity<T> kTool[] = {
      kEverywhere, "largest force on {}"},
     {"force_max_at", kSeconds, "… at", [](const T& t) -> Json { return t.most.time; }, kEverywhere},
     {"force_error_expected", kPercent, "… off by up to, for its elements", expected_force_error, kEverywhere},
-    {"depth_max", kMillimetres, "deepest below the surface at rest",
+    {"depth_max", kMillimeters, "deepest below the surface at rest",
      [](const T& t) -> Json { return t.depth; }, kEverywhere, "deepest press of {}"},
     {"contacts_max", kCount, "places that bear force, most", [](const T& t) -> Json { return t.contacts; }},
     {"beyond_patch", kNone, "", [](const T& t) -> Json { return t.beyond; }, kInReport},
@@ -250,8 +250,8 @@ using F = ForceSample;
 const Quantity<F> kForces[] = {
     {"time", kSeconds, "time", [](const F& s) -> Json { return s.time; }},
     {"force", kNewtons, "force", [](const F& s) -> Json { return norm(s.force); }},
-    {"depth", kMillimetres, "depth below the surface at rest", [](const F& s) -> Json { return s.depth; }},
-    {"path", kMillimetres, "path of the tool", [](const F& s) -> Json { return s.path; }},
+    {"depth", kMillimeters, "depth below the surface at rest", [](const F& s) -> Json { return s.depth; }},
+    {"path", kMillimeters, "path of the tool", [](const F& s) -> Json { return s.path; }},
     {"contacts", kCount, "places that bear force", [](const F& s) -> Json { return s.contacts; }},
     {"force_x", kNewtons, "", [](const F& s) -> Json { return s.force.x; }},
     {"force_y", kNewtons, "", [](const F& s) -> Json { return s.force.y; }},

@@ -23,7 +23,7 @@ std::string item_text(const Section& section, const Json& item) {
   std::string rows;
   for (const Caption& caption : section.captions) {
     const Json* value = find(item, caption.key);
-    if ((caption.shown & kInSummary) && value && !value->is_null())
+    if ((caption.snapshot & kInSummary) && value && !value->is_null())
       rows += row(caption.label, amount(*value, caption.unit));
   }
   if (rows.empty()) return "";

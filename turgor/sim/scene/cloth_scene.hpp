@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "turgor/geometry/up_axis.hpp"
-#include "turgor/models/cloth/cloth.hpp"
-#include "turgor/models/cloth/sheet.hpp"
+#include "turgor/models/cloth/build/sheet.hpp"
+#include "turgor/models/cloth/model/cloth.hpp"
 #include "turgor/sim/scene/body_id.hpp"
 #include "turgor/sim/scene/device.hpp"
 
@@ -28,7 +28,7 @@ struct GarmentFile {
 };
 
 struct BallScene {
-  Vec3d centre;         // [m]
+  Vec3d center;         // [m]
   double radius = 0.1;  // [m]
 };
 

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <map>
 
-#include "turgor/io/input_file.hpp"
+#include "turgor/io/files/input_file.hpp"
 #include "turgor/sim/scene/name.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_cloth.hpp"
@@ -225,13 +225,13 @@ void read_scene_table(SceneTable root, Scene& scene) {
 Error all_of(const SceneProblems& problems) {
   constexpr std::size_t kShown = 20;
   std::string text;
-  std::size_t shown = 0;
+  std::size_t snapshot = 0;
   for (const auto& [line, message] : problems.problems) {
-    if (shown == kShown) {
+    if (snapshot == kShown) {
       text += fmt::format("\nand {} more", problems.problems.size() - kShown);
       break;
     }
-    text += (shown++ ? "\n" : "") + message;
+    text += (snapshot++ ? "\n" : "") + message;
   }
   return {text};
 }

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "turgor/core/result.hpp"
-#include "turgor/io/mesh_files.hpp"
-#include "turgor/models/lattice/incision.hpp"
+#include "turgor/io/mesh/mesh_files.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/sim/scene/cloth_scene.hpp"
 #include "turgor/sim/scene/ct_source.hpp"

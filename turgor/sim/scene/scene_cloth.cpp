@@ -1,6 +1,6 @@
 #include "turgor/sim/scene/scene_cloth.hpp"
 
-#include "turgor/models/cloth/gpu_sheet.hpp"
+#include "turgor/models/cloth/device/gpu_sheet.hpp"
 #include "turgor/sim/scene/scene_body.hpp"
 #include "turgor/sim/scene/scene_up.hpp"
 
@@ -134,7 +134,7 @@ void read_wind(SceneTable table, ClothScene& scene) {
 
 BallScene read_ball(SceneTable shape) {
   BallScene ball;
-  shape.read("centre", ball.centre, kPlace, "of the ball");
+  shape.read("centre", ball.center, kPlace, "of the ball");
   shape.read("radius", ball.radius, inside(0, 10, "m"), "of the ball, or the capsule");
   shape.finish();
   return ball;

@@ -75,7 +75,7 @@ IncisionScene read_incision(SceneTable table, const std::string& name, const Sce
   blade.name = name;
   table.require({"body"}, "the name of the body that is cut");
   incision.body = read_body(table, "body", scene, {BodyKind::kLattice}).index;
-  const bool metres = table.has("from") || table.has("to") || table.has("path");
+  const bool meters = table.has("from") || table.has("to") || table.has("path");
   incision.by_fraction = table.has("from_fraction") || table.has("to_fraction") || table.has("path_fraction");
   table.describe(
       "path", "m", "none",
@@ -84,7 +84,7 @@ IncisionScene read_incision(SceneTable table, const std::string& name, const Sce
       within(-100, 100, "m"));
   table.describe("path_fraction", "", "none", "the same in fractions of the body's box, as `from_fraction`",
                  within(0, 1));
-  if (incision.by_fraction && metres)
+  if (incision.by_fraction && meters)
     table.fail(table.has("from") ? "from"
                : table.has("to") ? "to"
                                  : "path",

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "turgor/core/result.hpp"
-#include "turgor/io/organ_names.hpp"
+#include "turgor/io/volume/organ_names.hpp"
 #include "turgor/sim/scene/scene_table.hpp"
 
 namespace turgor {

@@ -10,7 +10,7 @@ namespace turgor {
 
 namespace {
 
-using lattice::Method, lattice::Schedule;
+using lattice::Method, lattice::Ordering;
 using lattice::SkinLaw;
 using lattice::TissueLaw;
 
@@ -172,7 +172,7 @@ void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::pat
     return;
   }
   SceneTable table = body.table("skin");
-  table.read_choice<SkinLaw>("law", skin.law, {{"area", SkinLaw::kArea}, {"fibre", SkinLaw::kFibre}},
+  table.read_choice<SkinLaw>("law", skin.law, {{"area", SkinLaw::kArea}, {"fibre", SkinLaw::kFiber}},
                              "`\"fibre\"`: directional, with Langer's lines; `\"area\"`: the paper's");
   read_tension(table, skin);
   table.read("stiffness", skin.stiffness, positive("N/m"), "of the membrane");
@@ -190,10 +190,10 @@ void read_skin(SceneTable& body, lattice::SkinParams& skin, std::filesystem::pat
 void read_solver(SceneTable& body, lattice::SolverParams& solver) {
   SceneTable table = body.table("solver");
   table.read_choice<Method>(
-      "method", solver.method, {{"pbd", Method::kPbd}, {"descent", Method::kDescent}},
+      "method", solver.method, {{"pbd", Method::kPbd}, {"descent", Method::kVbd}},
       "`\"descent\"`, or `\"pbd\"` (position-based dynamics as in the paper; area law only)");
-  table.read_choice<Schedule>(
-      "schedule", solver.schedule, {{"slabs", Schedule::kSlabs}, {"colours", Schedule::kColours}},
+  table.read_choice<Ordering>(
+      "schedule", solver.ordering, {{"slabs", Ordering::kSlabs}, {"colours", Ordering::kColors}},
       "the order of a sweep: `\"slabs\"` of layers, fastest on a CPU, or eight `\"colours\"`, parities of a "
       "node's place, each at once, as a GPU needs it and has it unless it is said otherwise; where descent "
       "comes to rest does not depend on it, what pbd shows does");
@@ -224,7 +224,7 @@ void check_solid(SceneTable& body, const lattice::Params& params) {
 
 /// What a GPU does not do is refused.
 void check_gpu(SceneTable& body, const lattice::SolverParams& solver) {
-  if (solver.schedule != Schedule::kColours)
+  if (solver.ordering != Ordering::kColors)
     body.fail("solver",
               "world.device = \"gpu\" sweeps by solver.schedule = \"colours\" alone; leave schedule away, or "
               "set world.device = \"cpu\"");
@@ -247,15 +247,15 @@ LatticeScene read_lattice_scene(SceneTable body, const std::string& name, Device
   read_fixed(body, scene.params, scene.held);
   body.read("gravity", scene.has_gravity,
             "`false`: the CT shows it as gravity has shaped it already; it feels what lies on it alone");
-  if (device == Device::kGpu) scene.params.solver.schedule = Schedule::kColours;
+  if (device == Device::kGpu) scene.params.solver.ordering = Ordering::kColors;
   read_solver(body, scene.params.solver);
   const bool projects = scene.params.solver.method == Method::kPbd;
   scene.params.tissue.law = projects ? TissueLaw::kSprings : TissueLaw::kSolid;
   read_tissue(body, labels, scene.params.tissue);
   scene.label_note = labels.note;
   read_skin(body, scene.params.skin, scene.direction_field);
-  const bool fibre = scene.params.skin.enabled && scene.params.skin.law == SkinLaw::kFibre;
-  if (projects && fibre)
+  const bool fiber = scene.params.skin.enabled && scene.params.skin.law == SkinLaw::kFiber;
+  if (projects && fiber)
     body.fail(body.has("skin") ? "skin" : "solver",
               "solver.method = \"pbd\" offers the area law only (a projection has no forces along and across "
               "the lines); "

@@ -14,8 +14,8 @@ const Allowed kResolution = within(1e-4, 1, "m");
 constexpr double kUsualEdge = 0.02;  // of quadratic tetrahedra: nodes lie half as far apart [m]
 const Allowed kScale = inside(0, 1e6, "m");
 
-LabelledOrgan read_labelled_organ(SceneTable& table, SceneLabels& names) {
-  LabelledOrgan organ;
+LabeledOrgan read_labeled_organ(SceneTable& table, SceneLabels& names) {
+  LabeledOrgan organ;
   organ.resolution = kUsualEdge;
   const toml::node* labels = table.find("labels");
   if (labels->is_table())
@@ -56,7 +56,7 @@ SolidSource read_source(SceneTable& body, SceneLabels& labels) {
     if (!given.empty()) body.fail(kind, fmt::format("a body has one shape: either {} or {}", given, kind));
     given = given.empty() ? kind : given;
   }
-  if (given == "labels") return read_labelled_organ(body, labels);
+  if (given == "labels") return read_labeled_organ(body, labels);
   if (given == "block") return read_hex_block(body.table("block"));
   if (given == "surface") {
     ClosedSurface surface;
@@ -153,9 +153,9 @@ std::vector<InclusionScene> read_inclusions(SceneTable& body, const sfem::Materi
   SceneTable table = body.table("inclusion");
   for (const std::string& name : table.names()) {
     InclusionScene inclusion{
-        .name = name, .centre = {}, .by_fraction = false, .radius = 0.01, .material = around};
+        .name = name, .center = {}, .by_fraction = false, .radius = 0.01, .material = around};
     SceneTable inner = table.named(name);
-    inclusion.by_fraction = read_place(inner, "centre", inclusion.centre);
+    inclusion.by_fraction = read_place(inner, "centre", inclusion.center);
     inner.read("radius", inclusion.radius, inside(0, 10, "m"), "of a sphere of another material");
     read_material(inner, inclusion.material);
     inner.finish();
@@ -205,7 +205,7 @@ SfemScene read_sfem_scene(SceneTable body, const std::string& name, Device devic
   scene.source = read_source(body, labels);
   read_material(body, scene.material);
   scene.inside = read_inside(body, scene.material, labels);
-  if (auto* organ = std::get_if<LabelledOrgan>(&scene.source)) organ->label_note = labels.note;
+  if (auto* organ = std::get_if<LabeledOrgan>(&scene.source)) organ->label_note = labels.note;
   scene.inclusions = read_inclusions(body, scene.material);
   scene.fixed = read_held(body);
   read_elements(body, scene);

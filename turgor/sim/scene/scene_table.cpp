@@ -67,8 +67,9 @@ void SceneProblems::add(const std::string& path, const toml::node& node, const s
   const std::string place = place_of(path, node);
   const bool in_file = place.starts_with(file);
   const bool says_all = path.empty() || place == "--set " + path;
-  const std::string shown = says_all ? what : fmt::format("{}: {}", path, what);
-  problems.insert({in_file ? node.source().begin.line : 0, on_one_line(fmt::format("{}: {}", place, shown))});
+  const std::string snapshot = says_all ? what : fmt::format("{}: {}", path, what);
+  problems.insert(
+      {in_file ? node.source().begin.line : 0, on_one_line(fmt::format("{}: {}", place, snapshot))});
 }
 
 std::string describe(const toml::node& node) {
@@ -82,8 +83,8 @@ std::string describe(const toml::node& node) {
     return fmt::format("{}", number->get());
   else
     text << toml::node_view(node);
-  const std::string shown = text.str();
-  return shown.size() > 60 || shown.find('\n') != std::string::npos ? "an array" : shown;
+  const std::string snapshot = text.str();
+  return snapshot.size() > 60 || snapshot.find('\n') != std::string::npos ? "an array" : snapshot;
 }
 
 std::string SceneTable::path_of(std::string_view key) const {
@@ -224,7 +225,7 @@ void SceneTable::list(std::string_view key, const Allowed& allowed, const std::s
   const auto same = [path = path_of(key)](const SceneKey& known) { return known.path == path; };
   if (std::any_of(problems_.keys.begin(), problems_.keys.end(), same)) return;
   const bool is_required = required_.contains(key);
-  problems_.keys.push_back({path_of(key), group_, shown_ + std::string(key), allowed.unit,
+  problems_.keys.push_back({path_of(key), group_, snapshot_ + std::string(key), allowed.unit,
                             meaning.fallback ? meaning.fallback
                             : is_required    ? std::string("required")
                                              : fallback,
@@ -233,18 +234,18 @@ void SceneTable::list(std::string_view key, const Allowed& allowed, const std::s
 
 void SceneTable::describe(std::string_view key, const char* unit, const char* fallback, const char* meaning,
                           const Allowed& allowed) {
-  Allowed shown = allowed;
-  shown.unit = unit;
-  list(key, shown, fallback, meaning);
+  Allowed snapshot = allowed;
+  snapshot.unit = unit;
+  list(key, snapshot, fallback, meaning);
 }
 
-SceneTable SceneTable::inner(std::string_view key, std::string_view shown) {
+SceneTable SceneTable::inner(std::string_view key, std::string_view snapshot) {
   static const toml::table kEmpty;
   const toml::node* node = find(key);
   if (node && !node->is_table()) fail_value(key, *node, "a table");
   const bool found = node && node->is_table();
   SceneTable made(found ? *node->as_table() : kEmpty, path_of(key), problems_);
-  made.group_ = group_, made.shown_ = fmt::format("{}{}.", shown_, shown);
+  made.group_ = group_, made.snapshot_ = fmt::format("{}{}.", snapshot_, snapshot);
   return made;
 }
 SceneTable SceneTable::table(std::string_view key) { return inner(key, key); }

@@ -76,7 +76,7 @@ class SceneTable {
   /// The same for a table that a name of the scene's stands for; "NAME" in the list of keys.
   SceneTable named(std::string_view name);
   /// From here on keys are listed in a group of their own.
-  void begin_group(const char* group) { group_ = group, shown_.clear(); }
+  void begin_group(const char* group) { group_ = group, snapshot_.clear(); }
   /// All keys, in the order of the file.
   std::vector<std::string> keys() const;
   /// The same for tables whose keys name things; notes those that are no names (name.hpp).
@@ -101,7 +101,7 @@ class SceneTable {
 
  private:
   std::string path_of(std::string_view key) const;
-  SceneTable inner(std::string_view key, std::string_view shown);
+  SceneTable inner(std::string_view key, std::string_view snapshot);
   void list(std::string_view key, const Allowed& allowed, const std::string& fallback, Meaning meaning,
             bool is_whole = false);
 
@@ -111,7 +111,7 @@ class SceneTable {
   std::vector<std::string> known_;
   std::vector<std::string> missing_;
   std::set<std::string, std::less<>> required_;
-  std::string group_, shown_;  // of the list of keys: where this table is, and its path from there
+  std::string group_, snapshot_;  // of the list of keys: where this table is, and its path from there
 };
 
 template <class T>

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "turgor/contact/follow.hpp"
+#include "turgor/contact/patch_follow.hpp"
 #include "turgor/geometry/phantom.hpp"
 #include "turgor/geometry/up_axis.hpp"
 #include "turgor/models/sfem/sfem.hpp"
@@ -32,7 +32,7 @@ struct ClosedSurface {
   double resolution = 0.012;  // of the tetrahedra's lattice [m]
 };
 /// One label of a segmentation that is filled with tetrahedra.
-struct LabelledOrgan {
+struct LabeledOrgan {
   std::filesystem::path file;            // of labels
   std::optional<PhantomParams> phantom;  // instead of a file
   int label = 0;
@@ -44,7 +44,7 @@ struct HexBlock {
   Vec3d size{0.1, 0.1, 0.1};  // [m]
   Int3 count{10, 10, 10};
 };
-using SolidSource = std::variant<SolidFile, ClosedSurface, LabelledOrgan, HexBlock>;
+using SolidSource = std::variant<SolidFile, ClosedSurface, LabeledOrgan, HexBlock>;
 
 /// Sides of the box around a body, in the patient frame: low and high x, y, z.
 enum class Side : std::uint8_t { kRight, kLeft, kFront, kBack, kFeet, kHead };
@@ -69,7 +69,7 @@ struct InsideScene {
 /// A sphere of another material.
 struct InclusionScene {
   std::string name;
-  Vec3d centre;  // [m or 1]
+  Vec3d center;  // [m or 1]
   bool by_fraction = false;
   double radius = 0.01;  // [m]
   sfem::Material material;

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/io/file.hpp"
+#include "turgor/io/files/file.hpp"
 
 namespace turgor {
 

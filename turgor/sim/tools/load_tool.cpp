@@ -8,7 +8,7 @@
 #include "turgor/geometry/box.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
 #include "turgor/geometry/where_is.hpp"
-#include "turgor/io/surface_files.hpp"
+#include "turgor/io/mesh/surface_files.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
 
 namespace turgor {
@@ -18,7 +18,7 @@ namespace {
 /// A tool's shape for contact and for pictures.
 struct MadeShape {
   contact::Shape shape;
-  TriMesh shown;
+  TriMesh snapshot;
   std::optional<contact::Forceps> forceps;
 };
 
@@ -73,9 +73,9 @@ Result<ToolPath> make_path(const ToolScene& scene, const TouchingTool& tool, con
   const double reach = 0.5 * width(scene.shape, tool.tool.shape);
   if (const auto* rows = std::get_if<GivenPath>(&scene.motion)) return ToolPath{rows->rows, rows->smooth};
   if (const auto* press = std::get_if<Press>(&scene.motion))
-    return press_path(surface, *press, tip(tool.shown), reach);
+    return press_path(surface, *press, tip(tool.snapshot), reach);
   if (const auto* grasp = std::get_if<Grasp>(&scene.motion))
-    return grasp_path(surface, *grasp, tip(tool.shown), reach);
+    return grasp_path(surface, *grasp, tip(tool.snapshot), reach);
   if (std::holds_alternative<HandFile>(scene.motion)) return path_of(tool.hand);
   const PathFile& file = std::get<PathFile>(scene.motion);
   Result<std::vector<PathRow>> rows = read_path_rows(file.file);
@@ -113,7 +113,7 @@ Result<TouchingTool> load_tool_shape(const ToolScene& scene) {
   Result<MadeShape> made = make_shape(scene.shape);
   if (!made) return Error{fmt::format("{}: {}", scene.place, made.error().message)};
   tool.tool = {std::move(made->shape), scene.friction};
-  tool.shown = std::move(made->shown);
+  tool.snapshot = std::move(made->snapshot);
   tool.forceps = std::move(made->forceps);
   if (const auto* jaws = std::get_if<ForcepsTool>(&scene.shape)) tool.closing_time = jaws->closing;
   return tool;

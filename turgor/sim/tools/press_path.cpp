@@ -107,7 +107,7 @@ std::optional<Vec3d> seen_from_side(const RestSurface& surface, Vec3d point, Vec
   return std::nullopt;
 }
 
-PathRow row_above(const SurfacePlace& place, double time, double height) {
+PathRow row_above(const SurfaceSample& place, double time, double height) {
   return {.time = time,
           .position = place.point + place.normal * height,
           .hold = false,
@@ -116,7 +116,7 @@ PathRow row_above(const SurfacePlace& place, double time, double height) {
 
 }  // namespace
 
-SurfacePlace place_on_surface(const RestSurface& surface, Vec3d place, bool by_fraction, double reach) {
+SurfaceSample place_on_surface(const RestSurface& surface, Vec3d place, bool by_fraction, double reach) {
   Vec3d point = place;
   std::optional<Vec3d> seen;
   if (by_fraction) {
@@ -133,7 +133,7 @@ ToolPath press_path(const RestSurface& surface, const Press& press, double tip, 
   const auto place = [&](double s) {
     return place_on_surface(surface, press.at * (1 - s) + press.to * s, press.by_fraction, reach);
   };
-  const SurfacePlace first = place(0), last = press.slide > 0 ? place(1) : first;
+  const SurfaceSample first = place(0), last = press.slide > 0 ? place(1) : first;
   ToolPath path{.rows = {row_above(first, press.start, up)}, .smooth = true};
   double time = press.start + press.duration;
   path.rows.push_back(row_above(first, time, down));
@@ -151,7 +151,7 @@ ToolPath press_path(const RestSurface& surface, const Press& press, double tip, 
 }
 
 ToolPath grasp_path(const RestSurface& surface, const Grasp& grasp, double tip, double radius) {
-  const SurfacePlace place = place_on_surface(surface, grasp.at, grasp.by_fraction, 3 * radius);
+  const SurfaceSample place = place_on_surface(surface, grasp.at, grasp.by_fraction, 3 * radius);
   const Vec3d aside = grasp.aside - place.normal * dot(grasp.aside, place.normal);
   double time = grasp.start;
   ToolPath path{.rows = {row_above(place, time, tip + kClearance)}, .smooth = true};

@@ -16,14 +16,14 @@ struct RestSurface {
 };
 
 /// A point of the surface with the normal around it.
-struct SurfacePlace {
+struct SurfaceSample {
   Vec3d point;   // [m]
   Vec3d normal;  // unit, outward: the mean over `reach` around the point
 };
 
 /// The point of the surface that is nearest to `place`. In fractions of the surface's box, a component that
 /// is exactly 0 or 1 means the surface seen from that side of the box instead.
-SurfacePlace place_on_surface(const RestSurface& surface, Vec3d place, bool by_fraction, double reach);
+SurfaceSample place_on_surface(const RestSurface& surface, Vec3d place, bool by_fraction, double reach);
 
 /// `tip`: how far the tool reaches below its origin, along its own -z; `radius`: half of its width [m].
 ToolPath press_path(const RestSurface& surface, const Press& press, double tip, double radius);

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/io/number_table.hpp"
+#include "turgor/io/files/number_table.hpp"
 
 namespace turgor {
 

@@ -34,7 +34,7 @@ struct TouchingTool {
   contact::Tool tool;
   std::optional<contact::Forceps> forceps;
   double closing_time = 0;  // of its jaws [s]
-  TriMesh shown;            // about the tool's origin, to be drawn; jaws closed
+  TriMesh snapshot;         // about the tool's origin, to be drawn; jaws closed
   ToolPath path;
   std::vector<HandRow> hand;  // a recorded one, tick by tick; empty = the path says where it goes
   double grip = 0;            // after the last tick

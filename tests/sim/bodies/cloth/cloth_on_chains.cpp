@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "sim/bodies/cloth/cloth_scenes.hpp"
+#include "tests/sim/bodies/cloth/cloth_scenes.hpp"
 #include "turgor/sim/bodies/cloth/cloth_support.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -31,9 +31,9 @@ TEST(cloth_on_chains, chains_bear_the_sheets_weight_and_sink_as_a_half_space_und
     const double weight = sheet.model.total_mass * kGravity, pressure = weight / (0.06 * 0.06);
     EXPECT_NEAR(mean_of_last(sheet.obstacles[0].force, 60).z, -weight, 0.01 * weight)
         << "N, the cloth's side";
-    const Vec3d felt = total_force(chains.cloth);
-    EXPECT_NEAR(felt.z, -weight, 0.01 * weight) << "N, the chains' side";
-    EXPECT_LT(std::hypot(felt.x, felt.y), 0.01 * weight);
+    const Vec3d haptic = total_force(chains.cloth);
+    EXPECT_NEAR(haptic.z, -weight, 0.01 * weight) << "N, the chains' side";
+    EXPECT_LT(std::hypot(haptic.x, haptic.y), 0.01 * weight);
     double most = 0;
     for (const Vec3d u : chains.state.displacement) most = std::max(most, -u.z);
     const double expected = 1.1222 * pressure * 0.06 / (5.4e3 / 0.75);
@@ -72,13 +72,13 @@ friction = 1
 )",
                                         gravity, tissue, sheet));
     run(world, 180);
-    Vec3d felt;
-    for (int n = 0; n < 60; n++) run(world, 1), felt += total_force(world.rhombus_bodies[0].cloth) / 60.0;
+    Vec3d haptic;
+    for (int n = 0; n < 60; n++) run(world, 1), haptic += total_force(world.rhombus_bodies[0].cloth) / 60.0;
     const double weight = world.cloth_bodies[0].model.total_mass * kGravity, sign = down == 1 ? 1 : -1;
     const Vec3d pushed = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
     EXPECT_NEAR(sign * pushed[down], weight, 0.01 * weight);
     EXPECT_NEAR(norm(pushed), weight, 0.01 * weight);
-    EXPECT_NEAR(norm(felt - pushed), 0, 0.01 * weight);
+    EXPECT_NEAR(norm(haptic - pushed), 0, 0.01 * weight);
   }
 }
 

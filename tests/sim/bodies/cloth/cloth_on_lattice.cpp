@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "models/cloth_on_host.hpp"
-#include "sim/bodies/cloth/cloth_scenes.hpp"
+#include "tests/models/cloth/on_host.hpp"
+#include "tests/sim/bodies/cloth/cloth_scenes.hpp"
 #include "turgor/sim/bodies/cloth/cloth_support.hpp"
 #include "turgor/sim/world.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/block_scene.hpp"
+#include "tests/sim/block_scene.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor::test {

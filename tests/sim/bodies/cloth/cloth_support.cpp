@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "sim/bodies/cloth/cloth_scenes.hpp"
+#include "tests/sim/bodies/cloth/cloth_scenes.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/models/cloth/measure.hpp"
 #include "turgor/models/sfem/cholesky.hpp"
@@ -41,11 +41,11 @@ TEST(cloth_support, an_organ_bears_the_sheets_weight_and_sinks_by_pressure_times
   run(world, 240);
   const SfemBody& pad = world.sfem_bodies[0];
   const double pressure = 10 * kGravity, weight = pressure * 0.06 * 0.06;
-  const Vec3d felt = total_force(pad.press->load),
+  const Vec3d haptic = total_force(pad.press->load),
               pushed = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
   EXPECT_NEAR(pushed.z, -weight, 0.01 * weight) << "N, the cloth's side";
-  EXPECT_NEAR(felt.z, -weight, 0.01 * weight) << "N, the body's side";
-  EXPECT_LT(std::hypot(felt.x, felt.y), 0.01 * weight);
+  EXPECT_NEAR(haptic.z, -weight, 0.01 * weight) << "N, the body's side";
+  EXPECT_LT(std::hypot(haptic.x, haptic.y), 0.01 * weight);
   const Sinking top = sinking(pad);
   const double expected = pressure * 0.03 / 5e3;
   EXPECT_NEAR(top.mean, expected, 0.01 * expected) << "m, p L / E";

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "sim/bodies/cloth/cloth_scenes.hpp"
+#include "tests/sim/bodies/cloth/cloth_scenes.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -39,7 +39,7 @@ std::string error_of(const std::string& text, const std::vector<std::string>& ov
 }
 
 /// What a tool felt, in the mean of the last frames [N].
-Vec3d felt(const World& world, std::size_t frames) {
+Vec3d haptic(const World& world, std::size_t frames) {
   std::vector<Vec3d> forces;
   for (const ForceSample& s : world.tools[0].samples) forces.push_back(Vec3d(s.force));
   return mean_of_last(forces, frames);
@@ -75,7 +75,7 @@ TEST(ClothTools, a_ball_and_a_rod_that_a_hand_holds_still_bear_what_the_holds_do
                   more);
     run(world, 150);
     const double weight = weight_of(world);
-    const Vec3d tool = felt(world, 30), hold = taken_by_holds(world, 30);
+    const Vec3d tool = haptic(world, 30), hold = taken_by_holds(world, 30);
     EXPECT_LT(tool.z, -0.3 * weight) << shape;
     EXPECT_NEAR((hold.z - tool.z) / weight, 1, 0.02) << shape;
     EXPECT_NEAR((hold.x - tool.x) / weight, 0, 0.02) << shape << ": they pull at each other";
@@ -109,7 +109,7 @@ TEST(ClothTools, a_ball_smaller_than_a_cell_and_fast_does_not_pass_and_its_push_
       for (std::size_t v = 0; v < std::size_t(sheet.model.count); v++)
         lowest = std::min(lowest, double(sheet.state->x.z[v]));
       EXPECT_LT(lowest, -0.012) << seconds;
-      const double tool = felt(world, 20).z;
+      const double tool = haptic(world, 20).z;
       EXPECT_GT(tool, 0.5) << "N: it is pushed back";
       EXPECT_NEAR((taken_by_holds(world, 20).z - weight_of(world)) / tool, 1, 0.02)
           << law << ", action and reaction; " << seconds;
@@ -130,18 +130,18 @@ TEST(ClothTools, a_ball_that_is_drawn_over_a_sheet_rubs_it_by_coulomb_s_ratio) {
     World world = must_load(fmt::format(
         "{}{}[tool.ball]\nbody = \"sheet\"\nfriction = {}\nshape = {{ sphere = 0.012 }}\npath = {}\n", kSheet,
         kFrame, friction, path));
-    double rub = 0, push = 0;
+    double friction_impulse = 0, push = 0;
     for (int n = 0; n < 54; n++) {
       run(world, 1);
       if (n < 36) continue;
       for (const cloth::Contact& c : world.cloth_bodies[0].state->contacts.list) {
         if (!(c.impulse > 0) || c.obstacle != 0) continue;
-        rub += double(norm(c.rub)), push += double(c.impulse);
-        EXPECT_LE(norm(c.rub), 1.001 * friction * double(c.impulse));
+        friction_impulse += double(norm(c.friction_impulse)), push += double(c.impulse);
+        EXPECT_LE(norm(c.friction_impulse), 1.001 * friction * double(c.impulse));
       }
     }
-    EXPECT_NEAR(rub / push, friction, 0.02 * friction);
-    EXPECT_LT(dot(felt(world, 18), way), 0) << "against its way";
+    EXPECT_NEAR(friction_impulse / push, friction, 0.02 * friction);
+    EXPECT_LT(dot(haptic(world, 18), way), 0) << "against its way";
   }
 }
 
@@ -153,7 +153,7 @@ TEST(ClothTools, a_ball_that_rises_under_a_sheet_takes_from_the_table_what_it_li
                     "path = [[0, 0.11, 0.045, -0.02], [0.5, 0.11, 0.045, 0.03]]\n",
                 {"body.sheet.hold.left.end=0.01", "body.sheet.fabric.density=0.6"});
   run(world, 150);
-  const double weight = weight_of(world), tool = felt(world, 30).z,
+  const double weight = weight_of(world), tool = haptic(world, 30).z,
                table = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 30).z;
   EXPECT_LT(tool, -0.2 * weight) << "N: it lifts";
   EXPECT_NEAR((tool + table) / -weight, 1, 0.02) << tool << " N and " << table << " N";
@@ -169,7 +169,7 @@ TEST(ClothTools, a_rod_that_pushes_a_hanging_sheet_aside_feels_what_its_holds_ar
                  "11, rows = 15 }",
                  "body.sheet.hold.left.box=[[-1, -1, -0.001], [1, 1, 0.001]]"});
   run(world, 140);
-  const Vec3d tool = felt(world, 20), hold = taken_by_holds(world, 20);
+  const Vec3d tool = haptic(world, 20), hold = taken_by_holds(world, 20);
   EXPECT_GT(tool.x, 0.02 * weight_of(world)) << "N: it is pushed back";
   EXPECT_NEAR(hold.x / tool.x, 1, 0.02);
   EXPECT_NEAR((hold.z - tool.z) / weight_of(world), 1, 0.02);
@@ -213,7 +213,7 @@ TEST(ClothTools, a_finger_on_a_sheet_presses_the_organ_below_about_as_without_th
                           tissue);
   run(bare, 70), run(world, 150);
   const double expected = bare.tools[0].samples.back().force.z, weight = weight_of(world);
-  const Vec3d tool = felt(world, 60), pad = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
+  const Vec3d tool = haptic(world, 60), pad = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
   EXPECT_GT(expected, 0.3) << "N";
   EXPECT_NEAR(tool.z, expected, 0.1 * expected) << "N, without the sheet, which spreads the push";
   EXPECT_NEAR(-pad.z, tool.z + weight, 0.02 * tool.z) << "N: the pad bears finger and sheet";
@@ -242,7 +242,7 @@ shape = { sphere = 0.012 }
 path = [[0, 0, -0.05, 0], [0.5, 0, -0.037, 0], [1.2, 0, -0.033, 0]]
 )");
   run(world, 150);
-  const Vec3d tool = felt(world, 60), fat = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
+  const Vec3d tool = haptic(world, 60), fat = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 60);
   EXPECT_LT(tool.y, -0.05) << "N: it is pushed back";
   EXPECT_NEAR(fat.y, weight_of(world) - tool.y, 0.02 * fat.y) << "N";
   EXPECT_LT(longest_edge(world), 1.3);
@@ -262,7 +262,7 @@ TEST(ClothTools, a_finger_on_a_sheet_presses_the_chains_below_about_as_without_t
         {fine, "body.sheet.obstacle.pad.body=chains", "body.sheet.fabric.density=0.1"});
     run(bare, 40), run(world, 80);
     const double expected = bare.tools[0].samples.back().force.z, weight = weight_of(world);
-    const Vec3d tool = felt(world, 30), body = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 30);
+    const Vec3d tool = haptic(world, 30), body = mean_of_last(world.cloth_bodies[0].obstacles[0].force, 30);
     EXPECT_GT(expected, 0.15) << "N";
     EXPECT_NEAR(tool.z, expected, 0.3 * expected) << "N: the sheet, and cells of 3 mm, spread the push";
     EXPECT_NEAR(-body.z, tool.z + weight, 0.02 * tool.z) << "N: the chains bear finger and sheet";

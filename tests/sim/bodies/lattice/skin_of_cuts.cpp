@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "folders.hpp"
-#include "turgor/models/lattice/surface.hpp"
+#include "tests/folders.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
 #include "turgor/sim/run.hpp"
 
 namespace turgor {

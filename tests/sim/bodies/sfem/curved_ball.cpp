@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "geometry/shapes.hpp"
-#include "sim/sfem_scene_text.hpp"
-#include "turgor/io/file.hpp"
+#include "tests/geometry/shapes.hpp"
+#include "tests/sim/sfem_scene_text.hpp"
+#include "turgor/io/files/file.hpp"
 
 namespace turgor {
 namespace {

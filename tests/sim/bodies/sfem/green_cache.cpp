@@ -4,12 +4,12 @@
 #include <cstdlib>
 #include <random>
 
-#include "sim/sfem_scene_text.hpp"
-#include "small_disk.hpp"
+#include "tests/sim/sfem_scene_text.hpp"
+#include "tests/small_disk.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/geometry/hex_block.hpp"
-#include "turgor/io/file.hpp"
-#include "turgor/io/hdf5_file.hpp"
+#include "turgor/io/files/file.hpp"
+#include "turgor/io/files/hdf5_file.hpp"
 
 namespace turgor {
 namespace {

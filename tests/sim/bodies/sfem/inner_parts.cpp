@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/sfem_scene_text.hpp"
+#include "tests/sim/sfem_scene_text.hpp"
 #include "turgor/geometry/hex_block.hpp"
 #include "turgor/geometry/quadratic.hpp"
 #include "turgor/models/sfem/elements.hpp"
@@ -25,7 +25,7 @@ SfemScene with_a_nodule_and_a_cyst() {
   SfemScene scene;
   scene.inside = {{"nodule", 200, {4e4, 0.4}}};
   scene.inclusions = {{.name = "cyst",
-                       .centre = {0.07, 0.03, 0.02},
+                       .center = {0.07, 0.03, 0.02},
                        .by_fraction = false,
                        .radius = 0.012,
                        .material = {500, 0.3}}};
@@ -49,8 +49,8 @@ TEST(InnerParts, TheSurfaceOfAPartEnclosesItsElementsInAnyKindOfThem) {
     EXPECT_EQ(parts[1].name, "cyst");
     EXPECT_NEAR(volume_inside(body.mesh.vertices, parts[0]), nodule, 1e-9 * nodule);
     EXPECT_NEAR(4 * std::numbers::pi / 3 * std::pow(parts[0].radius, 3), nodule, 1e-9 * nodule);
-    EXPECT_LT(norm(parts[0].centre - Vec3d{0.03, 0.06, 0.025}), 0.004);
-    EXPECT_LT(norm(parts[1].centre - Vec3d{0.07, 0.03, 0.02}), 0.004);
+    EXPECT_LT(norm(parts[0].center - Vec3d{0.03, 0.06, 0.025}), 0.004);
+    EXPECT_LT(norm(parts[1].center - Vec3d{0.07, 0.03, 0.02}), 0.004);
   }
 }
 
@@ -60,13 +60,13 @@ TEST(InnerParts, APartMovesWithWhatPressesTheBodyAboveIt) {
   const Scene scene = test::body_scene(
       folder, "inclusion.bead = { centre = [0.03, 0.03, 0.018], radius = 0.008, young = 5e4 }\n");
   World world = test::sfem_world(exec, scene);
-  ShownWorld shown;
-  show(exec, world, shown);
-  const TriMesh before = shown.bodies[0].inside;
+  WorldSnapshot snapshot;
+  show(exec, world, snapshot);
+  const TriMesh before = snapshot.bodies[0].inside;
   ASSERT_FALSE(before.triangles.empty());
   for (int frame = 0; frame < 13; frame++) ASSERT_TRUE(step(exec, world));  // the finger is above it
-  show(exec, world, shown);
-  const TriMesh& after = shown.bodies[0].inside;
+  show(exec, world, snapshot);
+  const TriMesh& after = snapshot.bodies[0].inside;
   ASSERT_EQ(after.vertices.size(), before.vertices.size());
   double most = 0;
   for (std::size_t v = 0; v < after.vertices.size(); v++)

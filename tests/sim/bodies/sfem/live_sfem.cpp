@@ -3,7 +3,7 @@
 #include <chrono>
 #include <thread>
 
-#include "sim/sfem_scene_text.hpp"
+#include "tests/sim/sfem_scene_text.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/pressed.hpp"
 
@@ -54,30 +54,30 @@ void expect_like_offline(const std::string& keys, const std::vector<std::string>
   contact::SfemExchange exchange;
   contact::prepare(body.touch, exchange);
   LiveHand hand{body, body.touch, exchange, live.tools[0], {}};
-  std::thread haptic([&] { hand.run(kEnd); });
+  std::thread haptic_thread([&] { hand.run(kEnd); });
   int pictures = 0;
   while (!hand.done) {
     while (!hand.done && hand.ticks < 17 * hand.frames)
       std::this_thread::sleep_for(std::chrono::microseconds(100));
     make_frame(Exec(1), body, double(hand.frames) * kFrame, kFrame, exchange);
-    ShownBody shown;
-    show(Exec(1), body, shown);
-    pictures += shown.pressure.empty() ? 0 : 1;
+    BodySnapshot snapshot;
+    show(Exec(1), body, snapshot);
+    pictures += snapshot.pressure.empty() ? 0 : 1;
     while (body.worker && body.worker->is_busy() && !body.worker->is_ready())
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     hand.frames++;
   }
-  haptic.join();
+  haptic_thread.join();
   make_frame(Exec(1), body, kEnd, kFrame, exchange);
 
   ASSERT_EQ(hand.log.size(), 300u) << "no tick is left out";
   EXPECT_EQ(hand.log.missed(), 0u);
   EXPECT_EQ(pictures, hand.frames);
   EXPECT_GE(body.touch.taken, 2) << "the patch followed";
-  const auto &samples = offline.tools[0].samples, &felt = hand.log;
+  const auto &samples = offline.tools[0].samples, &haptic = hand.log;
   const double largest = pressed[0].force;
   double off = 0;
-  for (std::size_t i = 0; i < 295; i++) off = std::max(off, norm(samples[i].force - felt[i].force));
+  for (std::size_t i = 0; i < 295; i++) off = std::max(off, norm(samples[i].force - haptic[i].force));
   std::printf("%ld patches, %ld frames; largest %.4f N, apart by up to %.4f N, %.4f N a tick\n",
               body.touch.taken, long(hand.frames), largest, off, hand.steepest);
   // Patches come when they are ready, not at a tick that is fixed in advance: one that comes a frame later

@@ -38,7 +38,7 @@ TEST(OrganBody, LabelsAndSpheresBecomeMaterials) {
   SfemScene scene;
   scene.inside = {{"nodule", 200, {4e4, 0.4}}};
   scene.inclusions = {{.name = "cyst",
-                       .centre = {0.5, 0.5, 0.5},
+                       .center = {0.5, 0.5, 0.5},
                        .by_fraction = true,
                        .radius = 0.01,
                        .material = {500, 0.3}}};
@@ -48,7 +48,7 @@ TEST(OrganBody, LabelsAndSpheresBecomeMaterials) {
   EXPECT_EQ(std::accumulate(body->material.begin(), body->material.end(), 0), 1);
   EXPECT_EQ(body->material[7], 1);
   EXPECT_EQ(body->inclusions[0].material, 2);
-  EXPECT_NEAR(norm(body->inclusions[0].centre - Vec3d{0.05, 0.05, 0.025}), 0, 1e-12);
+  EXPECT_NEAR(norm(body->inclusions[0].center - Vec3d{0.05, 0.05, 0.025}), 0, 1e-12);
 }
 
 TEST(OrganBody, MaterialsThatNoElementHasAreErrors) {
@@ -61,7 +61,7 @@ TEST(OrganBody, MaterialsThatNoElementHasAreErrors) {
             "s.toml:3:1: body.b.inside.nodule: no element has the label 200; there are: 5");
   scene.inside.clear();
   scene.inclusions = {
-      {.name = "far", .centre = {1, 1, 1}, .by_fraction = false, .radius = 0.01, .material = {1, 0.3}}};
+      {.name = "far", .center = {1, 1, 1}, .by_fraction = false, .radius = 0.01, .material = {1, 0.3}}};
   EXPECT_NE(make_body(mesh, scene).error().message.find("body.b.inclusion.far: no element has its middle in"),
             std::string::npos);
 }
@@ -70,7 +70,7 @@ TEST(OrganBody, AnInclusionOffTheBodyIsToldWhereTheBodyIs) {
   SfemScene scene;
   scene.place = "s.toml:3:1: body.b";
   scene.inclusions = {{.name = "far",
-                       .centre = {0.05, 0.05, 0.35},
+                       .center = {0.05, 0.05, 0.35},
                        .by_fraction = false,
                        .radius = 0.01,
                        .material = {1, 0.3}}};

@@ -1,11 +1,11 @@
 #include <cmath>
 #include <set>
 
-#include "sim/sfem_scene_text.hpp"
+#include "tests/sim/sfem_scene_text.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/geometry/hex_block.hpp"
-#include "turgor/io/file.hpp"
-#include "turgor/io/solid_files.hpp"
+#include "turgor/io/files/file.hpp"
+#include "turgor/io/mesh/solid_files.hpp"
 #include "turgor/sim/bodies/sfem/follow_tools.hpp"
 #include "turgor/sim/recording/recording.hpp"
 #include "turgor/sim/recording/recording_touch.hpp"
@@ -25,10 +25,10 @@ World run_world(const Exec& exec, const Scene& scene) {
   return world;
 }
 
-ShownBody shown_now(const Exec& exec, const World& world) {
-  ShownBody shown;
-  show(exec, world.sfem_bodies[0], shown);
-  return shown;
+BodySnapshot shown_now(const Exec& exec, const World& world) {
+  BodySnapshot snapshot;
+  show(exec, world.sfem_bodies[0], snapshot);
+  return snapshot;
 }
 
 /// That its tool felt [N].
@@ -75,7 +75,7 @@ TEST(TouchOrgan, APatchIsTakenThreeTicksAfterItIsWantedAndTicksGoOnMeanwhile) {
   World world = sfem_world(Exec(1), body_scene(test::fresh_folder()));
   SfemBody& body = world.sfem_bodies[0];
   touch_body(Exec(1), body, world.tools, 0, 0.1);  // pressed
-  body.centres[0].x += 0.02;                       // far from where it touches
+  body.centers[0].x += 0.02;                       // far from where it touches
   const std::size_t before = body.rebuilds.size(), ticks = world.tools[0].samples.size();
   touch_body(Exec(1), body, world.tools, 0.1, 0.11);
   ASSERT_EQ(body.rebuilds.size(), before + 1);
@@ -121,7 +121,7 @@ TEST(TouchOrgan, ViscousTissueResistsAFastPressAndThenRelaxes) {
   EXPECT_LT(pressed_force(viscous), 2 * pressed_force(elastic));
   EXPECT_LT(norm(viscous.tools[0].samples.back().force), 0.9 * pressed_force(viscous));
   // The surface that is shown lies where the patch does: the coarse part has the memory, too.
-  const ShownBody surface = shown_now(Exec(1), viscous);
+  const BodySnapshot surface = shown_now(Exec(1), viscous);
   double lowest = 0;
   for (const Vec3 u : surface.displacement) lowest = std::min(lowest, double(u.z));
   EXPECT_NEAR(lowest, -0.003, 3e-4);
@@ -158,7 +158,7 @@ TEST(TouchOrgan, TheShownSurfaceIsClosedAndLiesOnTheTool) {
   const Exec exec(1);
   const Scene scene = body_scene(test::fresh_folder(), "", {"world.duration=0.12"});
   const World world = run_world(exec, scene);
-  const ShownBody surface = shown_now(exec, world);
+  const BodySnapshot surface = shown_now(exec, world);
   std::map<std::pair<int, int>, int> edges;
   for (const Int3 t : surface.triangles)
     for (int c = 0; c < 3; c++) edges[{t[c], t[(c + 1) % 3]}]++;
@@ -193,7 +193,7 @@ TEST(TouchOrgan, AFinerSurfaceIsCarriedAlong) {
   const Exec exec(1);
   const World world = run_world(
       exec, body_scene(folder, "seen = \"top.obj\"\nseen_scale = 0.001\n", {"world.duration=0.12"}));
-  const ShownBody surface = shown_now(exec, world);
+  const BodySnapshot surface = shown_now(exec, world);
   ASSERT_EQ(surface.rest.size(), 625u);
   const Vec3d ball = world.sfem_bodies[0].now.poses[0].pose.position;
   double lowest = 0, deepest_inside = 0;
@@ -208,7 +208,7 @@ TEST(TouchOrgan, AFinerSurfaceIsCarriedAlong) {
 
 /// Twelve frames with a snapshot at the start, in the middle and at the end.
 struct Recorded {
-  ShownWorld shown;
+  WorldSnapshot snapshot;
   std::vector<Pressed> pressed;
 };
 void record(const Exec& exec, const std::filesystem::path& file, const Scene& scene, World& world,
@@ -222,10 +222,10 @@ void record(const Exec& exec, const std::filesystem::path& file, const Scene& sc
       look_at_pressed(exec, world, recorded.pressed);
     }
     if (frame % 6 != 0) continue;
-    show(exec, world, recorded.shown);
-    ASSERT_TRUE(writer->add_snapshot(world, recorded.shown));
+    show(exec, world, recorded.snapshot);
+    ASSERT_TRUE(writer->add_snapshot(world, recorded.snapshot));
   }
-  ASSERT_TRUE(writer->finish(world, recorded.shown, recorded.pressed, "{}"));
+  ASSERT_TRUE(writer->finish(world, recorded.snapshot, recorded.pressed, "{}"));
 }
 
 TEST(TouchOrgan, ARecordingGivesSurfacesAndForcesBackToTheBit) {
@@ -241,11 +241,11 @@ TEST(TouchOrgan, ARecordingGivesSurfacesAndForcesBackToTheBit) {
   ASSERT_TRUE(again) << again.error().message;
   Result<World> drawn = load_world(exec, *again, {}, Purpose::kDraw);
   ASSERT_TRUE(drawn);
-  ShownWorld shown;
+  WorldSnapshot snapshot;
   std::vector<Pressed> pressed;
-  ASSERT_TRUE(recording->restore(exec, 2, *drawn, shown));
+  ASSERT_TRUE(recording->restore(exec, 2, *drawn, snapshot));
   ASSERT_TRUE(recording->restore_touch(*drawn, pressed));
-  const ShownBody &a = recorded.shown.bodies[0], &b = shown.bodies[0];
+  const BodySnapshot &a = recorded.snapshot.bodies[0], &b = snapshot.bodies[0];
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.x, b.x);
   EXPECT_EQ(a.normals, b.normals);
@@ -253,8 +253,8 @@ TEST(TouchOrgan, ARecordingGivesSurfacesAndForcesBackToTheBit) {
   EXPECT_EQ(a.displacement, b.displacement);
   EXPECT_EQ(a.pressure, b.pressure);
   EXPECT_EQ(a.triangles, b.triangles);
-  EXPECT_EQ(recorded.shown.tools[0].pose.position, shown.tools[0].pose.position);
-  EXPECT_EQ(recorded.shown.tools[0].mesh.vertices, shown.tools[0].mesh.vertices);
+  EXPECT_EQ(recorded.snapshot.tools[0].pose.position, snapshot.tools[0].pose.position);
+  EXPECT_EQ(recorded.snapshot.tools[0].mesh.vertices, snapshot.tools[0].mesh.vertices);
   EXPECT_EQ(recorded.pressed[0].body.displacement, pressed[0].body.displacement);
   EXPECT_EQ(recorded.pressed[0].force, pressed[0].force);
   ASSERT_EQ(world.tools[0].samples.size(), drawn->tools[0].samples.size());
@@ -328,7 +328,7 @@ TEST(TouchOrgan, APatchThatCannotFollowLeavesTheOneBeforeAndIsWarnedOf) {
   touch_body(Exec(1), body, world.tools, 0, 0.1);
   const std::vector<int> elements = body.touch.patch->elements;
   body.patch_memory = 1000;
-  body.centres[0].x += 0.02;  // far from where it touches
+  body.centers[0].x += 0.02;  // far from where it touches
   touch_body(Exec(1), body, world.tools, 0.1, 0.11);
   EXPECT_EQ(body.touch.patch->elements, elements);
   EXPECT_EQ(body.kept_patches, 1) << "tried once, not in every tick";
@@ -345,7 +345,7 @@ TEST(TouchOrgan, TheCostOfAPatchIsKnownWithinAFactorOfThree) {
   const World world = sfem_world(Exec(1), body_scene(test::fresh_folder()));
   const SfemBody& body = world.sfem_bodies[0];
   const sfem::PatchCost cost =
-      sfem::patch_cost(body.model, body.touch.patch->elements, body.refinement, body.centres);
+      sfem::patch_cost(body.model, body.touch.patch->elements, body.refinement, body.centers);
   EXPECT_EQ(cost.local_nodes, std::size_t(body.touch.patch->local_nodes));
   EXPECT_EQ(cost.points, body.touch.patch->points.size());
   double kept = double(body.touch.patch->compliance.size()) * 8;

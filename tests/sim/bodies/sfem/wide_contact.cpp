@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sim/sfem_scene_text.hpp"
+#include "tests/sim/sfem_scene_text.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/sim/report/force_error.hpp"
 #include "turgor/sim/report/report_touch.hpp"

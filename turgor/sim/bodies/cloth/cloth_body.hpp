@@ -8,15 +8,15 @@
 #include <vector>
 
 #include "turgor/contact/tool.hpp"
-#include "turgor/models/cloth/kept_state.hpp"
+#include "turgor/models/cloth/contact/obstacle.hpp"
+#include "turgor/models/cloth/device/device_state.hpp"
 #include "turgor/models/cloth/measure.hpp"
-#include "turgor/models/cloth/obstacle.hpp"
 #include "turgor/sim/bodies/cloth/cloth_support.hpp"
 #include "turgor/sim/frame.hpp"
 #include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/cloth_scene.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/tools/press_path.hpp"
 
 namespace turgor {
@@ -42,7 +42,7 @@ struct ClothObstacle {
   contact::Pose pose;  // of `shape`
   std::shared_ptr<const cloth::MovingSurface> surface;
   std::optional<ClothSupport> support;
-  TriMesh shown;             // to be drawn; of bodies, nothing
+  TriMesh snapshot;          // to be drawn; of bodies, nothing
   std::vector<Vec3d> force;  // of the cloth on it, by frame [N]
 };
 
@@ -62,7 +62,7 @@ struct ClothSample {
 struct ClothBody : FrameTouchedBody {
   std::vector<Int3> triangles;  // of the mesh, as the scene gives it
   cloth::Model model;
-  cloth::KeptState state;
+  cloth::DeviceState state;
   cloth::Air air;
   std::vector<WindTurn> turns;
   std::vector<ClothHold> holds;
@@ -102,6 +102,6 @@ std::uint64_t state_hash(const ClothBody& body, std::uint64_t seed);
 
 inline Look look_of(const ClothBody&) { return Look::kCloth; }
 /// In the model's numbering.
-void show(const Exec& exec, const ClothBody& body, ShownBody& out);
+void show(const Exec& exec, const ClothBody& body, BodySnapshot& out);
 
 }  // namespace turgor

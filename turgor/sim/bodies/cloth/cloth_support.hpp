@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "turgor/models/cloth/obstacle.hpp"
+#include "turgor/models/cloth/contact/obstacle.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
 #include "turgor/sim/scene/cloth_scene.hpp"

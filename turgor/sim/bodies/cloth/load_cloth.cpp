@@ -4,8 +4,8 @@
 
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/where_is.hpp"
-#include "turgor/io/surface_files.hpp"
-#include "turgor/models/cloth/gpu_sheet.hpp"
+#include "turgor/io/mesh/surface_files.hpp"
+#include "turgor/models/cloth/device/gpu_sheet.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
 #include "turgor/sim/tools/tool_mesh.hpp"
 #include "turgor/sim/world.hpp"
@@ -50,23 +50,23 @@ Result<ClothObstacle> load_obstacle(const ObstacleScene& scene, ClothBody& body)
   ClothObstacle obstacle{.name = scene.name, .friction = scene.friction, .gap = scene.gap};
   if (const auto* plane = std::get_if<PlaneScene>(&scene.shape)) {
     obstacle.plane = *plane;
-    obstacle.shown = shown_plane(*plane, 1.5 * std::sqrt(body.model.area));
+    obstacle.snapshot = shown_plane(*plane, 1.5 * std::sqrt(body.model.area));
   } else if (const auto* ball = std::get_if<BallScene>(&scene.shape)) {
     obstacle.shape = contact::Sphere{ball->radius};
-    obstacle.pose.position = ball->centre;
-    obstacle.shown = placed(capsule_mesh(ball->radius, 0), obstacle.pose);
+    obstacle.pose.position = ball->center;
+    obstacle.snapshot = placed(capsule_mesh(ball->radius, 0), obstacle.pose);
   } else if (const auto* rod = std::get_if<RodScene>(&scene.shape)) {
     const Vec3d along = rod->to - rod->from;
     obstacle.shape = contact::Capsule{rod->radius, norm(along) / 2};
     obstacle.pose = {(rod->from + rod->to) * 0.5,
                      axes_along(norm(along) > 0 ? normalized(along) : Vec3d{0, 0, 1})};
-    obstacle.shown = placed(capsule_mesh(rod->radius, norm(along) / 2), obstacle.pose);
+    obstacle.snapshot = placed(capsule_mesh(rod->radius, norm(along) / 2), obstacle.pose);
   } else if (const auto* file = std::get_if<GarmentFile>(&scene.shape)) {
     Result<TriMesh> mesh = read_garment_file(*file, body.notes);
     if (!mesh) return mesh.error();
     obstacle.surface = cloth::moving_surface(*mesh, {}, 0);
     mesh->normals = vertex_normals(*mesh);
-    obstacle.shown = std::move(*mesh);
+    obstacle.snapshot = std::move(*mesh);
   } else {
     obstacle.support.emplace().body = std::get<BodyId>(scene.shape);
   }
@@ -100,7 +100,7 @@ Result<ClothHold> load_hold(const HoldScene& scene, const TriMesh& mesh, const c
 Status put_on_gpu(ClothBody& body) {
   const Result<Gpu> gpu = open_gpu();
   if (!gpu) return Error{"device = \"gpu\": " + gpu.error().message};
-  Result<std::shared_ptr<cloth::SheetThere>> there = put(*gpu, body.model);
+  Result<std::shared_ptr<cloth::SheetBackend>> there = put(*gpu, body.model);
   if (!there) return Error{"device = \"gpu\": " + there.error().message};
   body.state.step_on(std::move(*there));
   body.notes.push_back("steps on " + gpu->name);

@@ -9,7 +9,7 @@ std::uint64_t state_hash(const ClothBody& body, std::uint64_t seed) {
   return hash_bytes(&one, sizeof one, seed);
 }
 
-void show(const Exec&, const ClothBody& body, ShownBody& out) {
+void show(const Exec&, const ClothBody& body, BodySnapshot& out) {
   const TriMesh now = cloth::surface(body.model, body.state, body.triangles);
   out.x = now.vertices, out.normals = now.normals, out.triangles = now.triangles;
   out.wall_begin = out.triangles.size();

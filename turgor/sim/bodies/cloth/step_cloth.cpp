@@ -28,12 +28,12 @@ void seize(const ClothBody& body, ClothHold& hold) {
   hold.vertices.clear();
   for (std::size_t v = 0; v < body.model.place.size(); v++) {
     const Vec3d x(body.state->x[std::size_t(body.model.place[v])]);
-    if (norm(x - hold.scene.ball->centre) <= hold.scene.ball->radius) hold.vertices.push_back(int(v));
+    if (norm(x - hold.scene.ball->center) <= hold.scene.ball->radius) hold.vertices.push_back(int(v));
   }
   if (!hold.vertices.empty()) return;
   std::vector<Vec3d> places;
   for (std::size_t v = 0; v < std::size_t(body.model.count); v++) places.emplace_back(body.state->x[v]);
-  hold.missed = where_is(places, hold.scene.ball->centre);
+  hold.missed = where_is(places, hold.scene.ball->center);
 }
 
 /// Seizes, moves or lets go; `end` is the time at the end of this frame. The vertices are there.
@@ -99,7 +99,8 @@ cloth::Obstacle made(const Exec& exec, ClothObstacle& obstacle, World& world) {
 void add_tools(ClothBody& body, const World& world, const FrameInput& input, cloth::Inputs& inputs) {
   for (std::size_t t = 0; t < body.tools.size(); t++) {
     const TouchingTool& tool = world.tools[std::size_t(body.tool_indices[t])];
-    if (!body.felt.empty() && body.felt[t].was_put) body.poses[t] = command_at(tool, input.from).pose;
+    if (!body.haptic.empty() && body.haptic[t].was_teleported)
+      body.poses[t] = command_at(tool, input.from).pose;
     const contact::Pose to = command_at(tool, input.to).pose;
     inputs.obstacles.push_back(contact::cloth_tool(body.tools[t].shape, body.poses[t], to, world.dt));
     inputs.obstacles.back().friction = body.tools[t].friction;
@@ -119,9 +120,9 @@ void note_tools(ClothBody& body, World& world, double time, double seconds) {
                       .torque = load.moment / body.state->impulse_time};
     for (const cloth::Contact& c : body.state->contacts.list)
       body.forces[t].contacts += c.obstacle == obstacle && c.impulse > 0;
-    const contact::ToolForce& felt = body.forces[t];
-    ForceSample sample =
-        sample_of(time, command, {.force = felt.force, .torque = felt.torque, .contacts = felt.contacts});
+    const contact::ToolForce& haptic = body.forces[t];
+    ForceSample sample = sample_of(
+        time, command, {.force = haptic.force, .torque = haptic.torque, .contacts = haptic.contacts});
     sample.tick_seconds = float(seconds);
     tool.samples.append(sample);
   }
@@ -129,11 +130,11 @@ void note_tools(ClothBody& body, World& world, double time, double seconds) {
 
 /// What ticks feel until the next frame.
 void leave_planes(ClothBody& body) {
-  for (std::size_t t = 0; t < body.felt.size(); t++)
-    leave_plane(
-        body, t,
-        contact::local_contact(body.model, body.state, int(body.obstacles.size() + t), tool_gap(body),
-                               body.tools[t], body.poses[t], body.state->impulse_time, body.felt[t].memory));
+  for (std::size_t t = 0; t < body.haptic.size(); t++)
+    leave_plane(body, t,
+                contact::local_contact(body.model, body.state, int(body.obstacles.size() + t), tool_gap(body),
+                                       body.tools[t], body.poses[t], body.state->impulse_time,
+                                       body.haptic[t].memory));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/models/lattice/others.hpp"
+#include "turgor/models/lattice/model/halo.hpp"
 
 namespace turgor {
 
@@ -80,16 +80,16 @@ Result<Cut> load_cut(const IncisionScene& scene, const LatticeBody& body) {
 }
 
 Status advance_blade(LatticeBody& body, std::span<Cut> cuts, int index, double time,
-                     const lattice::Others* others) {
+                     const lattice::HaloExchange* halo) {
   Cut& cut = cuts[std::size_t(index)];
   const double fraction = blade_fraction(cut, time);
   if (fraction <= cut.done) return Done{};
-  if (others) others->refresh();
+  if (halo) halo->refresh();
   if (!cut.path) {
     std::vector<lattice::LaidBlade> laid;
     for (const Cut& other : cuts)
       if (other.body == cut.body && other.path) laid.push_back({other.blade, *other.path});
-    Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade, others, laid);
+    Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade, halo, laid);
     if (!path) return path.error();
     cut.path = std::move(*path);
     if (cut.blade.width > 0) cut.edges = body.state.cut_region(body.model, *cut.path);
@@ -97,7 +97,7 @@ Status advance_blade(LatticeBody& body, std::span<Cut> cuts, int index, double t
   if (cut.blade.width == 0)
     cut.edges += body.state.cut_edges(body.model, *cut.path, cut.done, fraction, index);
   cut.done = fraction;
-  if (others) others->refresh();
+  if (halo) halo->refresh();
   return Done{};
 }
 

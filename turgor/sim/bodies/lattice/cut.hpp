@@ -7,7 +7,7 @@
 
 #include "turgor/core/result.hpp"
 #include "turgor/geometry/box.hpp"
-#include "turgor/models/lattice/incision.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 
@@ -28,7 +28,7 @@ Result<Cut> load_cut(const IncisionScene& scene, const LatticeBody& body);
 /// Moves the blade of one of a world's cuts to where it is at a time [s]. `index`: which, as cut edges
 /// remember. Error: the blade found no skin any more. `others` as of lattice::Inputs.
 Status advance_blade(LatticeBody& body, std::span<Cut> cuts, int index, double time,
-                     const lattice::Others* others = nullptr);
+                     const lattice::HaloExchange* halo = nullptr);
 
 /// Smallest box around the nodes of a body, along the axes of the patient frame [m].
 Box body_box(const lattice::Model& model);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "turgor/geometry/labelled_part.hpp"
+#include "turgor/geometry/labeled_component.hpp"
 
 namespace turgor {
 
@@ -12,11 +12,11 @@ namespace {
 /// Which voxels of a CT lie in a part of the labels. Places go linearly from one grid to the other.
 struct KeptVoxels {
   const LabelVolume& labels;
-  const LabelledPart& part;
+  const LabeledPart& part;
   Vec3d first;
   Mat3d to_labels;
 
-  KeptVoxels(const LabelVolume& l, const LabelledPart& p, const Grid& ct)
+  KeptVoxels(const LabelVolume& l, const LabeledPart& p, const Grid& ct)
       : labels(l), part(p), first(index_at(l.grid, point_at(ct, {}))) {
     for (int axis = 0; axis < 3; axis++) {
       Vec3d unit;
@@ -56,7 +56,7 @@ CtVolume cut_out(const CtVolume& ct, const VoxelBox& box) {
 
 Status keep_label(const Exec& exec, const LabelVolume& labels, int label, Int3 margin, CtVolume& ct,
                   std::vector<std::string>& notes) {
-  const Result<LabelledPart> part = largest_labelled_part(labels, std::span(&label, 1));
+  const Result<LabeledPart> part = largest_labeled_part(labels, std::span(&label, 1));
   if (!part) return part.error();
   notes.insert(notes.end(), part->notes.begin(), part->notes.end());
   const KeptVoxels is_kept(labels, *part, ct.grid);

@@ -10,9 +10,9 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/reorient.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/models/lattice/body_nodes.hpp"
-#include "turgor/models/lattice/gpu_body.hpp"
-#include "turgor/models/lattice/step_loops.hpp"
+#include "turgor/models/lattice/build/body_nodes.hpp"
+#include "turgor/models/lattice/device/gpu_body.hpp"
+#include "turgor/models/lattice/solver/step_kernels.hpp"
 #include "turgor/sim/bodies/lattice/keep_label.hpp"
 #include "turgor/sim/bodies/lattice/load_ct.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
@@ -114,11 +114,11 @@ Result<LatticeBody> load(const Exec& exec, const LatticeScene& scene, const Prog
 Status put_on_gpu(LatticeBody& body) {
   const Result<Gpu> gpu = open_gpu();
   if (!gpu) return Error{"world.device = \"gpu\": " + gpu.error().message};
-  Result<std::shared_ptr<lattice::BodyThere>> there = put(*gpu, body.model);
+  Result<std::shared_ptr<lattice::BodyBackend>> there = put(*gpu, body.model);
   if (!there) return Error{"world.device = \"gpu\": " + there.error().message};
   body.state.step_on(std::move(*there));
   const lattice::SolverParams& solver = body.model.params.solver;
-  const bool may_sleep = solver.method == lattice::Method::kDescent && solver.sleep > 0;
+  const bool may_sleep = solver.method == lattice::Method::kVbd && solver.sleep > 0;
   body.notes.push_back("steps on " + gpu->name +
                        (may_sleep ? "; no row sleeps there, whatever solver.sleep" : ""));
   return Done{};
@@ -134,8 +134,8 @@ void set_poses(LatticeBody& body, const std::vector<TouchingTool>& tools, double
 /// Those that a hand put elsewhere, to where they begin this step.
 void put_tools(LatticeBody& body, const std::vector<TouchingTool>& tools, double from) {
   set_poses(body, tools, from);
-  for (std::size_t t = 0; t < body.felt.size(); t++)
-    if (body.felt[t].was_put) contact::put_tool(body.touch, body.model, int(t), body.poses[t]);
+  for (std::size_t t = 0; t < body.haptic.size(); t++)
+    if (body.haptic[t].was_teleported) contact::teleport_tool(body.touch, body.model, int(t), body.poses[t]);
 }
 
 /// Parts of a step in each of which no tool moves farther than half of its tip.
@@ -159,23 +159,24 @@ int part_count(LatticeBody& body, const std::vector<TouchingTool>& tools, double
 double depth_at_rest(const LatticeBody& body, const contact::Tool& tool, const contact::Pose& pose) {
   const double near = contact::bounding_radius(tool.shape);
   double deepest = 0;
-  const auto look_at = [&](Vec3d x) {
+  const auto read_nodes = [&](Vec3d x) {
     if (const Vec3d d = x - pose.position; dot(d, d) < near * near)
       deepest = std::max(deepest, -contact::distance(tool.shape, pose, x).distance);
   };
   for (const Int3 t : body.surface.triangles) {
     const Vec3d a = body.rest[std::size_t(t.x)], b = body.rest[std::size_t(t.y)],
                 c = body.rest[std::size_t(t.z)];
-    for (const Vec3d x : {a, b, c, (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5, (a + b + c) / 3}) look_at(x);
+    for (const Vec3d x : {a, b, c, (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5, (a + b + c) / 3})
+      read_nodes(x);
   }
   return deepest;
 }
 
 void record_step(const LatticeBody& body, std::vector<TouchingTool>& tools, double time, double seconds) {
   for (std::size_t t = 0; t < body.tool_indices.size(); t++) {
-    const contact::ToolForce& felt = body.forces[t];
-    contact::ToolReading reading{.force = felt.force, .torque = felt.torque, .contacts = felt.contacts};
-    if (felt.contacts > 0) reading.depth = depth_at_rest(body, body.tools[t], body.poses[t].pose);
+    const contact::ToolForce& haptic = body.forces[t];
+    contact::ToolReading reading{.force = haptic.force, .torque = haptic.torque, .contacts = haptic.contacts};
+    if (haptic.contacts > 0) reading.depth = depth_at_rest(body, body.tools[t], body.poses[t].pose);
     ForceSample sample = sample_of(time, {.pose = body.poses[t].pose, .hold = body.poses[t].hold}, reading);
     sample.tick_seconds = float(seconds);
     tools[std::size_t(body.tool_indices[t])].samples.append(sample);
@@ -237,12 +238,12 @@ std::vector<int> touched_nodes(const LatticeBody& body) {
 
 /// What ticks feel until the next frame.
 void leave_planes(LatticeBody& body) {
-  if (body.felt.empty()) return;
-  body.state.look_at(touched_nodes(body), [&](const lattice::State& state) {
-    for (std::size_t t = 0; t < body.felt.size(); t++)
+  if (body.haptic.empty()) return;
+  body.state.read_nodes(touched_nodes(body), [&](const lattice::State& state) {
+    for (std::size_t t = 0; t < body.haptic.size(); t++)
       leave_plane(body, t,
                   contact::local_contact(body.model, state, body.touch, int(t), body.tools[t], body.poses[t],
-                                         body.felt[t].memory));
+                                         body.haptic[t].memory));
   });
 }
 
@@ -260,14 +261,14 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
     const double dt = (to - from) / parts;
     const std::vector<int> near =
         contact::places_near(body.model, body.state, body.touch, body.tools, body.poses);
-    body.state.look_at(nodes_of(body.touch, near), [&](const lattice::State& state) {
+    body.state.read_nodes(nodes_of(body.touch, near), [&](const lattice::State& state) {
       inputs.contacts =
           contact::find_contacts(body.model, state, body.touch, body.tools, body.poses, dt, near);
     });
     const Real fastest = report.largest_speed;
     report = body.state.step(exec, body.model, inputs, dt);
     report.largest_speed = std::max(report.largest_speed, fastest);
-    body.state.look_at(touched_nodes(body), [&](const lattice::State& state) {
+    body.state.read_nodes(touched_nodes(body), [&](const lattice::State& state) {
       contact::read_forces(body.model, state, body.touch, body.tools, body.forces);
     });
   }
@@ -280,7 +281,7 @@ lattice::StepReport step_lattice(const Exec& exec, LatticeBody& body, std::vecto
 void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInput& input,
                FrameReport& report) {
   // Position-based dynamics has no forces that could be left over.
-  const bool has_forces = body.model.params.solver.method == lattice::Method::kDescent;
+  const bool has_forces = body.model.params.solver.method == lattice::Method::kVbd;
   const std::vector<lattice::NodeLoad> loads = node_loads(body);
   const lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
                                .measure_residual = input.measure_residual && has_forces,

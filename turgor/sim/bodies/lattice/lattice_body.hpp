@@ -9,15 +9,15 @@
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/geometry/volume.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/models/lattice/kept_state.hpp"
+#include "turgor/models/lattice/device/device_state.hpp"
 #include "turgor/models/lattice/lattice.hpp"
-#include "turgor/models/lattice/surface.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
 #include "turgor/sim/frame.hpp"
 #include "turgor/sim/live/exchanges.hpp"
 #include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/scene.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/tools/press_path.hpp"
 
 namespace turgor {
@@ -29,8 +29,8 @@ struct LatticeBody : FrameTouchedBody {
   std::uint64_t ct_hash = 0;  // of the CT's samples and grid
   DicomOrigin ct_origin;      // of a DICOM series
   lattice::Model model;
-  lattice::KeptState state;  // here or on a GPU
-  Box box;                   // around its nodes in the CT, along the patient's axes [m]
+  lattice::DeviceState state;  // here or on a GPU
+  Box box;                     // around its nodes in the CT, along the patient's axes [m]
   double read_seconds = 0, build_seconds = 0;
   std::vector<std::string> notes;  // what was left out while reading
   bool has_gravity = true;
@@ -77,6 +77,6 @@ inline ToolNow tool_now(const LatticeBody& body, std::size_t t, const World&) {
 }
 inline Look look_of(const LatticeBody&) { return Look::kSkin; }
 /// Its skin and the walls of its wounds.
-void show(const Exec& exec, const LatticeBody& body, ShownBody& out);
+void show(const Exec& exec, const LatticeBody& body, BodySnapshot& out);
 
 }  // namespace turgor

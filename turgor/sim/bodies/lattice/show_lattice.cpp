@@ -1,5 +1,5 @@
 // What is seen of a lattice: its skin and the walls of its wounds.
-#include "turgor/models/lattice/surface_parts.hpp"
+#include "turgor/models/lattice/surface/surface_assembly.hpp"
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 
 namespace turgor {
@@ -46,7 +46,7 @@ Skin skin_of(const Exec& exec, const LatticeBody& body, KeptSkin& skin) {
 
 std::span<const int> nodes_behind(const LatticeBody& body, const lattice::BodySurface& surface,
                                   KeptNodes& behind) {
-  if (!body.state.is_away()) return {};
+  if (!body.state.is_on_device()) return {};
   const std::size_t cuts = body.state.cuts();
   if (behind.model != &body.model || behind.cuts != cuts || behind.nodes.empty())
     behind = {lattice::nodes_behind(body.model, body.state.without_places(), surface), &body.model, cuts};
@@ -55,11 +55,11 @@ std::span<const int> nodes_behind(const LatticeBody& body, const lattice::BodySu
 
 }  // namespace
 
-void show(const Exec& exec, const LatticeBody& body, ShownBody& out) {
+void show(const Exec& exec, const LatticeBody& body, BodySnapshot& out) {
   if (!std::any_cast<KeptForShow>(&out.kept)) out.kept = KeptForShow();
   KeptForShow& kept = *std::any_cast<KeptForShow>(&out.kept);
   const Skin skin = skin_of(exec, body, kept.skin);
-  const TriMesh now = body.state.look_at_wounds(
+  const TriMesh now = body.state.read_wound_nodes(
       nodes_behind(body, skin.surface, kept.behind), [&](const lattice::State& state) {
         return lattice::deformed_surface(body.model, state, skin.surface, lattice::Shown::kStretch);
       });

@@ -8,7 +8,7 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/geometry/phantom_liver.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/io/surface_files.hpp"
+#include "turgor/io/mesh/surface_files.hpp"
 #include "turgor/models/rhombus/surface_stiffness.hpp"
 #include "turgor/sim/bodies/lattice/load_ct.hpp"
 #include "turgor/sim/bodies/rhombus/elastic_stiffness.hpp"
@@ -96,9 +96,9 @@ void measure_jump(RhombusBody& body, std::size_t t, const ForceSample& before, c
 }  // namespace
 
 void log_tick(RhombusBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool) {
-  const rhombus::TouchForce& felt = body.touch.forces[t];
-  if (felt.slipped && tool.limits.slips++ == 0) tool.limits.slipped_at = sample.time;
-  tool.limits.yielding_ticks += felt.yielding;
+  const rhombus::TouchForce& haptic = body.touch.forces[t];
+  if (haptic.slipped && tool.limits.slips++ == 0) tool.limits.slipped_at = sample.time;
+  tool.limits.yielding_ticks += haptic.yielding;
   if (!tool.samples.empty()) measure_jump(body, t, tool.samples.back(), sample);
   body.openings[t] = body.touch.inputs[t].opening;
   tool.samples.append(sample);
@@ -175,14 +175,14 @@ void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from
   take_touched(body);
 }
 
-void begin_felt(RhombusBody& body, const std::vector<TouchingTool>& /*tools*/) {
-  body.felt = std::make_unique<latest<contact::RhombusTouchedNow>>();
-  contact::prepare(body.touch, *body.felt);
+void begin_haptics(RhombusBody& body, const std::vector<TouchingTool>& /*tools*/) {
+  body.haptic = std::make_unique<latest<contact::RhombusTouchedNow>>();
+  contact::prepare(body.touch, *body.haptic);
 }
 
-void tick_felt(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
-               std::span<contact::ToolReading> readings) {
-  contact::tick(body.model, body.touch, *body.felt, commands, dt, readings);
+void tick_haptics(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
+                  std::span<contact::ToolReading> readings) {
+  contact::tick(body.model, body.touch, *body.haptic, commands, dt, readings);
 }
 
 void take_touched(RhombusBody& body) { body.state.touches = body.now.touches; }

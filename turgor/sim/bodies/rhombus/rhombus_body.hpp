@@ -10,10 +10,10 @@
 #include "turgor/models/rhombus/rhombus.hpp"
 #include "turgor/sim/bodies/cloth/cloth_load.hpp"
 #include "turgor/sim/frame.hpp"
-#include "turgor/sim/live/known.hpp"
+#include "turgor/sim/live/tick_inputs.hpp"
 #include "turgor/sim/loading.hpp"
 #include "turgor/sim/scene/rhombus_scene.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/tools/press_path.hpp"
 #include "turgor/sim/tools/touched_body.hpp"
 
@@ -23,12 +23,12 @@ struct World;
 
 struct RhombusBody : TouchedBody {
   rhombus::Model model;
-  contact::RhombusTouch touch;                     // who ticks owns this
-  boxed<latest<contact::RhombusTouchedNow>> felt;  // while a haptic thread ticks: what it leaves
-  contact::RhombusTouchedNow now;                  // what it left for the frame; one for each of tool_indices
-  rhombus::State state;                            // of the frame: the surface as it was shown last
-  ClothLoad cloth;                                 // what lies on it
-  std::vector<int> mesh_vertex;  // in the mesh of the body whose surface it is; empty = its own
+  contact::RhombusTouch touch;                       // who ticks owns this
+  boxed<latest<contact::RhombusTouchedNow>> haptic;  // while a haptic thread ticks: what it leaves
+  contact::RhombusTouchedNow now;  // what it left for the frame; one for each of tool_indices
+  rhombus::State state;            // of the frame: the surface as it was shown last
+  ClothLoad cloth;                 // what lies on it
+  std::vector<int> mesh_vertex;    // in the mesh of the body whose surface it is; empty = its own
   double build_seconds = 0;
   double volume = 0;               // at rest [m³]
   double pressed_volume = 0;       // the most that was pressed in after a frame [m³]
@@ -64,22 +64,22 @@ void take_touched(RhombusBody& body);
 
 /// For a haptic thread, and for who does again what it did: see sim/live/exchanges.hpp. A tick needs nothing
 /// of the frame.
-void begin_felt(RhombusBody& body, const std::vector<TouchingTool>& tools);
-void tick_felt(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
-               std::span<contact::ToolReading> readings);
-inline TickKnew tick_knew(const RhombusBody&, std::size_t) { return {}; }
-inline FrameKnew frame_knew(const RhombusBody& body, std::size_t) {
+void begin_haptics(RhombusBody& body, const std::vector<TouchingTool>& tools);
+void tick_haptics(RhombusBody& body, std::span<const contact::ToolCommand> commands, double dt,
+                  std::span<contact::ToolReading> readings);
+inline TickInputs tick_inputs(const RhombusBody&, std::size_t) { return {}; }
+inline FrameInputs frame_inputs(const RhombusBody& body, std::size_t) {
   return {std::int32_t(body.now.ticks), 0};
 }
-inline void end_felt(RhombusBody& body) { body.felt.reset(); }
+inline void end_haptics(RhombusBody& body) { body.haptic.reset(); }
 inline void keep_frame(RhombusBody&) {}
-inline void give_frame(RhombusBody&, std::size_t, TickKnew) {}
+inline void give_frame(RhombusBody&, std::size_t, TickInputs) {}
 inline void expect_patch(RhombusBody&, bool) {}
 inline void set_friction(RhombusBody&, std::size_t, double) {}  // chains know none
 
 /// Tool `t` of its tool_indices.
 ToolNow tool_now(const RhombusBody& body, std::size_t t, const World& world);
 inline Look look_of(const RhombusBody&) { return Look::kFlesh; }
-void show(const Exec& exec, const RhombusBody& body, ShownBody& out);
+void show(const Exec& exec, const RhombusBody& body, BodySnapshot& out);
 
 }  // namespace turgor

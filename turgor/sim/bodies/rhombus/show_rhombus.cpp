@@ -7,8 +7,8 @@
 namespace turgor {
 
 void step_body(const Exec& exec, RhombusBody& body, World& world, const FrameInput& input, FrameReport&) {
-  if (body.felt) {
-    body.now = body.felt->read();
+  if (body.haptic) {
+    body.now = body.haptic->read();
     take_touched(body);
   } else {
     touch_body(body, world.tools, input.from, input.to);
@@ -26,7 +26,7 @@ ToolNow tool_now(const RhombusBody& body, std::size_t t, const World&) {
   return {body.now.poses[t], body.now.forces[t].force, body.now.inputs[t].opening};
 }
 
-void show(const Exec&, const RhombusBody& body, ShownBody& out) {
+void show(const Exec&, const RhombusBody& body, BodySnapshot& out) {
   const std::vector<Vec3d>& rest = body.model.surface.vertices;
   out.triangles = body.model.surface.triangles;
   out.mesh_vertex = body.mesh_vertex;

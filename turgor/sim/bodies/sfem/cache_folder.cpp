@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "turgor/io/hdf5_file.hpp"
+#include "turgor/io/files/hdf5_file.hpp"
 #include "turgor/sim/bodies/sfem/green_cache.hpp"
 
 namespace turgor {

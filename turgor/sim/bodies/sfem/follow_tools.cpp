@@ -82,8 +82,8 @@ void keep_alive(std::vector<std::shared_ptr<const sfem::Patch>>& patches,
 }  // namespace
 
 Result<std::shared_ptr<const sfem::Patch>> first_patch(const Exec& exec, SfemBody& body) {
-  if (const Status status = fetch_near(exec, body, body.centres); !status) return status.error();
-  BuiltPatch built = build_for(body, body.centres);
+  if (const Status status = fetch_near(exec, body, body.centers); !status) return status.error();
+  BuiltPatch built = build_for(body, body.centers);
   if (built.patch) keep_alive(body.patches, *built.patch);
   return built.patch;
 }
@@ -94,16 +94,16 @@ std::optional<NextPatch> follow_tools(const Exec& exec, SfemBody& body,
   contact::find_middles(*body.touch.patch, body.touch.state, middles);
   std::vector<contact::ToolPose> poses;
   for (const contact::ToolCommand& command : commands) poses.push_back({command.pose, command.hold});
-  std::vector<Vec3d> places = contact::touched_places(body.model, middles, poses, body.centres);
-  if (!contact::must_follow(body.follow, body.centres, places)) return {};
+  std::vector<Vec3d> places = contact::touched_places(body.model, middles, poses, body.centers);
+  if (!contact::must_follow(body.follow, body.centers, places)) return {};
   if (begin_patch(exec, body, places)) return NextPatch{std::move(places), due};
-  body.centres = std::move(places);
+  body.centers = std::move(places);
   return {};
 }
 
 bool take_next_patch(SfemBody& body, NextPatch& next, double time) {
   const BuiltPatch built = body.worker->finish();
-  body.centres = std::move(next.centres);
+  body.centers = std::move(next.centers);
   if (!built.patch) {
     keep_patch(body, built.patch.error());
     return false;
@@ -139,10 +139,10 @@ void offer_patch(const Exec& exec, SfemBody& body, double time, latest<contact::
     return;
   }
   if (now.taken < long(body.rebuilds.size())) return;  // it has not taken the last one yet
-  std::vector<Vec3d> places = contact::touched_places(body.model, now.middles, now.poses, body.centres);
-  if (!contact::must_follow(body.follow, body.centres, places)) return;
+  std::vector<Vec3d> places = contact::touched_places(body.model, now.middles, now.poses, body.centers);
+  if (!contact::must_follow(body.follow, body.centers, places)) return;
   (void)begin_patch(exec, body, places);
-  body.centres = std::move(places);
+  body.centers = std::move(places);
 }
 
 }  // namespace turgor

@@ -19,7 +19,7 @@ constexpr long kPatchTicks = 3;
 
 /// A patch that is being built. Refers to the body.
 struct NextPatch {
-  std::vector<Vec3d> centres;  // where it is built for [m]
+  std::vector<Vec3d> centers;  // where it is built for [m]
   long due = 0;                // the tick that takes it
 };
 

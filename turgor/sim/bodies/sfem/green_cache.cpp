@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "turgor/core/hash.hpp"
-#include "turgor/io/file.hpp"
-#include "turgor/io/hdf5_file.hpp"
+#include "turgor/io/files/file.hpp"
+#include "turgor/io/files/hdf5_file.hpp"
 
 namespace turgor {
 

@@ -20,7 +20,7 @@ SolidMesh elements_of(const SolidMesh& mesh, const std::vector<int>& material, i
 }
 
 InnerPart part_of(const std::string& name, const SolidMesh& mesh) {
-  InnerPart part{.name = name, .vertices = {}, .triangles = surface(mesh).triangles, .centre = {}};
+  InnerPart part{.name = name, .vertices = {}, .triangles = surface(mesh).triangles, .center = {}};
   std::vector<int> place(mesh.vertices.size(), -1);
   for (const Int3 t : part.triangles)
     for (const int v : {t.x, t.y, t.z}) place[std::size_t(v)] = 0;
@@ -31,9 +31,9 @@ InnerPart part_of(const std::string& name, const SolidMesh& mesh) {
   double whole = 0;
   for (std::size_t e = 0; e < element_count(mesh); e++) {
     const double one = volume(mesh, e);
-    whole += one, part.centre += centroid(mesh, e) * one;
+    whole += one, part.center += centroid(mesh, e) * one;
   }
-  if (whole > 0) part.centre = part.centre / whole;
+  if (whole > 0) part.center = part.center / whole;
   part.radius = std::cbrt(0.75 * whole / std::numbers::pi);
   return part;
 }

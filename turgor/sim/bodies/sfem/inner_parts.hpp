@@ -14,7 +14,7 @@ struct InnerPart {
   std::string name;             // of the scene
   std::vector<int> vertices;    // of the body's mesh, ascending
   std::vector<Int3> triangles;  // of `vertices`, counter-clockwise seen from outside the part
-  Vec3d centre;                 // of its volume [m]
+  Vec3d center;                 // of its volume [m]
   double radius = 0;            // of a ball of that volume [m]
 };
 

@@ -12,8 +12,8 @@
 #include "turgor/geometry/organ_mesh.hpp"
 #include "turgor/geometry/quadratic.hpp"
 #include "turgor/io/ct.hpp"
-#include "turgor/io/solid_files.hpp"
-#include "turgor/io/surface_files.hpp"
+#include "turgor/io/mesh/solid_files.hpp"
+#include "turgor/io/mesh/surface_files.hpp"
 #include "turgor/models/sfem/expected_error.hpp"
 #include "turgor/sim/bodies/sfem/green_cache.hpp"
 #include "turgor/sim/bodies/sfem/make_body.hpp"
@@ -48,7 +48,7 @@ Result<OrganMesh> from_surface(const Exec& exec, const ClosedSurface& source, Si
   return made;
 }
 
-Result<OrganMesh> from_labels(const Exec& exec, const LabelledOrgan& source,
+Result<OrganMesh> from_labels(const Exec& exec, const LabeledOrgan& source,
                               const std::vector<InsideScene>& inside, Sides sides, const BeginWork& begin) {
   LabelVolume labels;
   if (source.phantom) {
@@ -73,7 +73,7 @@ Result<OrganMesh> load_shape(const Exec& exec, const SfemScene& scene, const Beg
   const Sides sides = scene.elements == Elements::kQuadratic ? Sides::kCurved : Sides::kFlat;
   if (const auto* surface = std::get_if<ClosedSurface>(&scene.source))
     return from_surface(exec, *surface, sides, begin);
-  if (const auto* body = std::get_if<LabelledOrgan>(&scene.source))
+  if (const auto* body = std::get_if<LabeledOrgan>(&scene.source))
     return from_labels(exec, *body, scene.inside, sides, begin);
   const HexBlock& block = std::get<HexBlock>(scene.source);
   return OrganMesh{.mesh = hex_block(block.size, block.count)};

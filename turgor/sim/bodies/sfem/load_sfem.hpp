@@ -31,6 +31,6 @@ inline ToolNow tool_now(const SfemBody& body, std::size_t t, const World&) {
 }
 inline Look look_of(const SfemBody&) { return Look::kFlesh; }
 /// The coarse surface with the patch in it, or the finer one that the scene names.
-void show(const Exec& exec, const SfemBody& body, ShownBody& out);
+void show(const Exec& exec, const SfemBody& body, BodySnapshot& out);
 
 }  // namespace turgor

@@ -42,7 +42,7 @@ Box holding_box(const Box& body, const HeldBy& held) {
 
 bool holds_an_element(const SolidMesh& mesh, const sfem::Inclusion& inclusion) {
   for (std::size_t e = 0; e < element_count(mesh); e++)
-    if (norm(centroid(mesh, e) - inclusion.centre) <= inclusion.radius) return true;
+    if (norm(centroid(mesh, e) - inclusion.center) <= inclusion.radius) return true;
   return false;
 }
 
@@ -66,15 +66,15 @@ Status add_inside(const SfemScene& scene, sfem::Body& body) {
 Status add_inclusions(const SfemScene& scene, sfem::Body& body) {
   const Box box = box_around(body.mesh.vertices);
   for (const InclusionScene& given : scene.inclusions) {
-    const sfem::Inclusion inclusion{.centre = given.by_fraction ? in_box(box, given.centre) : given.centre,
+    const sfem::Inclusion inclusion{.center = given.by_fraction ? in_box(box, given.center) : given.center,
                                     .radius = given.radius,
                                     .material = int(body.materials.size())};
     if (!holds_an_element(body.mesh, inclusion))
       return Error{fmt::format(
           "{}.inclusion.{}: no element has its middle in the sphere around {:.4g}, {:.4g}, {:.4g} m with the "
           "radius {} m; expected a place inside the body and a radius above half of an element; {}",
-          scene.place, given.name, inclusion.centre.x, inclusion.centre.y, inclusion.centre.z, given.radius,
-          where_is(body.mesh.vertices, inclusion.centre))};
+          scene.place, given.name, inclusion.center.x, inclusion.center.y, inclusion.center.z, given.radius,
+          where_is(body.mesh.vertices, inclusion.center))};
     body.materials.push_back(given.material);
     body.inclusions.push_back(inclusion);
   }

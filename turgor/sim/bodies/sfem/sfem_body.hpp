@@ -18,9 +18,9 @@
 #include "turgor/sim/bodies/sfem/inner_parts.hpp"
 #include "turgor/sim/bodies/sfem/patch_worker.hpp"
 #include "turgor/sim/frame.hpp"
-#include "turgor/sim/live/known.hpp"
+#include "turgor/sim/live/tick_inputs.hpp"
 #include "turgor/sim/scene/sfem_scene.hpp"
-#include "turgor/sim/shown.hpp"
+#include "turgor/sim/snapshot.hpp"
 #include "turgor/sim/tools/press_path.hpp"
 #include "turgor/sim/tools/touched_body.hpp"
 
@@ -79,7 +79,7 @@ struct FreeDisplacement {
 };
 
 /// Between a haptic thread and the frames, with what awaits its tick in a replay (sim/live/exchanges.hpp).
-struct SfemFelt {
+struct SfemHaptics {
   contact::SfemExchange exchange;
   Awaiting<contact::FreeMotion> motions;
   Awaiting<contact::PatchOffer> patches;
@@ -102,13 +102,13 @@ struct SfemBody : TouchedBody {
   int contacts = 32;             // contact::TouchParams::capacity
   std::size_t patch_memory = 0;  // that a patch may take [bytes]
   contact::FollowParams follow;
-  std::vector<Vec3d> centres;  // where the present patch was built for [m]
+  std::vector<Vec3d> centers;  // where the present patch was built for [m]
   boxed<PatchWorker> worker;
   std::vector<std::shared_ptr<const sfem::Patch>> patches;  // that somebody may still use
   contact::TouchedNow now;                                  // what ticks left, one for each of tool_indices
 
   contact::SfemTouch touch;            // who ticks owns this, and nothing else of the body that changes
-  boxed<SfemFelt> felt;                // while a haptic thread ticks
+  boxed<SfemHaptics> haptic;           // while a haptic thread ticks
   int built_patches = 0;               // meanwhile, whatever became of them
   std::optional<bool> patch_is_ready;  // in a replay: at the next frame; else the worker is asked
 
@@ -126,14 +126,14 @@ Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingT
 void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& tools, double from, double to);
 
 /// For a haptic thread, and for who does again what it did: see sim/live/exchanges.hpp.
-void begin_felt(SfemBody& body, const std::vector<TouchingTool>& tools);
-void tick_felt(SfemBody& body, std::span<const contact::ToolCommand> commands, double dt,
-               std::span<contact::ToolReading> readings);
-TickKnew tick_knew(const SfemBody& body, std::size_t t);
-FrameKnew frame_knew(const SfemBody& body, std::size_t t);
-void end_felt(SfemBody& body);
+void begin_haptics(SfemBody& body, const std::vector<TouchingTool>& tools);
+void tick_haptics(SfemBody& body, std::span<const contact::ToolCommand> commands, double dt,
+                  std::span<contact::ToolReading> readings);
+TickInputs tick_inputs(const SfemBody& body, std::size_t t);
+FrameInputs frame_inputs(const SfemBody& body, std::size_t t);
+void end_haptics(SfemBody& body);
 void keep_frame(SfemBody& body);
-void give_frame(SfemBody& body, std::size_t t, TickKnew knew);
+void give_frame(SfemBody& body, std::size_t t, TickInputs inputs_used);
 /// From the next frame on, Coulomb's coefficient of tool `t` of its tool_indices.
 void set_friction(SfemBody& body, std::size_t t, double friction);
 

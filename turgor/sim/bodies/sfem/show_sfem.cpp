@@ -36,14 +36,14 @@ std::vector<int> vertices_of_points(const SfemBody& body) {
   return vertices;
 }
 
-int add_vertex(Vec3d rest, int mesh_vertex, ShownBody& surface) {
+int add_vertex(Vec3d rest, int mesh_vertex, BodySnapshot& surface) {
   surface.rest.push_back(Vec3(rest));
   surface.mesh_vertex.push_back(mesh_vertex);
   return int(surface.rest.size()) - 1;
 }
 
 /// Vertices of the mesh's surface, ascending; returns the place of each vertex of the mesh, -1 = inside.
-std::vector<int> add_mesh_vertices(const sfem::Model& model, ShownBody& surface) {
+std::vector<int> add_mesh_vertices(const sfem::Model& model, BodySnapshot& surface) {
   const std::vector<Vec3d>& x = model.body.mesh.vertices;
   std::vector<int> place(x.size(), -1);
   for (const Int3 t : model.surface.triangles)
@@ -56,7 +56,7 @@ std::vector<int> add_mesh_vertices(const sfem::Model& model, ShownBody& surface)
 /// The coarse surface with the patch in place of the triangles it covers. First come the vertices of the
 /// mesh, the same at every moment, then those that the patch has besides.
 void join_surface(const SfemBody& body, const std::vector<Vec3d>& coarse, const std::vector<float>& pressure,
-                  ShownBody& surface) {
+                  BodySnapshot& surface) {
   const SolidMesh& mesh = body.model.body.mesh;
   surface.rest.clear(), surface.displacement.clear(), surface.pressure.clear(), surface.triangles.clear();
   surface.mesh_vertex.clear();
@@ -136,7 +136,7 @@ Vec3d fine_part(const SfemBody& body, const std::vector<Vec3d>& coarse, int p) {
 
 /// The finer surface: carried by the coarse elements, and near the patch by what that adds.
 void carry_surface(const Exec& exec, const SfemBody& body, const std::vector<Vec3d>& coarse,
-                   const std::vector<float>& pressure, ShownBody& surface) {
+                   const std::vector<float>& pressure, BodySnapshot& surface) {
   const Embedding& embedding = body.seen->embedding;
   const std::size_t count = embedding.rest.size();
   surface.rest = embedding.rest;
@@ -219,13 +219,13 @@ Vec3d inner_displacement(const sfem::Model& model, int slot, const std::vector<i
 /// another material have their own.
 std::vector<int> shown_inner_slots(const SfemBody& body) {
   const sfem::Green& green = body.model.green;
-  std::vector<std::uint8_t> shown(green.nodes.size(), body.seen ? 1 : 0);
+  std::vector<std::uint8_t> snapshot(green.nodes.size(), body.seen ? 1 : 0);
   for (const InnerPart& part : body.inside)
     for (const int v : part.vertices)
-      if (const int slot = green.slot[std::size_t(v)]; slot >= 0) shown[std::size_t(slot)] = 1;
+      if (const int slot = green.slot[std::size_t(v)]; slot >= 0) snapshot[std::size_t(slot)] = 1;
   std::vector<int> slots;
-  for (std::size_t n = green.surface_count; n < shown.size(); n++)
-    if (shown[n]) slots.push_back(int(n));
+  for (std::size_t n = green.surface_count; n < snapshot.size(); n++)
+    if (snapshot[n]) slots.push_back(int(n));
   return slots;
 }
 
@@ -272,7 +272,7 @@ std::vector<contact::VertexForce> coarse_forces_now(const SfemBody& body) {
   return list;
 }
 
-void show(const Exec& exec, const SfemBody& body, ShownBody& out) {
+void show(const Exec& exec, const SfemBody& body, BodySnapshot& out) {
   std::vector<Vec3d> coarse(body.model.body.mesh.vertices.size());
   if (!body.now.poses.empty() || body.press) coarse = coarse_displacements(exec, body);
   std::vector<double> pressure(body.now.patch->points.size());

@@ -11,11 +11,11 @@
 namespace turgor {
 
 void log_tick(const SfemBody& body, std::size_t t, const ForceSample& sample, TouchingTool& tool) {
-  const contact::ToolForce& felt = body.touch.forces[t];
-  tool.limits.coarsest = std::max(tool.limits.coarsest, felt.contacts > 0 ? felt.level : 0);
-  tool.limits.dropped_most = std::max(tool.limits.dropped_most, felt.dropped);
-  tool.limits.dropped_ticks += felt.dropped > 0;
-  tool.limits.unsolved_ticks += felt.contacts > 0 && !body.touch.state.solution.converged;
+  const contact::ToolForce& haptic = body.touch.forces[t];
+  tool.limits.coarsest = std::max(tool.limits.coarsest, haptic.contacts > 0 ? haptic.level : 0);
+  tool.limits.dropped_most = std::max(tool.limits.dropped_most, haptic.dropped);
+  tool.limits.dropped_ticks += haptic.dropped > 0;
+  tool.limits.unsolved_ticks += haptic.contacts > 0 && !body.touch.state.solution.converged;
   tool.samples.append(sample);
 }
 
@@ -29,7 +29,7 @@ Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingT
     const TouchingTool& tool = tools[std::size_t(t)];
     shapes.push_back(tool.tool);
     poses.push_back(command_at(tool, 0).pose);
-    body.centres.push_back(place_on_surface(surface, poses.back().position, false, body.follow.radius).point);
+    body.centers.push_back(place_on_surface(surface, poses.back().position, false, body.follow.radius).point);
   }
   Result<std::shared_ptr<const sfem::Patch>> patch = first_patch(exec, body);
   if (!patch) return patch.error();

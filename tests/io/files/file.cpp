@@ -1,0 +1,180 @@
+#include "turgor/io/files/file.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/folders.hpp"
+#include "tests/refused.hpp"
+#include "tests/small_disk.hpp"
+#include "turgor/io/ct.hpp"
+#include "turgor/io/files/hdf5_file.hpp"
+#include "turgor/io/files/image.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+using test::bytes_of;
+using test::fresh_folder;
+using test::names_in;
+using test::on_a_small_disk;
+using test::write;
+
+constexpr rlim_t kFew = 300;  // bytes
+
+/// Noise, which does not pack.
+CtVolume noise() {
+  CtVolume ct{{.size = {20, 20, 20}, .spacing = {1e-3, 1e-3, 1e-3}}, {}};
+  std::uint32_t state = 1;
+  for (std::size_t n = 0; n < sample_count(ct.grid); n++)
+    ct.samples.push_back(std::int16_t((state = state * 1664525u + 1013904223u) >> 16));
+  return ct;
+}
+
+Image noisy_picture() {
+  Image image = make_image(40, 40);
+  const CtVolume ct = noise();
+  for (std::size_t p = 0; p < image.pixels.size(); p++)
+    image.pixels[p] = {std::uint8_t(ct.samples[p]), std::uint8_t(ct.samples[p] >> 8), std::uint8_t(p)};
+  return image;
+}
+
+TEST(File, OnAFullDiskEveryWriterSaysSoAndLeavesTheEarlierFileAlone) {
+  struct Writer {
+    const char* name;
+    std::function<Status(const fs::path&)> write;
+  };
+  const auto ct = [](const fs::path& path) { return write_ct(path, noise()); };
+  const Writer writers[] = {
+      {"a.txt", [](const fs::path& path) { return write_file(path, std::string(1000, 'x')); }},
+      {"a.nii", ct},
+      {"a.nii.gz", ct},
+      {"a.nrrd", ct},
+      {"a.mha", ct},
+      {"a.png", [](const fs::path& path) { return write_png(path, noisy_picture()); }}};
+  for (const Writer& writer : writers) {
+    const fs::path folder = fresh_folder(), file = folder / writer.name;
+    write(file, "earlier");
+    EXPECT_TRUE(on_a_small_disk(kFew, [&] {
+      const Status status = writer.write(file);
+      return !status && status.error().message == file.string() + ": cannot write the file: File too large";
+    })) << writer.name;
+    EXPECT_EQ(bytes_of(file), "earlier") << writer.name;
+    EXPECT_EQ(names_in(folder), std::set<std::string>{writer.name});
+    EXPECT_TRUE(writer.write(file)) << "and where there is space it is written";
+    EXPECT_GT(fs::file_size(file), kFew);
+  }
+}
+
+TEST(File, OnAFullDiskADicomFolderIsRefusedWithASentenceAndNothingIsLeft) {
+  const fs::path folder = fresh_folder();
+  EXPECT_TRUE(on_a_small_disk(kFew, [&] {
+    const Status status = write_dicom(Exec(1), folder / "ct", noise(), patient_alone("Nobody"));
+    return !status &&
+           status.error().message.find("cannot write the file: File too large") != std::string::npos;
+  }));
+  EXPECT_EQ(names_in(folder), std::set<std::string>{});
+}
+
+TEST(File, OnAFullDiskAnHdf5FileIsAnErrorAndTheProgramEndsAsUsual) {
+  const fs::path folder = fresh_folder();
+  for (const std::size_t count : {std::size_t{10}, std::size_t{100000}})
+    EXPECT_TRUE(on_a_small_disk(kFew, [&] {
+      Result<Hdf5File> file = Hdf5File::create(folder / "a.h5");
+      if (!file) return true;
+      const std::vector<float> values(count, 1);
+      const Status written = file->write<float>("/values", values, 1, Hdf5Packing::kPlain);
+      return !written || !file->close();
+    })) << count;
+}
+
+TEST(File, DevicesAreWrittenIntoAndNeverReplaced) {
+  EXPECT_REFUSED(write_file("/dev/full", "x"), "/dev/full: cannot write the file: No space left on device");
+  EXPECT_TRUE(write_file("/dev/null", "x"));
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));
+  const fs::path folder = fresh_folder();
+  fs::create_symlink("/dev/full", folder / "a.mha");
+  EXPECT_REFUSED(write_ct(folder / "a.mha", noise()),
+                 "a.mha: cannot write the file: No space left on device");
+  EXPECT_TRUE(fs::is_symlink(folder / "a.mha"));
+}
+
+TEST(File, ALinkStaysAndWhatItNamesIsReplaced) {
+  const fs::path folder = fresh_folder();
+  fs::create_directory(folder / "data");
+  write(folder / "data" / "a.txt", "earlier");
+  fs::create_symlink("data/a.txt", folder / "latest");
+  ASSERT_TRUE(write_file(folder / "latest", "new"));
+  EXPECT_TRUE(fs::is_symlink(folder / "latest"));
+  EXPECT_EQ(bytes_of(folder / "data" / "a.txt"), "new");
+  fs::create_symlink("nowhere/a.txt", folder / "broken");
+  EXPECT_REFUSED(write_file(folder / "broken", "new"),
+                 "broken: is a link to nowhere/a.txt, where there is nothing");
+}
+
+TEST(File, WhatIsReplacedStaysAsPrivateAsItWas) {
+  const fs::path file = fresh_folder() / "patient.txt";
+  write(file, "earlier");
+  chmod(file.c_str(), 0600);
+  ASSERT_TRUE(write_file(file, "new"));
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms(0600));
+}
+
+TEST(File, FoldersAndMissingFoldersAreNamed) {
+  const fs::path folder = fresh_folder();
+  write(folder / "text", "x");
+  EXPECT_REFUSED(check_file_goal(folder), "is a folder; expected the name of a file");
+  EXPECT_REFUSED(check_file_goal(folder / ""), "is a folder; expected the name of a file");
+  EXPECT_REFUSED(check_file_goal(folder / "none" / "a.txt"), "none does not exist");
+  EXPECT_REFUSED(check_file_goal(folder / "text" / "a.txt"), "text is not a folder");
+}
+
+TEST(File, AWriteProtectedFileIsNotReplaced) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write everything";
+  const fs::path file = fresh_folder() / "kept.txt";
+  write(file, "earlier");
+  chmod(file.c_str(), 0444);
+  EXPECT_REFUSED(write_file(file, "new"), "kept.txt: cannot write the file: Permission denied");
+  EXPECT_EQ(bytes_of(file), "earlier");
+}
+
+TEST(File, WithoutCommitNothingIsLeft) {
+  const fs::path folder = fresh_folder();
+  {
+    Result<FileWriter> file = FileWriter::create(folder / "a.txt");
+    ASSERT_TRUE(file);
+    file->write("half");
+    EXPECT_EQ(names_in(folder).size(), 1u);
+  }
+  EXPECT_EQ(names_in(folder), std::set<std::string>{});
+}
+
+TEST(File, WhatAKilledProgramLeftIsRemovedByTheNextThatWritesThere) {
+  const fs::path folder = fresh_folder(), file = folder / "a.txt";
+  const pid_t child = fork();
+  if (child == 0) {
+    Result<FileWriter> half = FileWriter::create(file);
+    half->write("half");
+    raise(SIGKILL);
+  }
+  waitpid(child, nullptr, 0);
+  EXPECT_EQ(names_in(folder).size(), 1u);
+  ASSERT_TRUE(write_file(file, "whole"));
+  EXPECT_EQ(names_in(folder), std::set<std::string>{"a.txt"});
+}
+
+TEST(File, TwoWritersOfOneFileDoNotMeetAndTheLaterOneStays) {
+  const fs::path folder = fresh_folder(), file = folder / "a.txt";
+  Result<FileWriter> one = FileWriter::create(file), two = FileWriter::create(file);
+  ASSERT_TRUE(one && two);
+  one->write("one"), two->write("two");
+  ASSERT_TRUE(one->commit());
+  EXPECT_EQ(bytes_of(file), "one");
+  ASSERT_TRUE(two->commit());
+  EXPECT_EQ(bytes_of(file), "two");
+  EXPECT_EQ(names_in(folder), std::set<std::string>{"a.txt"});
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,71 @@
+#include "turgor/models/cloth/forces/wind.hpp"
+
+#include "tests/models/cloth/sheets.hpp"
+
+namespace turgor::cloth {
+namespace {
+
+TEST(ClothWind, a_plate_across_the_wind_feels_the_pressure_of_the_formula) {
+  const Model model = must_build(flat_sheet(21), {});
+  State state = make_state(model);
+  for (const Vec3d wind : {Vec3d{0, 0, 7}, Vec3d{5, 0, 0}, Vec3d{0, 4, -3}}) {
+    Inputs inputs = in_vacuum(0);
+    inputs.air = {.density = 1.2, .velocity = wind, .pressure = 1.3, .drag = 0.1};
+    auto& system = state.system;
+    blow(Exec(2), inputs.air, 0, kFrame, model.triangles, model.chunk_triangles, state.x, state.v,
+         system.change, {system.force, system.inverse[0], system.inverse[1]});
+    Vec3d sum;
+    for (std::size_t v = 0; v < std::size_t(model.count); v++) sum += Vec3d(system.force[v]) / kFrame;
+    const Vec3d along{wind.x, wind.y, 0};
+    const Vec3d expected = Vec3d{0, 0, 0.5 * 1.2 * model.area * 1.3 * std::abs(wind.z) * wind.z} +
+                           along * (0.5 * 1.2 * model.area * 0.1 * norm(along));
+    EXPECT_LT(norm(sum - expected), 1e-4 * norm(expected));
+  }
+}
+
+TEST(ClothWind, a_sheet_falls_in_still_air_at_the_speed_where_drag_is_its_weight) {
+  const Model model = must_build(flat_sheet(11), {.damping = {.motion = 0}});
+  State state = make_state(model);
+  Inputs inputs{.gravity = {0, 0, -9.81}};
+  for (int frame = 0; frame < 300; frame++) step(Exec(1), model, state, inputs, kFrame);
+  const double terminal = std::sqrt(2 * 0.2 * 9.81 / (1.2 * 1.2));
+  for (const std::size_t v : {0u, 60u, 120u}) EXPECT_NEAR(-state.v.z[v] / terminal, 1, 0.01);
+}
+
+TEST(ClothWind, gusts_have_their_strength_no_divergence_and_travel_with_the_wind) {
+  const Air air{.velocity = {5, 0, 0}, .gusts = 0.3, .seed = 4};
+  const Gusts now = gusts_at(air, 1);
+  double sum2 = 0, mean = 0;
+  int count = 0;
+  for (int i = 0; i < 40; i++)
+    for (int j = 0; j < 40; j++)
+      for (int k = 0; k < 40; k++, count++) {
+        const Vec3 u = air_velocity(now, Vec3(Vec3d{0.37 * i, 0.41 * j, 0.39 * k})) - Vec3(air.velocity);
+        sum2 += double(dot(u, u));
+        mean += double(u.x);
+      }
+  EXPECT_NEAR(std::sqrt(sum2 / count / 3) / 1.5, 1, 0.03);
+  EXPECT_NEAR(mean / count, 0, 0.1);
+
+  const Vec3 at{0.3f, -0.2f, 0.7f};
+  double divergence = 0;
+  for (int k = 0; k < 3; k++) {
+    Vec3 d;
+    d[k] = 0.005f;
+    divergence += double((air_velocity(now, at + d) - air_velocity(now, at - d))[k]) / 0.01;
+  }
+  EXPECT_NEAR(divergence, 0, 0.1);  // its terms are about 10 1/s
+  const Vec3 later = air_velocity(gusts_at(air, 1.2), at + Vec3{1, 0, 0});
+  EXPECT_NEAR(norm(later - air_velocity(now, at)), 0, 1e-3);
+}
+
+TEST(ClothWind, a_seed_makes_the_same_gusts_again_and_another_makes_others) {
+  Air air{.velocity = {5, 0, 0}, .gusts = 0.3, .seed = 4};
+  const Vec3 at{1, 2, 3}, u = air_velocity(gusts_at(air, 2), at);
+  EXPECT_EQ(air_velocity(gusts_at(air, 2), at), u);
+  air.seed = 5;
+  EXPECT_NE(air_velocity(gusts_at(air, 2), at), u);
+}
+
+}  // namespace
+}  // namespace turgor::cloth

@@ -1,0 +1,312 @@
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/models/lattice/ct_body.hpp"
+#include "turgor/models/lattice/surface/surface_assembly.hpp"
+
+namespace turgor::lattice {
+namespace {
+
+constexpr double kPi = 3.141592653589793;
+
+/// A CT whose values fall off smoothly through the skin, as a scanner's do, so that the surface can be exact.
+CtVolume soft_ball(int n, double radius) {
+  CtVolume ct = ball_ct(n, radius);
+  const double middle = 0.5 * (n - 1);
+  for (int k = 0; k < n; k++)
+    for (int j = 0; j < n; j++)
+      for (int i = 0; i < n; i++) {
+        const double outward = norm(Vec3d(Int3{i, j, k}) - Vec3d{middle, middle, middle}) - radius;
+        ct.at(i, j, k) = std::int16_t(std::clamp(-449 - 35 * outward, -1000.0, 102.0));
+      }
+  return ct;
+}
+
+/// A slab of tissue below air, wider than the scan: its sides and its bottom are where the scan ends.
+CtVolume slab_ct() {
+  return make_ct({64, 64, 32}, [](Vec3d p) { return p.z < 22; });
+}
+
+struct Measured {
+  double area = 0, volume = 0;  // [m²], [m³]
+};
+Measured measure(const TriMesh& mesh, int begin, int end) {
+  Measured m;
+  for (int n = begin; n < end; n++) {
+    const auto [a, b, c] = mesh.triangles[std::size_t(n)];
+    const Vec3d x(mesh.vertices[std::size_t(a)]), y(mesh.vertices[std::size_t(b)]),
+        z(mesh.vertices[std::size_t(c)]);
+    m.area += 0.5 * norm(cross(y - x, z - x));
+    m.volume += dot(x, cross(y, z)) / 6;
+  }
+  return m;
+}
+Measured measure(const TriMesh& mesh) { return measure(mesh, 0, int(mesh.triangles.size())); }
+
+/// How often edges are not matched by exactly one in the other direction, once vertices with the same `name`
+/// are one.
+template <class Name>
+long open_edges(const BodySurface& surface, const Name& name) {
+  using Key = decltype(name(0));
+  std::map<std::pair<Key, Key>, int> balance;
+  for (const Int3 t : surface.triangles)
+    for (int n = 0; n < 3; n++) {
+      const Key a = name(t[n]), b = name(t[(n + 1) % 3]);
+      if (a == b) continue;
+      balance[{a, b}]++;
+      balance[{b, a}]--;
+    }
+  long open = 0;
+  for (const auto& [edge, count] : balance) open += count != 0;
+  return open;
+}
+
+/// A vertex's place in the CT and the node that carries it: the same for the copies that skin, caps and walls
+/// have.
+auto carried_place(const BodySurface& surface) {
+  return [&surface](int v) {
+    const Vec3 x = surface.rest[std::size_t(v)];
+    return std::array<double, 4>{x.x, x.y, x.z, double(surface.slot[std::size_t(v)])};
+  };
+}
+
+TEST(lattice_surface, a_ball_has_its_area_and_volume) {
+  const double radius = 30;
+  const Model model = body_of(soft_ball(96, radius), {4, 4, 4});
+  const State state = make_state(model);
+  const BodySurface surface = build_surface(model, state);
+  const Measured m = measure(deformed_surface(model, state, surface, Shown::kNothing));
+  const double r = radius * kVoxel;
+  EXPECT_NEAR(m.area / (4 * kPi * r * r), 1, 0.02);
+  EXPECT_NEAR(m.volume / (4.0 / 3 * kPi * r * r * r), 1, 0.02);
+  EXPECT_EQ(surface.skin_triangles, int(surface.triangles.size()));
+}
+
+TEST(lattice_surface, any_number_of_threads_finds_the_same_points_in_the_same_order) {
+  const CtVolume ct = soft_ball(64, 20);
+  const Model model = body_of(ct, {4, 4, 4});
+  State state = make_state(model);
+  const BodySurface one = build_surface(model, state, &ct, Extent::kAll, Exec(1));
+  for (const int threads : {2, 3, 8}) {
+    const BodySurface many = build_surface(model, state, &ct, Extent::kAll, Exec(threads));
+    EXPECT_EQ(many.triangles, one.triangles);
+    EXPECT_EQ(many.rest, one.rest);
+    EXPECT_EQ(many.slot, one.slot);
+  }
+  EXPECT_GT(one.triangles.size(), 1000u);
+}
+
+TEST(lattice_surface, made_again_from_what_is_known_it_is_the_one_made_from_nothing) {
+  const CtVolume ct = slab_ct();
+  const Model model = body_of(ct, {4, 4, 4});
+  State state = make_state(model);
+  detail::KnownSlabs known;
+  const auto is_the_same = [&](const char* when) {
+    const BodySurface again = build_surface(model, state, &ct, Extent::kAll, Exec(2), &known),
+                      nothing_known = build_surface(model, state, &ct, Extent::kAll, Exec(2));
+    EXPECT_EQ(again.triangles, nothing_known.triangles) << when;
+    EXPECT_EQ(again.rest, nothing_known.rest) << when;
+    EXPECT_EQ(again.slot, nothing_known.slot) << when;
+    EXPECT_EQ(again.twin, nothing_known.twin) << when;
+    EXPECT_EQ(again.skin_triangles, nothing_known.skin_triangles) << when;
+    return again.triangles.size();
+  };
+  const std::size_t whole = is_the_same("whole");
+  cut_across_y(model, state, 0.0323, [](Vec3d p) { return p.z > 0.018 && std::abs(p.x - 0.032) < 0.013; });
+  const std::size_t scratched = is_the_same("cut in its upper layers");
+  EXPECT_GT(scratched, whole);
+  cut_across_y(model, state, 0.0323, [](Vec3d p) { return p.z > 0.008 && std::abs(p.x - 0.032) < 0.02; });
+  EXPECT_GT(is_the_same("cut deeper"), scratched);
+  for (int i = 4; i < 8; i++) state.removed[std::size_t(node_slot(model.lattice, i, 4, 1))] = 1;
+  is_the_same("with nodes removed near its bottom");
+  std::fill(state.removed.begin(), state.removed.end(), std::uint8_t(0));
+  is_the_same("with these back");
+}
+
+TEST(lattice_surface, a_ball_is_watertight_and_has_no_holes) {
+  const Model model = body_of(soft_ball(64, 20), {4, 4, 4});
+  const BodySurface surface = build_surface(model, make_state(model));
+  std::map<std::pair<int, int>, int> edges;
+  for (const Int3 t : surface.triangles)
+    for (int n = 0; n < 3; n++) edges[{t[n], t[(n + 1) % 3]}]++;
+  for (const auto& [edge, count] : edges) {
+    ASSERT_EQ(count, 1);
+    ASSERT_TRUE(edges.contains({edge.second, edge.first}));
+  }
+  EXPECT_EQ(long(surface.rest.size()) - long(edges.size()) / 2 + long(surface.triangles.size()), 2)
+      << "Euler";
+}
+
+TEST(lattice_surface, normals_point_out_and_turn_with_the_patient) {
+  CtVolume ct = soft_ball(48, 15);
+  for (const Mat3d& axes :
+       {Mat3d{}, Mat3d{{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}}, Mat3d{{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}}}) {
+    ct.grid.axes = axes;
+    const Model model = body_of(ct, {4, 4, 4});
+    const State state = make_state(model);
+    const TriMesh mesh = deformed_surface(model, state, build_surface(model, state), Shown::kNothing);
+    const Vec3d middle = point_at(ct.grid, {23.5, 23.5, 23.5});
+    for (std::size_t v = 0; v < mesh.vertices.size(); v++)
+      ASSERT_GT(dot(Vec3d(mesh.normals[v]), normalized(Vec3d(mesh.vertices[v]) - middle)), 0.9);
+    EXPECT_GT(measure(mesh).volume, 0);
+  }
+}
+
+TEST(lattice_surface, where_the_scan_ends_the_surface_is_capped) {
+  const Model model = body_of(slab_ct(), {4, 4, 4});
+  const State state = make_state(model);
+  const BodySurface surface = build_surface(model, state);
+  EXPECT_EQ(open_edges(surface, carried_place(surface)), 0);
+  const Measured m = measure(deformed_surface(model, state, surface, Shown::kNothing));
+  EXPECT_NEAR(m.volume / (64 * 64 * 22 * 1e-9), 1, 0.02);
+  EXPECT_NEAR(m.area / ((2 * 64 * 64 + 4 * 64 * 22) * 1e-6), 1, 0.02);
+}
+
+TEST(lattice_surface, a_closed_cut_changes_nothing) {
+  const Model model = body_of(slab_ct(), {4, 4, 4});
+  State state = make_state(model);
+  const BodySurface whole = build_surface(model, state);
+  const TriMesh before = deformed_surface(model, state, whole, Shown::kNothing);
+  cut_across_y(model, state, 0.0323, [](Vec3d p) { return p.z > 0.012 && std::abs(p.x - 0.032) < 0.013; });
+  const BodySurface cut = build_surface(model, state);
+  const TriMesh after = deformed_surface(model, state, cut, Shown::kNothing);
+
+  EXPECT_EQ(open_edges(cut, carried_place(cut)), 0) << "closed through the walls";
+  const Measured skin = measure(before), skin_after = measure(after, 0, cut.skin_triangles);
+  EXPECT_NEAR(skin_after.area / skin.area, 1, 1e-5);
+  EXPECT_NEAR(measure(after).volume / skin.volume, 1, 1e-5);
+  const Measured walls = measure(after, cut.skin_triangles, int(cut.triangles.size()));
+  EXPECT_NEAR(walls.volume / skin.volume, 0, 1e-5) << "the two walls lie on each other";
+  // The cut's line lies on the old skin and is lit like it.
+  long lips = 0;
+  for (std::size_t v = 0; v < cut.rest.size(); v++) {
+    if (cut.twin[v] < 0) continue;
+    lips++;
+    const auto twin = std::size_t(cut.twin[v]);
+    ASSERT_EQ(cut.rest[v], cut.rest[twin]);
+    ASSERT_NE(cut.slot[v], cut.slot[twin]);
+    ASSERT_GT(dot(after.normals[v], after.normals[twin]), 0.9999f);
+  }
+  EXPECT_GT(lips, 20);
+}
+
+TEST(lattice_surface, an_open_cut_has_two_lips_and_walls_between) {
+  const Model model = body_of(slab_ct(), {4, 4, 4});
+  const double at = 0.0323, bottom = 0.0102, gape = 0.005;
+  State state = make_state(model);
+  cut_across_y(model, state, at, [&](Vec3d p) { return p.z > bottom; });  // from end to end of the scan
+  move(model, state, [&](Vec3d p) { return Vec3d{0, p.y >= at ? gape : 0, 0}; });
+  const BodySurface surface = build_surface(model, state);
+  const TriMesh mesh = deformed_surface(model, state, surface, Shown::kDisplacement);
+  EXPECT_EQ(open_edges(surface, carried_place(surface)), 0);
+
+  long lips = 0;
+  for (std::size_t v = 0; v < surface.rest.size(); v++) {
+    const int twin = surface.twin[v];
+    if (twin < 0 || surface.rest[v].z < 0.02) continue;
+    lips++;
+    EXPECT_NEAR(norm(mesh.vertices[v] - mesh.vertices[std::size_t(twin)]), gape, 2e-5);
+  }
+  EXPECT_GT(lips, 20);
+  // Each wall is about as deep as the cut: the front is at most a step below it.
+  const double depth = 0.022 - bottom, length = 0.064;
+  double side[2] = {0, 0};
+  for (int n = surface.skin_triangles; n < int(surface.triangles.size()); n++) {
+    const auto [a, b, c] = mesh.triangles[std::size_t(n)];
+    const auto scalar = [&](int v) { return mesh.scalars[std::size_t(v)]; };
+    const float most = std::max({scalar(a), scalar(b), scalar(c)}),
+                least = std::min({scalar(a), scalar(b), scalar(c)});
+    if (most - least < 1e-3f) side[most > 1e-3f] += measure(mesh, n, n + 1).area;
+  }
+  for (const double area : side) EXPECT_NEAR(area / (depth * length), 1, 0.25);
+}
+
+TEST(lattice_surface, two_halves_cut_apart_are_both_whole) {
+  const double radius = 30;
+  const Model model = body_of(soft_ball(96, radius), {4, 4, 4});
+  for (const double at : {0.0491, 0.048, 0.0509}) {
+    State state = make_state(model);
+    cut_across_y(model, state, at, [](Vec3d) { return true; });
+    move(model, state, [&](Vec3d p) { return Vec3d{0, p.y >= at ? 0.01 : -0.01, 0}; });
+    const BodySurface surface = build_surface(model, state);
+    EXPECT_EQ(open_edges(surface, [&](int v) { return carried_place(surface)(v); }), 0);
+    const TriMesh mesh = deformed_surface(model, state, surface, Shown::kNothing);
+    const double r = radius * kVoxel, c = at - 0.048;
+    EXPECT_NEAR(measure(mesh).volume / (4.0 / 3 * kPi * r * r * r), 1, 0.02);
+    const double walls = measure(mesh, surface.skin_triangles, int(surface.triangles.size())).area;
+    EXPECT_NEAR(walls / (2 * kPi * (r * r - c * c)), 1, 0.03);
+  }
+}
+
+TEST(lattice_surface, stretch_and_displacement_follow_a_uniform_stretch) {
+  const Model model = body_of(soft_ball(64, 20), {4, 4, 4});
+  State state = make_state(model);
+  move(model, state, [](Vec3d p) { return (p - Vec3d{0.032, 0.032, 0.032}) * 0.1; });
+  const BodySurface surface = build_surface(model, state);
+  for (const float s : deformed_surface(model, state, surface, Shown::kStretch).scalars)
+    ASSERT_NEAR(s, 0.21, 0.01);
+  const TriMesh mesh = deformed_surface(model, state, surface, Shown::kDisplacement);
+  for (const float d : mesh.scalars) ASSERT_NEAR(d, 0.1 * 0.02, 1e-4);
+}
+
+TEST(lattice_surface, nothing_is_carried_by_air_or_by_what_was_removed) {
+  const Model model = body_of(slab_ct(), {4, 4, 4});
+  State state = make_state(model);
+  for (int k = 4; k < model.lattice.size.z; k++)
+    for (int i = 5; i < 12; i++) {
+      const auto slot = std::size_t(node_slot(model.lattice, i, 8, k));
+      if (is_body(model.tissue[slot])) state.removed[slot] = 1, state.removed_nodes++;
+    }
+  const BodySurface surface = build_surface(model, state);
+  EXPECT_EQ(open_edges(surface, carried_place(surface)), 0);
+  EXPECT_LT(surface.skin_triangles, int(surface.triangles.size())) << "what the gap lays bare is wall";
+  for (const int slot : surface.slot) {
+    ASSERT_TRUE(is_body(model.tissue[std::size_t(slot)]));
+    ASSERT_FALSE(state.removed[std::size_t(slot)]);
+  }
+}
+
+TEST(lattice_surface, any_pattern_of_cuts_leaves_the_surface_closed) {
+  const Model model = body_of(soft_ball(20, 6.5), {4, 4, 4});
+  const FineLattice fine = fine_lattice(model);
+  std::uint32_t random = 12345;
+  for (int trial = 0; trial < 20; trial++) {
+    State state = make_state(model);
+    for (int k = 0; k < fine.size.z; k++)
+      for (int j = 0; j < fine.size.y; j++)
+        for (int i = 0; i < fine.size.x; i++)
+          for (int f = 0; f < kFamilyCount; f++) {
+            random = random * 1664525 + 1013904223;
+            if (int(random >> 24) > 20 + 10 * trial) continue;
+            if (!contains(fine, Int3{i, j, k} + kFamilies[std::size_t(f)])) continue;
+            CutEdge edge = cut_edge_at(fine, {i, j, k}, f);
+            edge.fraction = Real(0.1 + 0.8 * double(random >> 8 & 255) / 255);
+            state.cut_edges.push_back(edge);
+          }
+    const BodySurface surface = build_surface(model, state);
+    // Where three cuts meet in one face, both neighbours leave its middle out; everything else is matched.
+    ASSERT_EQ(open_edges(surface, carried_place(surface)), 0) << "trial " << trial;
+  }
+}
+
+TEST(lattice_surface, rest_points_lead_into_the_ct) {
+  const CtVolume ct = slab_ct();
+  const Model model = body_of(ct, {4, 4, 4});
+  State state = make_state(model);
+  cut_across_y(model, state, 0.0323, [](Vec3d p) { return p.z > 0.01; });
+  move(model, state, [](Vec3d) { return Vec3d{0.1, 0.1, 0.1}; });
+  const BodySurface surface = build_surface(model, state);
+  const std::vector<Vec3d> points = rest_points(model, surface);
+  for (int n = surface.skin_triangles; n < int(surface.triangles.size()); n++) {
+    const Vec3d index = index_at(ct.grid, points[std::size_t(surface.triangles[std::size_t(n)].x)]);
+    ASSERT_NEAR(index.y, 0.0323 / kVoxel - 0.5, 1e-3);
+    ASSERT_LE(index.z, 22.5);
+  }
+}
+
+}  // namespace
+}  // namespace turgor::lattice

@@ -1,0 +1,205 @@
+// Felt runs are done again: without devices, without a clock, on other numbers of threads.
+#include "turgor/sim/live/haptic_recording.hpp"
+
+#include <chrono>
+#include <fstream>
+
+#include "tests/sim/four_kinds.hpp"
+#include "tests/sim/live/watched_session.hpp"
+#include "turgor/core/timing.hpp"
+#include "turgor/sim/live/haptic_replay.hpp"
+#include "turgor/sim/live/session.hpp"
+
+namespace turgor {
+namespace {
+
+namespace fs = std::filesystem;
+using test::fresh_folder;
+using test::kOneThread;
+using test::wait_until;
+
+/// All four models, a small patch that has to follow its finger; nothing is cut or touched before one asks.
+fs::path four_kinds_file(const fs::path& folder) {
+  EXPECT_TRUE(write_ct(folder / "block.nii", test::block_ct()));
+  std::string text = test::four_kinds_text();
+  text.erase(text.find("[incision.cut]"));
+  text.replace(text.find("cache = false"), 13, "cache = false\npatch = { radius = 0.01 }");
+  std::ofstream(folder / "four.toml") << text;
+  return folder / "four.toml";
+}
+
+void extrapolate(Session& session, double time) {
+  const double begin = session.now().snapshot.time;
+  ASSERT_TRUE(wait_until(session, [&](const SessionNow& now) { return now.snapshot.time > begin + time; }));
+}
+
+/// The tools of all bodies press them, away from the middle by a part of the body.
+void press_all(Session& session, double aside, int put) {
+  const SessionNow& now = session.now();
+  for (const MouseTool& mouse : now.mouse) {
+    const ToolSnapshot& tool = now.snapshot.tools[std::size_t(mouse.tool)];
+    const BodySnapshot& body = body_snapshot(now.snapshot, tool.body);
+    const Vec3d middle = (body.box.low + body.box.high) * 0.5,
+                place = {middle.x + aside * (body.box.high.x - body.box.low.x), middle.y, body.box.high.z};
+    double tip = 0;
+    for (const Vec3 x : tool.mesh.vertices) tip = std::max(tip, -double(x.z));
+    const auto at = [&](double height) { return place + Vec3d{0, 0, tip + height}; };
+    mouse.device->lead({.pose = {at(-0.008), {}}, .hold = put == 2, .put = put, .put_at = at(0.004)});
+  }
+}
+
+/// What became of it when it was done again.
+std::uint64_t replayed_hash(const HapticRecording& run, int threads) {
+  const Exec exec(threads);
+  const Result<Scene> scene = scene_of(run);
+  EXPECT_TRUE(scene) << scene.error().message;
+  Result<World> world = load_world(exec, *scene);
+  EXPECT_TRUE(world) << world.error().message;
+  auto replay = HapticReplay::begin(*world, run);
+  EXPECT_TRUE(replay) << replay.error().message;
+  for (int frame = 0; frame < run.frames; frame++) {
+    EXPECT_TRUE((*replay)->next_frame(exec));
+    EXPECT_TRUE(step(exec, *world));
+  }
+  (*replay)->end();
+  return state_hash(*world);
+}
+
+HapticRecording saved_run(Session& session, const fs::path& file) {
+  session.request(SaveRequest{file});
+  EXPECT_TRUE(wait_until(session, [](const SessionNow& now) { return !now.saved.empty(); }));
+  Result<HapticRecording> run = read_haptic_recording(file);
+  EXPECT_TRUE(run) << session.now().saved << run.error().message;
+  return run ? *run : HapticRecording();
+}
+
+/// Hands on three models, wind on the fourth, at two paces, with a frame by itself, a cut, and more tension.
+HapticRecording felt_by_hand(const fs::path& folder) {
+  Session session(four_kinds_file(folder), {}, kOneThread);
+  EXPECT_TRUE(wait_until(session, [](const SessionNow& now) { return now.snapshot.frame > 2; }));
+  press_all(session, -0.2, 1);
+  extrapolate(session, 0.4);
+  session.request(WindRequest{.body = 0, .velocity = {3, 0, 1}});
+  session.request(CutRequest{.blade = {.name = "cut",
+                                       .from = {0.002, -0.02, -0.03},
+                                       .to = {0.002, -0.02, 0.03},
+                                       .depth = 0.012,
+                                       .duration = 0.1},
+                             .body = 0});
+  session.request(PaceRequest{.plays = true, .pace = 0.5});
+  press_all(session, 0.25, 2);
+  extrapolate(session, 0.3);
+  session.request(ChangeRequest{"body.block.skin.tension", "90"});
+  session.request(PaceRequest{.plays = false, .pace = 1});
+  session.request(StepRequest{});
+  session.request(PaceRequest{});
+  press_all(session, 0, 3);
+  extrapolate(session, 0.4);
+  return saved_run(session, folder / "felt.h5");
+}
+
+TEST(HapticRecording, a_hand_on_a_sheet_is_done_again_to_the_same_bits) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "sheet.toml") << R"(
+[world]
+gravity = [0, 0, -9.81]
+[body.sheet]
+model = "cloth"
+sheet = { corner = [0, 0, 0], side = [0.12, 0, 0], up = [0, 0.1, 0], columns = 12, rows = 10 }
+fabric = { law = "sheet" }
+solver = { method = "blocks" }
+hold.left = { box = [[-1, -1, -1], [0.001, 1, 1]] }
+hold.right = { box = [[0.119, -1, -1], [1, 1, 1]] }
+)";
+  Session session(folder / "sheet.toml", {}, kOneThread);
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.snapshot.frame > 2; }));
+  ASSERT_EQ(session.now().mouse.size(), 1u) << "the mouse has a fingertip for it";
+  press_all(session, -0.2, 1);
+  extrapolate(session, 0.4);
+  press_all(session, 0.2, 1);
+  extrapolate(session, 0.3);
+  const HapticRecording run = saved_run(session, folder / "felt.h5");
+  ASSERT_EQ(run.tools.size(), 1u);
+  EXPECT_GT(run.tools[0].ticks.size(), 400u);
+  EXPECT_EQ(replayed_hash(run, 1), run.hash);
+  EXPECT_EQ(replayed_hash(run, 3), run.hash);
+}
+
+TEST(HapticRecording, hands_on_every_model_cuts_winds_and_changes_are_done_again_to_the_same_bits) {
+  HapticRecording run = felt_by_hand(fresh_folder());
+  ASSERT_EQ(run.tools.size(), 3u);
+  EXPECT_EQ(run.requests.size(), 3u);
+  int patches = 0;
+  for (const HapticTool& tool : run.tools) {
+    EXPECT_GT(tool.ticks.size(), 800u) << tool.name;
+    for (const HapticTick& tick : tool.ticks) patches = std::max(patches, tick.inputs_used.patch);
+  }
+  EXPECT_GT(patches, 0) << "the patch followed the finger";
+  EXPECT_EQ(replayed_hash(run, 1), run.hash);
+  EXPECT_EQ(replayed_hash(run, 3), run.hash);
+
+  HapticRecording other = run;
+  other.tools[0].ticks[other.tools[0].ticks.size() / 2].command.pose.position.z -= 1e-6;
+  EXPECT_NE(replayed_hash(other, 1), run.hash) << "a micrometre in one tick is another run";
+  other = run, other.requests.pop_back();
+  EXPECT_NE(replayed_hash(other, 1), run.hash) << "without the tension that was asked for";
+}
+
+TEST(HapticRecording, the_clock_decides_nothing_but_what_is_written_down) {
+  HapticRecording run = felt_by_hand(fresh_folder());
+  for (HapticTool& tool : run.tools)  // as if frames had seen each tick later by ten
+    for (FrameInputs& inputs_used : tool.frames) inputs_used.ticks = std::max(0, inputs_used.ticks - 10);
+  EXPECT_NE(replayed_hash(run, 1), run.hash) << "which ticks a frame knew does matter";
+}
+
+TEST(HapticRecording, after_a_reset_only_what_came_then_is_told) {
+  const fs::path folder = fresh_folder();
+  Session session(four_kinds_file(folder), {}, kOneThread);
+  ASSERT_TRUE(wait_until(session, [](const SessionNow& now) { return now.snapshot.frame > 10; }));
+  session.request(ChangeRequest{"body.sheet.wind.velocity", "[0, 5, 0]"});
+  session.request(ResetRequest{});
+  const int world = session.now().world;
+  ASSERT_TRUE(wait_until(
+      session, [world](const SessionNow& now) { return now.world > world && now.snapshot.frame > 5; }));
+  const HapticRecording run = saved_run(session, folder / "felt.h5");
+  EXPECT_TRUE(run.requests.empty()) << "the scene has it by now";
+  EXPECT_EQ(run.overrides, std::vector<std::string>{"body.sheet.wind.velocity=[0, 5, 0]"});
+  EXPECT_EQ(replayed_hash(run, 2), run.hash);
+}
+
+TEST(HapticRecording, what_is_none_or_damaged_is_refused_with_its_file) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "text.h5") << "no HDF5";
+  EXPECT_FALSE(read_haptic_recording(folder / "text.h5"));
+  EXPECT_FALSE(read_haptic_recording(folder / "none.h5"));
+  HapticRecording run{.file = "a.toml", .folder = folder, .text = "[world]\n", .frames = 2, .hash = 7};
+  run.tools.push_back({.name = "tip",
+                       .ticks = {{.time = 0.001, .step = 0.001}, {.time = 0.002, .step = 0.001}},
+                       .frames = {{.ticks = 1}, {.ticks = 2}}});
+  run.requests.push_back({1, WindRequest{0, {1, 0.1, 1e-17}}});
+  const fs::path file = folder / "felt.h5";
+  ASSERT_TRUE(write_haptic_recording(file, run));
+  Result<HapticRecording> read = read_haptic_recording(file);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(std::get<WindRequest>(read->requests[0].what).velocity.z, 1e-17) << "to the last bit";
+  EXPECT_EQ(read->hash, 7u);
+
+  const auto refused = [&](const HapticRecording& wrong) {
+    EXPECT_TRUE(write_haptic_recording(file, wrong));
+    const Result<HapticRecording> again = read_haptic_recording(file);
+    EXPECT_FALSE(again);
+    EXPECT_NE((again ? std::string() : again.error().message).find("felt.h5"), std::string::npos);
+  };
+  HapticRecording wrong = run;
+  wrong.tools[0].frames[1].ticks = 3;
+  refused(wrong);
+  wrong = run, wrong.tools[0].frames.pop_back();
+  refused(wrong);
+  wrong = run, wrong.tools[0].ticks[0].step = -1;
+  refused(wrong);
+  EXPECT_FALSE(write_haptic_recording(file, {})) << "nothing has passed yet";
+  EXPECT_FALSE(write_haptic_recording(folder / "nowhere" / "felt.h5", run));
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,80 @@
+#include "turgor/sim/report/plausibility.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/sim/four_kinds.hpp"
+#include "turgor/sim/run.hpp"
+
+namespace turgor {
+namespace {
+
+WorldSnapshot world_of(double size, Look look = Look::kFlesh) {
+  BodySnapshot body;
+  body.name = "liver", body.look = look;
+  const auto s = Real(size);
+  body.rest = {{0, 0, 0}, {s, 0, 0}, {0, s / 2, 0}};
+  body.displacement.resize(3);
+  body.triangles = {{0, 1, 2}};
+  place_vertices(body);
+  return {.time = 0, .frame = 0, .bodies = {body}, .tools = {}, .obstacles = {}};
+}
+
+TEST(Doubts, ABodyOfMillimetersTakenForMetersIsDoubted) {
+  const std::vector<std::string> told = odd_sizes(world_of(180));
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0],
+            "liver: it is 180 m across, and bodies here are at most 2 m: if its file is in millimetres, "
+            "scale = 0.001 "
+            "makes metres of them");
+  EXPECT_EQ(odd_sizes(world_of(0.00018)).size(), 1u) << "and one that was scaled twice";
+  EXPECT_TRUE(odd_sizes(world_of(0.18)).empty());
+}
+
+TEST(Doubts, AToolLargerThanWhatItTouchesIsDoubted) {
+  WorldSnapshot snapshot = world_of(0.18);
+  ToolSnapshot tool;
+  tool.name = "finger", tool.size = 10;
+  snapshot.tools = {tool};
+  ASSERT_EQ(odd_sizes(snapshot).size(), 1u);
+  EXPECT_NE(odd_sizes(snapshot)[0].find("finger: the part that touches is 10 m across"), std::string::npos);
+  snapshot.tools[0].size = 0.01;
+  EXPECT_TRUE(odd_sizes(snapshot).empty());
+}
+
+TEST(Doubts, ClothPulledBeyondHalfAgainItsLengthIsToldWithItsWorstMoment) {
+  std::vector<ClothStretch> seen;
+  WorldSnapshot snapshot = world_of(0.2, Look::kCloth);
+  for (const Real pull : {1.2f, 1.7f, 1.4f}) {
+    snapshot.time += 0.1;
+    snapshot.bodies[0].displacement[1] = {0.2f * (pull - 1), 0, 0};
+    place_vertices(snapshot.bodies[0]);
+    note_stretch(snapshot, seen);
+  }
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_NEAR(seen[0].most, 1.7, 1e-5);
+  EXPECT_NEAR(seen[0].time, 0.2, 1e-12);
+  EXPECT_EQ(overstretched(seen).size(), 1u);
+  seen[0].most = 1.4;
+  EXPECT_TRUE(overstretched(seen).empty());
+}
+
+TEST(Doubts, AContactHarderThanYoungsModulusIsToldAndAGentleOneIsNot) {
+  const std::filesystem::path folder = test::fresh_folder();
+  for (const bool deep : {false, true}) {
+    const Scene scene = test::four_kinds_scene(
+        folder,
+        {deep ? "tool.finger.press.depth=0.012" : "tool.finger.press.depth=0.001", "output.video=false"});
+    Result<World> world = load_world(Exec(2), scene);
+    ASSERT_TRUE(world) << world.error().message;
+    const Result<Simulated> done = simulate(Exec(2), scene, *world);
+    ASSERT_TRUE(done) << done.error().message;
+    const std::vector<std::string> told = overpressed(*world, done->measures.pressed);
+    EXPECT_EQ(told.size(), deep ? 1u : 0u);
+    if (deep) {
+      EXPECT_NE(told.at(0).find("pad: the contact pressed with"), std::string::npos) << told[0];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace turgor

@@ -1,0 +1,225 @@
+#include "turgor/io/files/child.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <thread>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace turgor::io {
+
+namespace {
+
+constexpr int kFailed = 255, kNoMemory = 254;
+
+/// No signal reaches the child before it has given up its parent's handlers.
+class SignalsBlocked {
+ public:
+  SignalsBlocked() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+ private:
+  sigset_t before_;
+};
+
+void forget_signals() {
+  for (int signal = 1; signal < NSIG; signal++) std::signal(signal, SIG_DFL);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
+/// Address space of this process [bytes].
+rlim_t address_space() {
+  unsigned long long pages = 0;
+  FILE* file = std::fopen("/proc/self/statm", "r");
+  if (!file) return 0;
+  if (std::fscanf(file, "%llu", &pages) != 1) pages = 0;
+  std::fclose(file);
+  return rlim_t(pages) * rlim_t(sysconf(_SC_PAGESIZE));
+}
+
+/// Beyond `most` the process gets a signal or an error, `grace` later its end.
+void lower(__rlimit_resource_t what, rlim_t most, rlim_t grace = 0) {
+  rlimit limit{};
+  if (getrlimit(what, &limit) != 0) return;
+  limit.rlim_cur = std::min(limit.rlim_cur, most);
+  limit.rlim_max = std::min(limit.rlim_max, most + grace);
+  setrlimit(what, &limit);
+}
+
+void take_limits(rlim_t memory, const ChildLimits& limits) {
+  lower(RLIMIT_CORE, 0);
+  lower(RLIMIT_AS, memory);
+  lower(RLIMIT_CPU, rlim_t(std::ceil(limits.processor_seconds)), 5);
+}
+
+void redirect(int stream, const char* file, int flags) {
+  const int opened = open(file, flags, 0600);
+  if (opened < 0 || opened == stream) return;
+  dup2(opened, stream);
+  close(opened);
+}
+
+void take_streams(const char* log) {
+  redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
+  redirect(STDOUT_FILENO, "/dev/null", O_WRONLY);
+  redirect(STDERR_FILENO, log, O_WRONLY | O_CREAT | O_TRUNC);
+}
+
+/// The child's first steps.
+void become_child(pid_t parent, rlim_t memory, const ChildLimits& limits) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(kFailed);  // it is gone already
+  setpgid(0, 0);                            // what it starts is stopped with it
+  forget_signals();
+  take_limits(memory, limits);
+}
+
+ChildEnd end_of(int status, bool is_ours) {
+  if (WIFSIGNALED(status)) return {ChildEnd::Kind::kCrashed, WTERMSIG(status)};
+  const bool no_memory = is_ours && WEXITSTATUS(status) == kNoMemory;
+  return {no_memory ? ChildEnd::Kind::kOutOfMemory : ChildEnd::Kind::kExited, WEXITSTATUS(status)};
+}
+
+/// Notes how a child ended, when it has.
+bool collect(const Child& child, ChildEnd& end, int flags) {
+  int status = 0;
+  pid_t found = 0;
+  do found = waitpid(child.id, &status, flags);
+  while (found < 0 && errno == EINTR);
+  if (found > 0) end = end_of(status, child.is_ours);
+  if (found < 0) end = {ChildEnd::Kind::kNotStarted, errno};
+  return found != 0;
+}
+
+void stop(const Child& child, ChildEnd& end) {
+  if (kill(-child.id, SIGKILL) != 0) kill(child.id, SIGKILL);
+  collect(child, end, 0);
+  end.kind = ChildEnd::Kind::kTooLong;
+}
+
+[[noreturn]] void become_program(char* const* arguments, const std::filesystem::path& folder,
+                                 const std::string& log, int report) {
+  if (chdir(folder.c_str()) == 0) {
+    take_streams(log.c_str());
+    close_range(STDERR_FILENO + 1, ~0u, CLOSE_RANGE_CLOEXEC);
+    execvp(arguments[0], arguments);
+  }
+  const int error = errno;
+  if (write(report, &error, sizeof error) < 0) _exit(kNoMemory);
+  _exit(kFailed);
+}
+
+[[noreturn]] void become_worker(const std::function<int()>& work) {
+  take_streams("/dev/null");
+  close_range(STDERR_FILENO + 1, ~0u, 0);
+  int status = kFailed;
+  try {
+    status = work();
+  } catch (const std::bad_alloc&) {
+    status = kNoMemory;
+  } catch (...) {
+  }
+  _exit(status);
+}
+
+}  // namespace
+
+std::string describe(const ChildEnd& end, const ChildLimits& limits) {
+  switch (end.kind) {
+    case ChildEnd::Kind::kExited:
+      return fmt::format("it ended with status {}", end.number);
+    case ChildEnd::Kind::kTooLong:
+      return fmt::format("it was stopped, having got no further for {} s", limits.seconds);
+    case ChildEnd::Kind::kOutOfMemory:
+      return fmt::format("it needs more than {:.3g} GB of memory", double(limits.memory) * 1e-9);
+    case ChildEnd::Kind::kNotStarted:
+      return fmt::format("its process could not be started: {}", std::strerror(end.number));
+    case ChildEnd::Kind::kCrashed:
+      break;
+  }
+  if (end.number == SIGKILL) return "it was killed, perhaps because the machine's memory ran out";
+  if (end.number == SIGXCPU)
+    return fmt::format("it was stopped, having used {} s of the processor", limits.processor_seconds);
+  return fmt::format("it crashed ({})", strsignal(end.number));
+}
+
+Child start_child(const std::function<int()>& work, const ChildLimits& limits) {
+  const pid_t parent = getpid();
+  const rlim_t memory = address_space() + limits.memory;
+  const SignalsBlocked blocked;
+  const pid_t id = fork();
+  if (id != 0) return {id, id < 0 ? errno : 0, true};
+  become_child(parent, memory, limits);
+  become_worker(work);
+}
+
+Child start_program(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                    const std::string& log, const ChildLimits& limits) {
+  std::vector<char*> pointers;
+  for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
+  pointers.push_back(nullptr);
+  int ends[2];  // closed by a successful start, else it tells why there was none
+  if (pipe2(ends, O_CLOEXEC) != 0) return {-1, errno, false};
+  const pid_t parent = getpid();
+  const SignalsBlocked blocked;
+  Child child{fork(), 0, false};
+  if (child.id == 0) {
+    become_child(parent, limits.memory, limits);
+    become_program(pointers.data(), folder, log, ends[1]);
+  }
+  if (child.id < 0) child.error = errno;
+  close(ends[1]);
+  if (child.id > 0 && read(ends[0], &child.error, sizeof child.error) == sizeof child.error) {
+    waitpid(child.id, nullptr, 0);
+    child.id = -1;
+  }
+  close(ends[0]);
+  return child;
+}
+
+std::vector<ChildEnd> wait_for(std::span<const Child> children, const ChildLimits& limits,
+                               const std::function<double()>& how_far) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<ChildEnd> ends(children.size());
+  std::vector<std::size_t> running;
+  for (std::size_t c = 0; c < children.size(); c++)
+    if (children[c].id > 0)
+      running.push_back(c);
+    else
+      ends[c] = {ChildEnd::Kind::kNotStarted, children[c].error};
+  Clock::time_point last = Clock::now();
+  double farthest = how_far ? how_far() : 0;
+  while (!running.empty()) {
+    std::erase_if(running, [&](std::size_t c) { return collect(children[c], ends[c], WNOHANG); });
+    if (running.empty()) break;
+    const double now = how_far ? how_far() : 0;
+    if (now > farthest) farthest = now, last = Clock::now();
+    if (std::chrono::duration<double>(Clock::now() - last).count() > limits.seconds) {
+      for (const std::size_t c : running) stop(children[c], ends[c]);
+      break;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return ends;
+}
+
+}  // namespace turgor::io

@@ -1,0 +1,164 @@
+#include "turgor/io/files/deflate.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <new>
+#include <vector>
+
+#include <zlib.h>
+
+#include "turgor/core/assert.hpp"
+
+namespace turgor::io {
+
+namespace {
+
+constexpr int kLevel = 1;  // noise packs no better at higher levels, only slower
+
+struct Stream {
+  z_stream z{};
+  explicit Stream(Deflate format) {
+    constexpr int kMemoryLevel = 8;
+    if (deflateInit2(&z, kLevel, Z_DEFLATED, int(format), kMemoryLevel, Z_DEFAULT_STRATEGY) != Z_OK)
+      throw std::bad_alloc();
+  }
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+  ~Stream() { deflateEnd(&z); }
+};
+
+/// The packed bytes of a range, block by block.
+class PackedBytes {
+ public:
+  explicit PackedBytes(const FileRange& range)
+      : file_(std::fopen(range.file.c_str(), "rb"), std::fclose), left_(range.end - range.begin) {
+    if (file_ && fseeko(file_.get(), off_t(range.begin), SEEK_SET) != 0) file_.reset();
+  }
+  /// Gives the stream a block when it has none; false when there is no more.
+  bool feed(z_stream& z) {
+    if (z.avail_in > 0) return true;
+    if (!file_) return false;
+    const auto size = std::min<std::int64_t>(left_, std::int64_t(block_.size()));
+    z.next_in = block_.data();
+    z.avail_in = uInt(std::fread(block_.data(), 1, std::size_t(size), file_.get()));
+    left_ -= z.avail_in;
+    return z.avail_in > 0;
+  }
+
+ private:
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  std::int64_t left_;
+  std::vector<Bytef> block_ = std::vector<Bytef>(std::size_t{1} << 18);
+};
+
+struct InflateStream {
+  z_stream z{};
+  static constexpr int kZlibOrGzip = 15 + 32, kBare = -15;  // zlib's windowBits
+  explicit InflateStream(int format) {
+    if (inflateInit2(&z, format) != Z_OK) throw std::bad_alloc();
+  }
+  InflateStream(const InflateStream&) = delete;
+  InflateStream& operator=(const InflateStream&) = delete;
+  ~InflateStream() { inflateEnd(&z); }
+};
+
+/// Where unpacked bytes go: into nothing, then into `out`, then into nothing again.
+struct Unpacked {
+  std::int64_t skip;
+  std::span<std::byte> out;
+  std::size_t done = 0;
+  bool is_too_long = false;
+  std::vector<std::byte> nothing = std::vector<std::byte>(std::size_t{1} << 14);
+
+  std::span<std::byte> place() {
+    constexpr std::size_t kMost = std::size_t{1} << 28;
+    const std::span<std::byte> all(nothing);
+    if (skip > 0) return all.first(std::size_t(std::min(skip, std::int64_t(all.size()))));
+    return done < out.size() ? out.subspan(done, std::min(out.size() - done, kMost)) : all;
+  }
+  /// One call of zlib, into the place where the next bytes belong.
+  int next(z_stream& z) {
+    const std::span<std::byte> to = place();
+    z.next_out = reinterpret_cast<Bytef*>(to.data());
+    z.avail_out = uInt(to.size());
+    const int state = ::inflate(&z, Z_NO_FLUSH);
+    const std::size_t count = to.size() - z.avail_out;
+    if (skip > 0)
+      skip -= std::int64_t(count);
+    else if (done < out.size())
+      done += count;
+    else
+      is_too_long = count > 0;
+    return state;
+  }
+};
+
+/// Whether another stream of gzip follows the one that ended.
+bool next_member(PackedBytes& packed, z_stream& z) {
+  constexpr Bytef kGzipMagic = 0x1f;
+  return packed.feed(z) && *z.next_in == kGzipMagic && inflateReset(&z) == Z_OK;
+}
+
+}  // namespace
+
+Inflated inflate(const FileRange& range, std::int64_t skip, std::span<std::byte> out) {
+  using End = Inflated::End;
+  PackedBytes packed(range);
+  InflateStream stream(InflateStream::kZlibOrGzip);
+  Unpacked unpacked{.skip = skip, .out = out};
+  for (;;) {
+    const bool has_input = packed.feed(stream.z);
+    const int state = unpacked.next(stream.z);
+    if (unpacked.is_too_long) return {End::kTooLong, unpacked.done};
+    if (state == Z_STREAM_END) {
+      if (next_member(packed, stream.z)) continue;
+      return {unpacked.done == out.size() ? End::kExact : End::kTooShort, unpacked.done};
+    }
+    if (state == Z_BUF_ERROR && !has_input) return {End::kTooShort, unpacked.done};
+    if (state != Z_OK) return {End::kDamaged, unpacked.done};
+  }
+}
+
+std::optional<std::string> inflate_bare(const FileRange& range, std::size_t most) {
+  constexpr std::size_t kBlock = std::size_t{1} << 18;
+  PackedBytes packed(range);
+  InflateStream stream(InflateStream::kBare);
+  std::string out;
+  for (;;) {
+    const bool has_input = packed.feed(stream.z);
+    const std::size_t done = out.size();
+    if (done > most) return std::nullopt;
+    out.resize(done + kBlock);
+    stream.z.next_out = reinterpret_cast<Bytef*>(out.data() + done);
+    stream.z.avail_out = uInt(kBlock);
+    const int state = ::inflate(&stream.z, Z_NO_FLUSH);
+    out.resize(out.size() - stream.z.avail_out);
+    if (state == Z_STREAM_END) return out;
+    if (state != Z_OK || (!has_input && out.size() == done)) return std::nullopt;
+  }
+}
+
+void deflate(std::initializer_list<std::string_view> parts, Deflate format,
+             const std::function<void(std::string_view)>& out) {
+  constexpr std::size_t kBlock = std::size_t{1} << 28;
+  Stream stream(format);
+  std::vector<char> packed(std::size_t{1} << 18);
+  const auto feed = [&](std::string_view bytes, int flush) {
+    stream.z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+    stream.z.avail_in = uInt(bytes.size());
+    do {
+      stream.z.next_out = reinterpret_cast<Bytef*>(packed.data());
+      stream.z.avail_out = uInt(packed.size());
+      const int status = ::deflate(&stream.z, flush);
+      TURGOR_ASSERT(status != Z_STREAM_ERROR, "a stream of deflate is used as zlib wants it");
+      out({packed.data(), packed.size() - stream.z.avail_out});
+    } while (stream.z.avail_out == 0);
+  };
+  for (std::string_view part : parts)
+    for (; !part.empty(); part.remove_prefix(std::min(kBlock, part.size())))
+      feed(part.substr(0, kBlock), Z_NO_FLUSH);
+  feed({}, Z_FINISH);
+}
+
+}  // namespace turgor::io

@@ -1,0 +1,20 @@
+// The surfaces of both of VTK's formats: PolyData in XML (.vtp) and in legacy files (.vtk). Internal to io/.
+#pragma once
+
+#include "turgor/io/mesh/surface_formats.hpp"
+#include "turgor/io/mesh/vtk_cells.hpp"
+
+namespace turgor::io {
+
+/// Of one piece; points and lines are counted alone.
+struct VtkSurface {
+  VtkCells polygons, strips;
+  std::size_t points = 0, lines = 0;
+};
+
+/// Adds polygons, and the triangles of strips. The error says which one is damaged; it names no file.
+Status add_vtk_surface(FoundSurface& found, const VtkSurface& surface);
+/// What was no surface, as notes.
+void note_left_out(FoundSurface& found, std::size_t points, std::size_t lines);
+
+}  // namespace turgor::io

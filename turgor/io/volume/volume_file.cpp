@@ -1,0 +1,41 @@
+#include "turgor/io/volume/volume_file.hpp"
+
+#include <cmath>
+#include <new>
+
+#include <fmt/format.h>
+
+namespace turgor::io {
+
+namespace fs = std::filesystem;
+
+Status check_grid(const fs::path& path, const Grid& grid) {
+  for (int axis = 0; axis < 3; axis++) {
+    const double spacing = grid.spacing[axis], origin = grid.origin[axis];
+    if (!(spacing > 0) || !std::isfinite(spacing))
+      return Error{fmt::format("{}: spacing along axis {} is {} mm; expected a positive number",
+                               path.string(), axis, spacing * 1e3)};
+    if (!std::isfinite(origin)) return Error{fmt::format("{}: the origin is not finite", path.string())};
+    const Vec3d a = grid.axes.column[axis], b = grid.axes.column[(axis + 1) % 3];
+    const double cosine = dot(a, b);
+    if (!(std::abs(cosine) < 1e-3) || !(std::abs(norm(a) - 1) < 1e-3))
+      return Error{fmt::format(
+          "{}: axes {} and {} meet at {:.2f} degrees; expected right angles (resample the volume to a "
+          "grid of right angles first)",
+          path.string(), axis, (axis + 1) % 3, std::acos(cosine) * 180 / M_PI)};
+  }
+  return Done{};
+}
+
+Result<RawVolume> read_volume_file(const fs::path& path) {
+  const Result<VolumeHeader> header = read_volume_header(path);
+  if (!header) return header.error();
+  if (Status placed = check_grid(path, header->grid); !placed) return placed.error();
+  try {
+    return read_volume_samples(path, *header);
+  } catch (const std::bad_alloc&) {
+    return Error{fmt::format("{}: cannot be read: not enough memory", path.string())};
+  }
+}
+
+}  // namespace turgor::io

@@ -1,0 +1,11 @@
+#include "turgor/models/cloth/device/gpu_sheet.hpp"
+
+namespace turgor::cloth {
+
+Missing why_not_on_gpu(const Params& params) {
+  if (uses_gradients(params.solver.method))
+    return {"solver", "sweeps alone solve cloth: set solver.method = \"chebyshev\" or \"jacobi\""};
+  return {};
+}
+
+}  // namespace turgor::cloth

@@ -1,0 +1,91 @@
+#include "turgor/models/cloth/forces/wind.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "turgor/models/cloth/forces/wind_kernels.hpp"
+
+namespace turgor::cloth {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// In [0, 1), the same on every machine.
+double next_fraction(std::mt19937_64& random) { return double(random() >> 11) * 0x1p-53; }
+
+Vec3d next_direction(std::mt19937_64& random) {
+  const double z = 2 * next_fraction(random) - 1, angle = 2 * kPi * next_fraction(random);
+  const double r = std::sqrt(1 - z * z);
+  return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+/// Each triangle once for all of its corners in a chunk.
+struct BlowChunk {
+  Sails sails;
+  const ChunkTriangles& chunks;
+  std::size_t size;
+
+  void operator()(std::size_t chunk) const {
+    const std::size_t begin = chunk * kChunk, end = std::min(begin + kChunk, size);
+    for (std::size_t i = begin; i < end; i++) sails.clear(i);
+    for (int n = chunks.begin[chunk]; n < chunks.begin[chunk + 1]; n++) {
+      const Int3 t = sails.triangles[chunks.triangle[std::size_t(n)]];
+      const TriangleLoad load = sails.load_of(t);
+      for (int k = 0; k < 3; k++)
+        if (const auto corner = std::size_t(t[k]); corner >= begin && corner < end) sails.add(corner, load);
+    }
+  }
+};
+
+}  // namespace
+
+Gusts gusts_at(const Air& air, double time) {
+  Gusts gusts{.waves = {}, .mean = Vec3(air.velocity)};
+  std::mt19937_64 random(air.seed);
+  const std::size_t count = gusts.waves.size();
+  const double sigma = air.gusts * norm(air.velocity) * std::sqrt(3.0 / double(count));
+  for (std::size_t w = 0; w < count; w++) {
+    const double length = air.gust_length * std::pow(0.125, double(w) / double(count - 1));
+    const Vec3d number = next_direction(random) / length;
+    const Vec3d sideways = cross(number, next_direction(random));
+    const double start = next_fraction(random), turns = start - dot(number, air.velocity) * time;
+    // Σ over waves of mean |velocity|²/2 is three times the variance of a component.
+    gusts.waves[w] = {Vec3(number), Vec3(normalized(sideways) * (sigma * std::sqrt(2.0))),
+                      Real(turns - std::floor(turns))};
+  }
+  return gusts;
+}
+
+Vec3 air_velocity(const Gusts& gusts, Vec3 x) {
+  return AirAt<Real>{.x = {}, .air = {}, .gusts = gusts, .is_steady = false}(x);
+}
+
+ChunkTriangles triangles_by_chunk(std::span<const Int3> triangles, std::size_t padded_count) {
+  std::vector<std::vector<int>> lists((padded_count + kChunk - 1) / kChunk);
+  for (std::size_t t = 0; t < triangles.size(); t++)
+    for (int corner = 0; corner < 3; corner++) {
+      std::vector<int>& list = lists[std::size_t(triangles[t][corner]) / kChunk];
+      if (list.empty() || list.back() != int(t)) list.push_back(int(t));
+    }
+  ChunkTriangles chunks;
+  chunks.begin.push_back(0);
+  for (const auto& list : lists) {
+    chunks.triangle.insert(chunks.triangle.end(), list.begin(), list.end());
+    chunks.begin.push_back(int(chunks.triangle.size()));
+  }
+  chunks.triangle.shrink_to_fit();
+  return chunks;
+}
+
+void blow(const Exec& exec, const Air& air, double time, double dt, std::span<const Int3> triangles,
+          const ChunkTriangles& chunks, const Vectors& x, const Vectors& v, Vectors& scratch, AirLoad out) {
+  parallel_for(exec, x.size() / std::size_t(kLanes),
+               AirAt<Lanes>{view(x), view(scratch), gusts_at(air, time), is_steady(air)}, 64);
+  const Sails all = sails(air, dt, triangles.data(), view(x), view(v), view(scratch), view(out.impulse),
+                          view(out.diagonal), view(out.off_diagonal));
+  parallel_for(exec, chunks.begin.size() - 1, BlowChunk{all, chunks, x.size()});
+}
+
+}  // namespace turgor::cloth

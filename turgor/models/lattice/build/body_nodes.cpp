@@ -1,0 +1,235 @@
+#include "turgor/models/lattice/build/body_nodes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace turgor::lattice {
+
+namespace {
+
+struct Range {
+  int begin, end;
+};
+/// The voxels around node `i`, which sits between two voxels.
+Range block_range(int i, int block, int voxels) {
+  const int reach = (block + 1) / 2;
+  return {std::clamp(i * block - reach, 0, voxels - 1), std::clamp(i * block + reach, 1, voxels)};
+}
+
+/// Adds a row of voxels, those beside the body as air.
+void add_row(const std::int16_t* row, const std::uint8_t* beside, int cell, double air_max,
+             std::vector<int>& sums) {
+  for (std::size_t i = 0; i < sums.size(); i++)
+    sums[i] += beside[i / std::size_t(cell)] && row[i] >= air_max ? kAirHu : row[i];
+}
+
+/// Means over blocks, one layer of nodes: sums over j and k first, as whole rows.
+struct AverageLayer {
+  const CtPart& ct;
+  const Surroundings& beside;
+  double air_max;
+  Int3 block;
+  const Grid& nodes;
+  int first;  // layer
+  std::int16_t* hu;
+
+  void operator()(std::size_t layer) const {
+    const Int3 voxels = ct.whole.size;
+    const int nx = voxels.x;
+    std::vector<int> sums(static_cast<std::size_t>(nx));
+    const Range ks = block_range(first + int(layer), block.z, voxels.z);
+    for (int j = 0; j < nodes.size.y; j++) {
+      const Range js = block_range(j, block.y, voxels.y);
+      std::fill(sums.begin(), sums.end(), 0);
+      for (int vk = ks.begin; vk < ks.end; vk++)
+        for (int vj = js.begin; vj < js.end; vj++) {
+          const std::int16_t* row = ct.row(vj, vk);
+          if (beside.has_row(vj, vk)) {
+            add_row(row, beside.row(vj, vk), beside.cell.x, air_max, sums);
+            continue;
+          }
+          for (int vi = 0; vi < nx; vi++) sums[std::size_t(vi)] += row[vi];
+        }
+      const int rows = (ks.end - ks.begin) * (js.end - js.begin);
+      for (int i = 0; i < nodes.size.x; i++) {
+        const Range is = block_range(i, block.x, nx);
+        long sum = 0;
+        for (int vi = is.begin; vi < is.end; vi++) sum += sums[std::size_t(vi)];
+        const double mean = double(sum) / (double(rows) * (is.end - is.begin));
+        hu[sample_index(nodes, i, j, int(layer))] = std::int16_t(std::lround(mean));
+      }
+    }
+  }
+};
+
+/// Visits all nodes reachable from `seeds` over axis neighbours for which `enter(index)` is true; enter must
+/// mark what it accepts.
+template <class Enter>
+std::size_t flood(const Grid& grid, std::vector<std::size_t>& stack, const Enter& enter) {
+  const std::size_t strides[3] = {1, std::size_t(grid.size.x),
+                                  std::size_t(grid.size.x) * std::size_t(grid.size.y)};
+  std::size_t visited = 0;
+  while (!stack.empty()) {
+    const std::size_t n = stack.back();
+    stack.pop_back();
+    visited++;
+    const Int3 p{int(n % strides[1]), int(n / strides[1]) % grid.size.y, int(n / strides[2])};
+    for (int axis = 0; axis < 3; axis++) {
+      if (p[axis] > 0 && enter(n - strides[axis])) stack.push_back(n - strides[axis]);
+      if (p[axis] + 1 < grid.size[axis] && enter(n + strides[axis])) stack.push_back(n + strides[axis]);
+    }
+  }
+  return visited;
+}
+
+/// 1 where air is connected to the four sides of the scan. Not to its ends: there lungs and bowel are cut
+/// open.
+std::vector<std::uint8_t> outside_air(const BodyNodes& nodes, double air_max) {
+  const Int3 size = nodes.grid.size;
+  std::vector<std::uint8_t> outside(nodes.hu.size());
+  const auto enter = [&](std::size_t n) {
+    if (outside[n] || nodes.hu[n] >= air_max) return false;
+    outside[n] = 1;
+    return true;
+  };
+  std::vector<std::size_t> stack;
+  const int across = (long_axis(nodes.grid) + 1) % 3, other = (across + 1) % 3;
+  for (int k = 0; k < size.z; k++)
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++)
+        if (is_at_end({i, j, k}, size, across) || is_at_end({i, j, k}, size, other))
+          if (const std::size_t n = sample_index(nodes.grid, i, j, k); enter(n)) stack.push_back(n);
+  flood(nodes.grid, stack, enter);
+  return outside;
+}
+
+/// Marks as outside all but the largest connected component of the rest. Returns the size of that one.
+std::size_t keep_largest(const Grid& grid, std::vector<std::uint8_t>& outside) {
+  std::vector<int> component(outside.size(), 0);
+  int count = 0, largest = 0;
+  std::size_t largest_size = 0;
+  std::vector<std::size_t> stack;
+  for (std::size_t seed = 0; seed < outside.size(); seed++) {
+    if (outside[seed] || component[seed]) continue;
+    component[seed] = ++count;
+    stack.push_back(seed);
+    const std::size_t size = flood(grid, stack, [&](std::size_t n) {
+      if (outside[n] || component[n]) return false;
+      component[n] = count;
+      return true;
+    });
+    if (size > largest_size) largest_size = size, largest = count;
+  }
+  for (std::size_t n = 0; n < outside.size(); n++) outside[n] = component[n] != largest || largest == 0;
+  return largest_size;
+}
+
+Tissue tissue_of(double hu, const TissueParams& params) {
+  if (hu < params.air_max) return Tissue::kGas;
+  if (hu < params.fat_max) return Tissue::kFat;
+  return hu < params.bone_min ? Tissue::kMuscle : Tissue::kBone;
+}
+
+/// A bone that never moves only shows in the springs to its neighbours; twice muscle makes those about as
+/// stiff as half a spring of tissue on a rigid wall.
+float young_of(Tissue tissue, const Params& params) {
+  switch (tissue) {
+    case Tissue::kOutside:
+      return 0;
+    case Tissue::kGas:
+      return float(params.tissue.gas);
+    case Tissue::kFat:
+      return float(params.tissue.fat);
+    case Tissue::kMuscle:
+      return float(params.tissue.muscle);
+    case Tissue::kBone:
+      return float(params.fix_bone ? 2 * params.tissue.muscle : params.tissue.bone);
+  }
+  return 0;
+}
+
+int label_at(const LabelVolume& labels, Vec3d point) {
+  const Vec3d index = index_at(labels.grid, point);
+  const Int3 p{int(std::lround(index.x)), int(std::lround(index.y)), int(std::lround(index.z))};
+  return contains(labels.grid, p) ? labels.at(p.x, p.y, p.z) : 0;
+}
+
+}  // namespace
+
+Grid node_grid(const Grid& ct, Int3 block) {
+  const auto nodes = [](int voxels, int b) { return (voxels + b - 1) / b + 1; };
+  const Vec3d b(block);
+  return {.size = {nodes(ct.size.x, block.x), nodes(ct.size.y, block.y), nodes(ct.size.z, block.z)},
+          .spacing = hadamard(ct.spacing, b),
+          .origin = point_at(ct, {-0.5, -0.5, -0.5}),
+          .axes = ct.axes};
+}
+
+Layers slices_around(const Grid& ct, Int3 block, Layers layers) {
+  return {block_range(layers.begin, block.z, ct.size.z).begin,
+          block_range(layers.end - 1, block.z, ct.size.z).end};
+}
+
+std::vector<std::int16_t> average_blocks(const Exec& exec, const CtPart& ct, const Surroundings& beside,
+                                         const Params& params, const Grid& nodes, Layers layers) {
+  const auto count = std::size_t(layers.end - layers.begin);
+  std::vector<std::int16_t> hu(count * std::size_t(nodes.size.x) * std::size_t(nodes.size.y));
+  parallel_for(exec, count,
+               AverageLayer{ct, beside, params.tissue.air_max, params.block, nodes, layers.begin, hu.data()});
+  return hu;
+}
+
+void name_tissues(const Exec& exec, const std::vector<std::uint8_t>& outside, const Params& params, int first,
+                  int count, BodyNodes& nodes) {
+  const Int3 size = nodes.grid.size, whole{size.x, size.y, count};
+  const std::size_t all = sample_count(nodes.grid);
+  nodes.tissue.resize(all), nodes.young.resize(all), nodes.fixed.resize(all);
+  const int along = long_axis(nodes.grid);
+  parallel_for(exec, std::size_t(size.z), [&](std::size_t k) {
+    for (int j = 0; j < size.y; j++)
+      for (int i = 0; i < size.x; i++) {
+        const std::size_t n = sample_index(nodes.grid, i, j, int(k));
+        const Tissue tissue = outside[n] ? Tissue::kOutside : tissue_of(nodes.hu[n], params.tissue);
+        nodes.tissue[n] = tissue;
+        nodes.young[n] = young_of(tissue, params);
+        nodes.fixed[n] = (params.fix_bone && tissue == Tissue::kBone) ||
+                         (params.fix_ends && is_at_end({i, j, first + int(k)}, whole, along));
+      }
+  });
+}
+
+Result<BodyNodes> classify(const Exec& exec, const CtVolume& ct, const LabelVolume* labels,
+                           const Params& params) {
+  BodyNodes nodes;
+  nodes.grid = node_grid(ct.grid, params.block);
+  const Int3 size = nodes.grid.size;
+  const std::size_t count = sample_count(nodes.grid);
+  constexpr std::size_t kMostNodes = std::size_t(1) << 29;  // slots are counted in int
+  if (count > kMostNodes)
+    return Error{"a lattice of " + std::to_string(count) + " nodes is too large: expected at most " +
+                 std::to_string(kMostNodes) + ", choose a larger block"};
+  const Surroundings beside = find_beside_body(exec, ct, params.tissue.air_max);
+  nodes.hu = average_blocks(exec, ct, beside, params, nodes.grid, {0, size.z});
+
+  std::vector<std::uint8_t> outside = outside_air(nodes, params.tissue.air_max);
+  if (keep_largest(nodes.grid, outside) == 0)
+    return Error{"the CT holds nothing but air: expected voxels above " +
+                 std::to_string(int(params.tissue.air_max)) + " HU"};
+
+  name_tissues(exec, outside, params, 0, size.z, nodes);
+  const auto place = [&](std::size_t n) {
+    return Int3{int(n % std::size_t(size.x)), int(n / std::size_t(size.x)) % size.y,
+                int(n / (std::size_t(size.x) * std::size_t(size.y)))};
+  };
+  if (labels != nullptr)
+    for (std::size_t n = 0; n < count; n++) {
+      if (outside[n]) continue;
+      const Vec3d point = point_at(nodes.grid, Vec3d(place(n)));
+      const auto found = params.tissue.young_of_label.find(label_at(*labels, point));
+      if (found != params.tissue.young_of_label.end()) nodes.young[n] = float(found->second);
+    }
+  return nodes;
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,377 @@
+#include "turgor/models/lattice/build/skin.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "turgor/models/lattice/build/skin_surface.hpp"
+#include "turgor/models/lattice/mechanics/skin_forces.hpp"
+#include "turgor/models/lattice/model/colors.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Corners of a face of a tetrahedron, counter-clockwise seen from the corner opposite to it.
+constexpr std::array<std::array<int, 3>, 4> kFaceTowards = {{{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
+
+/// The skin of one layer of cells: every tetrahedron with exactly one corner outside gives the triangle of
+/// the others.
+void detect_layer(const Model& model, int k, std::vector<Int3>& found) {
+  const Lattice& l = model.lattice;
+  for (int j = 0; j + 1 < l.size.y; j++)
+    for (int i = 0; i + 1 < l.size.x; i++) {
+      int outside_count = 0;
+      bool outside[8];
+      for (int c = 0; c < 8; c++) {
+        const int slot = node_slot(l, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
+        outside[c] = !is_body(model.tissue[std::size_t(slot)]);
+        outside_count += outside[c];
+      }
+      if (outside_count == 0 || outside_count > 5) continue;
+      for (const auto& tet : kKuhnTets) {
+        int air = -1, count = 0;
+        for (int c = 0; c < 4; c++) {
+          const Int3 o = tet[std::size_t(c)];
+          if (outside[o.x | o.y << 1 | o.z << 2]) air = c, count++;
+        }
+        if (count != 1) continue;
+        Int3 triangle;
+        for (int c = 0; c < 3; c++) {
+          const Int3 o = tet[std::size_t(kFaceTowards[std::size_t(air)][std::size_t(c)])];
+          triangle[c] = node_slot(l, i + o.x, j + o.y, k + o.z);
+        }
+        found.push_back(triangle);
+      }
+    }
+}
+
+/// A triangle that two tetrahedra found from both sides of a sheet is kept once.
+void drop_doubles(std::vector<std::vector<Int3>>& layers) {
+  struct Key {
+    int a, b, c, layer, index;
+    bool operator<(const Key& o) const {
+      return std::tie(a, b, c, layer, index) < std::tie(o.a, o.b, o.c, o.layer, o.index);
+    }
+  };
+  std::vector<Key> keys;
+  for (std::size_t k = 0; k < layers.size(); k++)
+    for (std::size_t t = 0; t < layers[k].size(); t++) {
+      std::array<int, 3> v{layers[k][t].x, layers[k][t].y, layers[k][t].z};
+      std::sort(v.begin(), v.end());
+      keys.push_back({v[0], v[1], v[2], int(k), int(t)});
+    }
+  std::sort(keys.begin(), keys.end());
+  for (std::size_t n = 1; n < keys.size(); n++) {
+    const Key &a = keys[n - 1], &b = keys[n];
+    if (a.a == b.a && a.b == b.b && a.c == b.c) layers[std::size_t(b.layer)][std::size_t(b.index)].x = -1;
+  }
+  for (auto& layer : layers) std::erase_if(layer, [](Int3 t) { return t.x < 0; });
+}
+
+/// Orders the triangles of layer `k` in batches of up to kSkinLanes that share no node, each from near the
+/// front of what is left, so that its nodes are still in the cache. In the paper's words, grouping. [STC 4.3]
+std::vector<int> order_in_batches(const Lattice& l, int k, std::vector<Int3>& triangles) {
+  constexpr std::size_t kLookAhead = 128;
+  const int first = row_slot(l, -1, k);
+  std::vector<int> taken(std::size_t(2 * layer_stride(l)),
+                         0);  // by node of layers k and k + 1: the batch that has it
+  std::vector<Int3> left = std::move(triangles), skipped;
+  std::vector<int> sizes;
+  triangles.clear();
+  std::size_t at = 0;
+  while (at < left.size() || !skipped.empty()) {
+    const int batch = int(sizes.size()) + 1;
+    int size = 0;
+    const auto take = [&](Int3 t) {
+      for (int c = 0; c < 3; c++)
+        if (taken[std::size_t(t[c] - first)] == batch) return false;
+      for (int c = 0; c < 3; c++) taken[std::size_t(t[c] - first)] = batch;
+      triangles.push_back(t);
+      size++;
+      return true;
+    };
+    std::erase_if(skipped, [&](Int3 t) { return size < kSkinLanes && take(t); });
+    for (; at < left.size() && size < kSkinLanes && skipped.size() < kLookAhead; at++)
+      if (!take(left[at])) skipped.push_back(left[at]);
+    sizes.push_back(size);
+  }
+  return sizes;
+}
+
+/// The triangles of all layers by the layer and the colour of their cells: group 4 k + p of Skin.
+std::vector<std::vector<Int3>> group_by_colors(const Lattice& l,
+                                               const std::vector<std::vector<Int3>>& layers) {
+  std::vector<std::vector<Int3>> groups(4 * layers.size());
+  for (const auto& layer : layers)
+    for (const Int3 t : layer) {
+      const Int3 cell = cell_of(l, t);
+      groups[std::size_t(4 * cell.z + (color_of(cell) & 3))].push_back(t);
+    }
+  return groups;
+}
+
+/// Orders triangles of one colour: first one of each cell, then the second of each that has one, and so on,
+/// the cells with most in front. Cells share no node, so a batch is up to kSkinLanes of one round.
+std::vector<int> order_in_rounds(const Lattice& l, std::vector<Int3>& triangles) {
+  std::map<int, std::vector<Int3>> by_cell;
+  for (const Int3 t : triangles) by_cell[node_slot(l, cell_of(l, t))].push_back(t);
+  std::vector<std::vector<Int3>> cells;
+  for (auto& [slot, of_cell] : by_cell) cells.push_back(std::move(of_cell));
+  std::stable_sort(cells.begin(), cells.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  std::vector<int> sizes;
+  triangles.clear();
+  for (std::size_t round = 0; !cells.empty() && round < cells[0].size(); round++)
+    for (std::size_t c = 0; c < cells.size() && cells[c].size() > round; c++) {
+      if (c % kSkinLanes == 0) sizes.push_back(0);
+      triangles.push_back(cells[c][round]);
+      sizes.back()++;
+    }
+  return sizes;
+}
+
+Vec3d lines_at(const VectorVolume& lines, Vec3d point) {
+  const Vec3d index = index_at(lines.grid, point);
+  Int3 p;
+  for (int axis = 0; axis < 3; axis++)
+    p[axis] = std::clamp(int(std::lround(index[axis])), 0, lines.grid.size[axis] - 1);
+  return Vec3d(lines.at(p.x, p.y, p.z));
+}
+
+/// Area and the coefficients of F d for d along and across the lines, from the rest positions.
+void measure_triangle(const Vec3d (&x)[3], Vec3d line, SkinTriangle& triangle) {
+  const Vec3d e1 = x[1] - x[0], e2 = x[2] - x[0], n = cross(e1, e2), normal = normalized(n);
+  Vec3d along = line - normal * dot(normal, line);
+  if (norm(along) < 1e-6 * norm(line) || norm(line) == 0)
+    along = e1;  // lines straight into the skin: any direction
+  along = normalized(along);
+  const Vec3d across = cross(normal, along);
+  const double a = dot(e1, along), b = dot(e2, along), c = dot(e1, across), d = dot(e2, across),
+               det = a * d - b * c;
+  triangle.edge1 = Vec3(e1);
+  triangle.edge2 = Vec3(e2);
+  triangle.area = Real(0.5 * norm(n));
+  const double inverse[2][2] = {{d / det, -b / det},
+                                {-c / det, a / det}};  // of (e1 e2) in the frame (along, across)
+  for (int q = 0; q < 2; q++) {
+    triangle.along[q + 1] = Real(inverse[q][0]);
+    triangle.across[q + 1] = Real(inverse[q][1]);
+  }
+  triangle.along[0] = -triangle.along[1] - triangle.along[2];
+  triangle.across[0] = -triangle.across[1] - triangle.across[2];
+}
+
+struct MeasureTriangle {
+  const Model& model;
+  const SkinPlaces& places;
+  const VectorVolume* lines;
+  SkinTriangle* triangles;
+  Vec3* given;  // null without lines
+
+  void operator()(std::size_t t) const {
+    SkinTriangle& triangle = triangles[t];
+    const TissueParams& tissue = model.params.tissue;
+    Vec3d x[3], center;
+    double hu = 0;
+    for (int c = 0; c < 3; c++) {
+      x[c] = places.of(number_in_body(model.lattice, slot_node(model.lattice, triangle.vertex[c])));
+      center += x[c] / 3;
+      hu += model.hu[std::size_t(triangle.vertex[c])] / 3.0;
+    }
+    const Vec3d patient = model.grid.origin + model.grid.axes * center;
+    const Vec3d line = inverse(model.grid.axes) *
+                       (lines != nullptr ? lines_at(*lines, patient) : model.params.skin.direction);
+    if (given != nullptr) given[t] = Vec3(line);
+    measure_triangle(x, line, triangle);
+    triangle.stiffness =
+        Real(std::clamp((hu - tissue.air_max) / (tissue.bone_min - tissue.air_max), 0.05, 1.0));
+  }
+};
+
+struct Corner {
+  int slot, triangle, corner;
+};
+
+/// Lane `i` of these is that corner.
+void set_lane(const Skin& skin, const Corner& corner, int i, SkinCorners& lanes) {
+  const SkinTriangle& t = skin.triangles[std::size_t(corner.triangle)];
+  const Vec3 places[3] = {{}, t.edge1, t.edge2};
+  lanes.triangle[i] = corner.triangle, lanes.area[i] = t.area;
+  for (int q = 0; q < 3; q++) {
+    const int vertex = (corner.corner + q) % 3;
+    lanes.vertex[q][i] = t.vertex[vertex];
+    lanes.along[q][i] = t.along[vertex], lanes.across[q][i] = t.across[vertex];
+    const Vec3 edge = places[vertex] - places[corner.corner];
+    for (int axis = 0; axis < 3 && q > 0; axis++) lanes.edge[q - 1][axis][i] = edge[axis];
+  }
+}
+
+/// The corners of each half row side by side.
+void lay_out_corners(const std::vector<Corner>& corners, Skin& skin) {
+  const auto begin_of = [&](std::size_t row) {
+    return std::size_t(skin.corner_begin[std::size_t(skin.row_begin[row])]);
+  };
+  std::size_t count = 0;
+  for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++)
+    count += (begin_of(row + 1) - begin_of(row) + kSkinLanes - 1) / kSkinLanes;
+  skin.corners.reserve(count);
+  skin.lanes_begin = {0};
+  for (std::size_t row = 0; row + 1 < skin.row_begin.size(); row++) {
+    const std::size_t begin = begin_of(row), end = begin_of(row + 1);
+    for (std::size_t first = begin; first < end; first += kSkinLanes) {
+      SkinCorners& lanes = skin.corners.emplace_back();
+      for (int i = 0; i < kSkinLanes; i++)
+        set_lane(skin, corners[first + std::size_t(i) < end ? first + std::size_t(i) : first], i, lanes);
+    }
+    skin.lanes_begin.push_back(int(skin.corners.size()));
+  }
+}
+
+/// The triangles of each batch side by side.
+void lay_out_batches(Skin& skin) {
+  for (std::size_t b = 0; b + 1 < skin.batch_begin.size(); b++) {
+    SkinBatch& batch = skin.batches.emplace_back();
+    const int begin = skin.batch_begin[b], end = skin.batch_begin[b + 1];
+    for (int i = 0; i < kSkinLanes; i++) {
+      const SkinTriangle& t = skin.triangles[std::size_t(begin + i < end ? begin + i : begin)];
+      batch.area[i] = t.area, batch.stiffness[i] = t.stiffness;
+      for (int axis = 0; axis < 3; axis++) {
+        batch.vertex[axis][i] = t.vertex[axis];
+        batch.edge[0][axis][i] = t.edge1[axis], batch.edge[1][axis][i] = t.edge2[axis];
+      }
+    }
+  }
+}
+
+std::vector<Corner> collect_corners(const Lattice& lattice, Skin& skin) {
+  std::vector<Corner> entries;
+  for (int t = 0; t < int(skin.triangles.size()); t++)
+    for (int c = 0; c < 3; c++) entries.push_back({skin.triangles[std::size_t(t)].vertex[c], t, c});
+  std::sort(entries.begin(), entries.end(), [](const Corner& a, const Corner& b) {
+    return std::tie(a.slot, a.triangle) < std::tie(b.slot, b.triangle);
+  });
+  skin.row_begin.assign(std::size_t(slot_count(lattice) / lattice.half + 1), 0);
+  for (std::size_t c = 0; c < entries.size(); c++) {
+    const Corner& e = entries[c];
+    if (skin.nodes.empty() || skin.nodes.back() != e.slot) {
+      skin.nodes.push_back(e.slot);
+      skin.corner_begin.push_back(int(c));
+      skin.row_begin[std::size_t(e.slot / lattice.half + 1)]++;
+    }
+  }
+  skin.corner_begin.push_back(int(entries.size()));
+  for (std::size_t r = 1; r < skin.row_begin.size(); r++) skin.row_begin[r] += skin.row_begin[r - 1];
+  return entries;
+}
+
+/// Where skin lies, made of the triangles of own cells, which are in the order of their layers.
+SkinPlaces find_places(const Exec& exec, const Model& model, const JoinSkin& join_skin) {
+  const Lattice& l = model.lattice;
+  std::vector<SkinNodes> all;
+  for (const SkinTriangle& t : model.skin.triangles) {
+    const int layer = cell_of(l, t.vertex).z;
+    if (layer < model.owned.begin || layer >= model.owned.end) continue;
+    SkinNodes& nodes = all.emplace_back();
+    for (int c = 0; c < 3; c++) nodes[std::size_t(c)] = number_in_body(l, slot_node(l, t.vertex[c]));
+  }
+  if (join_skin) join_skin(all);
+  return {exec, l, all};
+}
+
+}  // namespace
+
+Int3 cell_of(const Lattice& l, Int3 triangle) {
+  Int3 low = l.size - Int3{2, 2, 2};
+  for (int c = 0; c < 3; c++) low = min(low, slot_node(l, triangle[c]));
+  return low;
+}
+
+std::span<const SkinTriangle> skin_of_cells(const Model& model, Layers cells) {
+  const Skin& skin = model.skin;
+  if (skin.triangles.empty()) return {};
+  const auto layers = std::size_t(model.lattice.size.z - 1), groups = (skin.layer_begin.size() - 1) / layers;
+  const auto first_of = [&](int layer) {
+    return std::size_t(
+        skin.batch_begin[std::size_t(skin.layer_begin[std::min(std::size_t(layer), layers) * groups])]);
+  };
+  const std::size_t first = first_of(cells.begin);
+  return std::span(skin.triangles).subspan(first, first_of(cells.end) - first);
+}
+
+void detect_skin(const Exec& exec, const VectorVolume* lines, const JoinSkin& join_skin, Model& model) {
+  Skin& skin = model.skin;
+  std::vector<std::vector<Int3>> layers(std::size_t(model.lattice.size.z - 1));
+  parallel_for(exec, layers.size(), [&](std::size_t k) { detect_layer(model, int(k), layers[k]); });
+  drop_doubles(layers);
+  const SolverParams& solver = model.params.solver;
+  const bool in_rounds = solver.method == Method::kPbd && solver.ordering == Ordering::kColors;
+  if (in_rounds) layers = group_by_colors(model.lattice, layers);
+  std::vector<std::vector<int>> sizes(layers.size());
+  parallel_for(exec, layers.size(), [&](std::size_t k) {
+    sizes[k] = in_rounds ? order_in_rounds(model.lattice, layers[k])
+                         : order_in_batches(model.lattice, int(k), layers[k]);
+  });
+  skin.batch_begin = {0};
+  for (std::size_t k = 0; k < layers.size(); k++) {
+    skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
+    for (const int size : sizes[k]) skin.batch_begin.push_back(skin.batch_begin.back() + size);
+    for (const Int3 vertex : layers[k]) skin.triangles.push_back({.vertex = vertex});
+  }
+  skin.triangles.shrink_to_fit();
+  skin.layer_begin.push_back(int(skin.batch_begin.size()) - 1);
+  if (lines != nullptr) skin.lines.resize(skin.triangles.size());
+  const SkinPlaces places = find_places(exec, model, join_skin);
+  parallel_for(
+      exec, skin.triangles.size(),
+      MeasureTriangle{model, places, lines, skin.triangles.data(), lines ? skin.lines.data() : nullptr},
+      1024);
+  const std::vector<Corner> corners = collect_corners(model.lattice, skin);
+  if (model.params.solver.method == Method::kPbd) return lay_out_batches(skin);
+  lay_out_corners(corners, skin);
+  measure_pull(exec, model, skin);
+}
+
+Edge edge_between(const Lattice& lattice, int a, int b) {
+  const Int3 from = slot_node(lattice, a), to = slot_node(lattice, b), offset = to - from;
+  if (const int family = family_of(offset); family >= 0) return {a, family};
+  return {b, family_of(-offset)};
+}
+
+/// The CT shows a body at rest under its skin's tension. So whatever the skin pulls at a node there, curved
+/// skin inward and the steps of the lattice every way, is answered by the tissue's own prestress, and stays
+/// answered when the skin is cut.
+void measure_pull(const Exec& exec, const Model& model, Skin& skin) {
+  const SkinForces forces(model);
+  std::vector<Real> still(model.inverse_mass.size(), 0);
+  const NodeArrays nodes{still.data(), still.data(), still.data(), nullptr, nullptr, nullptr};
+  skin.pull.assign(skin.nodes.size(), {});
+  parallel_for(
+      exec, skin.row_begin.size() - 1,
+      [&](std::size_t row) {
+        const int first = skin.corner_begin[std::size_t(skin.row_begin[row])];
+        CornerSystems systems;
+        for (auto at = std::size_t(skin.row_begin[row]); at < std::size_t(skin.row_begin[row + 1]); at++)
+          for (int c = skin.corner_begin[at]; c < skin.corner_begin[at + 1]; c++) {
+            const int lane = (c - first) % kSkinLanes;
+            const int lanes = skin.lanes_begin[row] + (c - first) / kSkinLanes;
+            if (lane == 0) forces.gather(skin.corners[std::size_t(lanes)], nodes, systems);
+            skin.pull[at] += systems.get(lane).f;
+          }
+      },
+      64);
+}
+
+void cut_skin(const Model& model, State& state) {
+  for (std::size_t t = 0; t < model.skin.triangles.size(); t++) {
+    const Int3 v = model.skin.triangles[t].vertex;
+    if (!state.row_cut[std::size_t(v.x / row_stride(model.lattice))]) continue;
+    for (int c = 0; c < 3; c++) {
+      const Edge edge = edge_between(model.lattice, v[c], v[(c + 1) % 3]);
+      if (state.cut[std::size_t(edge.slot)] >> edge.family & 1) state.skin_cut[t] = 1;
+    }
+  }
+}
+
+}  // namespace turgor::lattice

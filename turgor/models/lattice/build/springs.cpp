@@ -1,0 +1,67 @@
+#include "turgor/models/lattice/build/springs.hpp"
+
+#include <Eigen/Dense>
+
+namespace turgor::lattice {
+
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Weights = std::array<double, kFamilyCount>;  // spring = weight · E · cell volume / length²
+
+Vec3d edge(Vec3d step, int family) { return hadamard(step, Vec3d(kFamilies[std::size_t(family)])); }
+
+Matrix6 stiffness(Vec3d step, const Weights& weights, double volume) {
+  Matrix6 c = Matrix6::Zero();
+  c.topLeftCorner<3, 3>().setConstant(volume);
+  for (int f = 0; f < kFamilyCount; f++) {
+    const Vec3d n = normalized(edge(step, f));
+    Eigen::Matrix<double, 6, 1> nn;
+    nn << n.x * n.x, n.y * n.y, n.z * n.z, n.y * n.z, n.x * n.z, n.x * n.y;
+    c += weights[std::size_t(f)] * nn * nn.transpose();
+  }
+  return c;
+}
+
+}  // namespace
+
+// Uniaxial tension asks for the compliance matrix, shear between plates for the stiffness matrix. Six of the
+// seven weights are found by scaling each by the root of what it lacks, again and again; the body diagonal
+// keeps its share.
+std::array<Real, kFamilyCount> calibrate_springs(Vec3 step, double volume) {
+  constexpr double kShear = 0.4, kDiagonal = 0.6;
+  constexpr std::array<int, 3> kFaceOfShear = {5, 4, 3};  // families in the planes yz, xz, xy
+  const Vec3d h(step);
+  Weights weights{1, 1, 1, 1, 1, 1, kDiagonal};
+  for (int round = 0; round < 200; round++) {
+    const Matrix6 c = stiffness(h, weights, volume), compliance = c.inverse();
+    for (int axis = 0; axis < 3; axis++) {
+      weights[std::size_t(axis)] *= std::sqrt(compliance(axis, axis));
+      weights[std::size_t(kFaceOfShear[std::size_t(axis)])] *= std::sqrt(kShear / c(3 + axis, 3 + axis));
+    }
+  }
+  std::array<Real, kFamilyCount> scale{};
+  for (int f = 0; f < kFamilyCount; f++) {
+    const Vec3d e = edge(h, f);
+    scale[std::size_t(f)] = Real(weights[std::size_t(f)] * h.x * h.y * h.z / dot(e, e));
+  }
+  return scale;
+}
+
+std::array<std::array<double, 6>, 6> homogenized_stiffness(Vec3 step,
+                                                           const std::array<Real, kFamilyCount>& spring_scale,
+                                                           double volume) {
+  const Vec3d h(step);
+  Weights weights{};
+  for (int f = 0; f < kFamilyCount; f++) {
+    const Vec3d e = edge(h, f);
+    weights[std::size_t(f)] = double(spring_scale[std::size_t(f)]) * dot(e, e) / (h.x * h.y * h.z);
+  }
+  const Matrix6 c = stiffness(h, weights, volume);
+  std::array<std::array<double, 6>, 6> rows{};
+  for (int row = 0; row < 6; row++)
+    for (int column = 0; column < 6; column++) rows[std::size_t(row)][std::size_t(column)] = c(row, column);
+  return rows;
+}
+
+}  // namespace turgor::lattice

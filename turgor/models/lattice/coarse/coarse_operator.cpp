@@ -1,0 +1,322 @@
+// What moving the unknowns of a coarse space costs: linear tissue, skin as it is in the CT, and the inertia
+// of a step. Nearly all of it comes by blocks, whose corners are few.
+#include <Eigen/SparseCholesky>
+#include <cmath>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/coarse/coarse_levels.hpp"
+#include "turgor/models/lattice/mechanics/solid.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+constexpr int kSides = 24;  // numbers of a block's corners
+constexpr Mat3d kNothing{{Vec3d{}, Vec3d{}, Vec3d{}}};
+using BlockMatrix = std::array<double, kSides * kSides>;
+
+struct StiffnessBuilder {
+  const Model& model;
+  const State& state;
+  std::span<const CoarseLevel> levels;
+  const FineCells& cells;
+  const CoarseSpace& space;
+  std::vector<std::vector<int>> block_of;  // by level and grain; −1: no node follows it
+  std::vector<BlockMatrix> blocks;
+  std::vector<Eigen::Triplet<double>> entries;
+
+  StiffnessBuilder(const Model& m, const State& s, std::span<const CoarseLevel> all, const FineCells& c,
+                   const CoarseSpace& made)
+      : model(m), state(s), levels(all), cells(c), space(made), blocks(made.blocks.size()) {}
+
+  Int3 place(int node) const { return levels[0].place[std::size_t(node)]; }
+  bool moves(int node) const { return space.follows[std::size_t(node)] != CoarseSpace::kFixed; }
+
+  /// A node by the unknowns.
+  std::vector<CoarseTerm> row_of(int node) const {
+    const int to = space.follows[std::size_t(node)];
+    std::vector<CoarseTerm> row;
+    const auto add = [&](int of, float weight) {
+      for (int t = space.row_begin[std::size_t(of)]; t < space.row_begin[std::size_t(of) + 1]; t++)
+        row.push_back({space.terms[std::size_t(t)].unknown, space.terms[std::size_t(t)].weight * weight});
+    };
+    if (to <= -2) add(-2 - to, 1);
+    if (to < 0) return row;
+    const CoarseBlock& block = space.blocks[std::size_t(to)];
+    const std::array<float, 8> weights = corner_weights(block, place(node));
+    for (std::size_t c = 0; c < 8; c++)
+      if (weights[c] != 0) add(block.corner[c], weights[c]);
+    return row;
+  }
+
+  void add_entries(std::span<const CoarseTerm> a, std::span<const CoarseTerm> b, const Mat3d& k) {
+    for (const CoarseTerm& p : a)
+      for (const CoarseTerm& q : b)
+        for (int i = 0; i < 3; i++)
+          for (int j = 0; j < 3; j++) {
+            const int row = 3 * p.unknown + i, column = 3 * q.unknown + j;
+            if (row >= column)
+              entries.emplace_back(row, column, double(p.weight) * double(q.weight) * k.column[j][i]);
+          }
+  }
+
+  void find_blocks() {
+    for (const CoarseLevel& level : levels) block_of.emplace_back(level.aggregates.size(), -1);
+    for (std::size_t b = 0; b < space.blocks.size(); b++)
+      block_of[std::size_t(space.blocks[b].leaf.level)][std::size_t(space.blocks[b].leaf.grain)] = int(b);
+  }
+
+  /// The leaf that all these nodes lie in, as blocks are numbered; −1: none.
+  int block_of_all(std::span<const int> nodes) const {
+    const CoarseLevel& fine = levels[0];
+    const auto lies_in = [&](int node, Leaf leaf) {
+      for (int n = fine.lies_begin[std::size_t(node)]; n < fine.lies_begin[std::size_t(node) + 1]; n++)
+        if (leaf_above(levels, 1, fine.lies_in[std::size_t(n)]) == leaf) return true;
+      return false;
+    };
+    for (int n = fine.lies_begin[std::size_t(nodes[0])]; n < fine.lies_begin[std::size_t(nodes[0]) + 1];
+         n++) {
+      const Leaf leaf = leaf_above(levels, 1, fine.lies_in[std::size_t(n)]);
+      if (leaf.level < 0) continue;
+      bool all = true;
+      for (const int node : nodes) all = all && lies_in(node, leaf);
+      if (all) return block_of[std::size_t(leaf.level)][std::size_t(leaf.grain)];
+    }
+    return -1;
+  }
+
+  /// An element: its nodes, and k(a, b) of any two of them.
+  template <class OfPair>
+  void add_element(std::span<const int> nodes, const OfPair& of_pair) {
+    const int at = block_of_all(nodes);
+    if (at < 0) {
+      std::vector<std::vector<CoarseTerm>> rows;
+      for (const int node : nodes) rows.push_back(row_of(node));
+      for (std::size_t a = 0; a < nodes.size(); a++)
+        for (std::size_t b = 0; b < nodes.size(); b++) add_entries(rows[a], rows[b], of_pair(int(a), int(b)));
+      return;
+    }
+    add_to_block(at, nodes, of_pair);
+  }
+
+  /// By the corners of a block: what each node's move does to the corners, and then what the corners' moves.
+  template <class OfPair>
+  void add_to_block(int at, std::span<const int> nodes, const OfPair& of_pair) {
+    std::array<std::array<float, 8>, kCellCorners> weights{};
+    for (std::size_t n = 0; n < nodes.size(); n++)
+      if (moves(nodes[n])) weights[n] = corner_weights(space.blocks[std::size_t(at)], place(nodes[n]));
+    BlockMatrix& sum = blocks[std::size_t(at)];
+    for (std::size_t a = 0; a < nodes.size(); a++) {
+      if (!moves(nodes[a])) continue;
+      double by_corner[3][kSides] = {};
+      for (std::size_t b = 0; b < nodes.size(); b++) {
+        const Mat3d k = of_pair(int(a), int(b));
+        for (std::size_t q = 0; q < 8; q++)
+          for (std::size_t j = 0; j < 3; j++)
+            for (int i = 0; i < 3; i++) by_corner[i][3 * q + j] += double(weights[b][q]) * k.column[j][i];
+      }
+      for (std::size_t p = 0; p < 8; p++) {
+        const double w = weights[a][p];
+        if (w == 0) continue;
+        for (std::size_t i = 0; i < 3; i++)
+          for (std::size_t n = 0; n < kSides; n++) sum[(3 * p + i) * kSides + n] += w * by_corner[i][n];
+      }
+    }
+  }
+
+  void add_blocks() {
+    for (std::size_t b = 0; b < blocks.size(); b++)
+      for (std::size_t p = 0; p < 8; p++)
+        for (std::size_t q = 0; q < 8; q++) {
+          Mat3d k = kNothing;
+          for (std::size_t i = 0; i < 3; i++)
+            for (std::size_t j = 0; j < 3; j++)
+              k.column[j][int(i)] = blocks[b][(3 * p + i) * kSides + 3 * q + j];
+          add_entries(terms_of(space.blocks[b].corner[p]), terms_of(space.blocks[b].corner[q]), k);
+        }
+  }
+  std::span<const CoarseTerm> terms_of(int row) const {
+    return std::span(space.terms)
+        .subspan(std::size_t(space.row_begin[std::size_t(row)]),
+                 std::size_t(space.row_begin[std::size_t(row) + 1] - space.row_begin[std::size_t(row)]));
+  }
+};
+
+/// k of any two corners of a cell of E = 1: linear tissue at its middle, and what holds its other shapes.
+std::array<Mat3d, 64> cell_stiffness(Vec3 step, double poisson) {
+  const Vec3d h(step);
+  const double volume = h.x * h.y * h.z, mu = 0.5 / (1 + poisson),
+               lambda = poisson / ((1 + poisson) * (1 - 2 * poisson)),
+               hourglass = double(solid_law(step, poisson).hourglass);
+  std::array<Mat3d, 64> k{};
+  for (int a = 0; a < 8; a++)
+    for (int b = 0; b < 8; b++) {
+      const Vec3d sa(corner_side(a)), sb(corner_side(b));
+      const Vec3d ga = Vec3d{sa.x / h.x, sa.y / h.y, sa.z / h.z} * 0.25,
+                  gb = Vec3d{sb.x / h.x, sb.y / h.y, sb.z / h.z} * 0.25;
+      const double alike = volume * mu * dot(ga, gb) + hourglass * ((a == b ? 1 : 0) - (1 + dot(sa, sb)) / 8);
+      Mat3d& m = k[std::size_t(8 * a + b)];
+      for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+          m.column[std::size_t(j)][i] =
+              volume * (mu * gb[i] * ga[j] + lambda * ga[i] * gb[j]) + (i == j ? alike : 0);
+    }
+  return k;
+}
+
+Mat3d scaled(const Mat3d& m, double by) { return {{m.column[0] * by, m.column[1] * by, m.column[2] * by}}; }
+void add_outer(Mat3d& m, Vec3d a, Vec3d b, double by) {
+  for (int j = 0; j < 3; j++) m.column[std::size_t(j)] = m.column[std::size_t(j)] + a * (b[j] * by);
+}
+void add_isotropic(Mat3d& m, double by) {
+  for (int j = 0; j < 3; j++) m.column[std::size_t(j)][j] += by;
+}
+
+/// k of two corners of a triangle as it is in the CT, positive by itself like that of descent's own.
+struct SkinStiffness {
+  const Model& model;
+  FiberLaw law;
+
+  explicit SkinStiffness(const Model& m) : model(m), law(fiber_law(m.params.skin)) {}
+
+  Mat3d operator()(const SkinTriangle& t, int a, int b) const {
+    return model.params.skin.law == SkinLaw::kFiber ? of_fibers(t, a, b) : of_area(t, a, b);
+  }
+  Mat3d of_fibers(const SkinTriangle& t, int a, int b) const {
+    const Vec3d e1(t.edge1), e2(t.edge2);
+    const Vec3d f = e1 * double(t.along[1]) + e2 * double(t.along[2]),
+                g = e1 * double(t.across[1]) + e2 * double(t.across[2]);
+    Mat3d k = kNothing;
+    add_fiber(k, f, double(t.along[a]) * double(t.along[b]), double(law.rest_along), t.area);
+    add_fiber(k, g, double(t.across[a]) * double(t.across[b]), double(law.rest_across), t.area);
+    const Vec3d sheared_a = f * double(t.across[a]) + g * double(t.along[a]),
+                sheared_b = f * double(t.across[b]) + g * double(t.along[b]);
+    add_outer(k, sheared_a, sheared_b, double(law.shear) * double(t.area));
+    return k;
+  }
+  void add_fiber(Mat3d& k, Vec3d g, double share, double rest, double area) const {
+    const double length = norm(g), strain = std::max(0.0, length - rest);
+    const double stiffness =
+        double(law.stiffness) * area * share * (1 + double(law.amplification) * strain / rest);
+    const double lateral = stiffness * strain / length;
+    add_outer(k, g, g, (stiffness - lateral) / (length * length));
+    add_isotropic(k, lateral);
+  }
+  Mat3d of_area(const SkinTriangle& t, int a, int b) const {
+    const Vec3d place[3] = {{}, Vec3d(t.edge1), Vec3d(t.edge2)};
+    const Vec3d n = cross(place[1], place[2]), u = n * (1 / norm(n));
+    const double ratio = double(rest_area_ratio(model.params.skin)), growth = 1 / ratio - 1;
+    const double stiffness =
+        model.params.skin.stiffness / (ratio * t.area) * (1 + model.params.skin.amplification * growth);
+    const auto opposite = [&](int c) { return place[(c + 1) % 3] - place[(c + 2) % 3]; };
+    const Vec3d ga = cross(opposite(a), u) * 0.5, gb = cross(opposite(b), u) * 0.5;
+    Mat3d k = kNothing;
+    add_outer(k, ga, gb, stiffness);
+    add_outer(k, u, u, stiffness * (1 - ratio) * t.area * dot(opposite(a), opposite(b)) / (2 * norm(n)));
+    return k;
+  }
+};
+
+void add_cells(StiffnessBuilder& builder) {
+  const Model& model = builder.model;
+  const std::array<Mat3d, 64> k = cell_stiffness(model.lattice.step, model.params.tissue.poisson);
+  for (std::size_t g = 0; g < builder.levels[0].aggregates.size(); g++) {
+    const std::array<int, 8>& corner = builder.levels[0].aggregates[g].corner;
+    const double young = builder.cells.young[g];
+    builder.add_element(corner, [&](int a, int b) { return scaled(k[std::size_t(8 * a + b)], young); });
+  }
+}
+
+void add_skin(StiffnessBuilder& builder) {
+  const Model& model = builder.model;
+  if (model.skin.triangles.empty()) return;
+  const SkinStiffness stiffness(model);
+  const auto add = [&](const SkinTriangle& t, Int3 corner, double share) {
+    const int nodes[3] = {corner.x, corner.y, corner.z};
+    builder.add_element(nodes, [&](int a, int b) { return scaled(stiffness(t, a, b), share); });
+  };
+  for (std::size_t t = 0; t < model.skin.triangles.size(); t++)
+    if (!builder.state.skin_cut[t]) add(model.skin.triangles[t], model.skin.triangles[t].vertex, 1);
+  for (const CutSkinElement& part : builder.state.parts.skin)
+    add(model.skin.triangles[std::size_t(part.triangle)], part.corner, double(part.share));
+}
+
+void add_loose_edges(StiffnessBuilder& builder) {
+  const Model& model = builder.model;
+  const auto root = [&](int slot) { return double(model.root_stiffness[std::size_t(slot)]); };
+  for (const LooseEdge& edge : builder.space.loose) {
+    const int nodes[2] = {edge.slot, end_of(model.lattice, edge)};
+    const auto family = std::size_t(edge.family);
+    const Vec3d d(hadamard(model.lattice.step, Vec3(kFamilies[family])));
+    Mat3d along = kNothing;
+    add_outer(along, d, d, double(model.spring_scale[family]) * root(nodes[0]) * root(nodes[1]) / dot(d, d));
+    builder.add_element(nodes, [&](int a, int b) { return scaled(along, a == b ? 1 : -1); });
+  }
+}
+
+void add_inertia(StiffnessBuilder& builder) {
+  const double h2 = builder.space.dt * builder.space.dt;
+  for (int slot = 0; slot < slot_count(builder.model.lattice); slot++) {
+    if (!builder.moves(slot)) continue;
+    Mat3d k = kNothing;
+    add_isotropic(k, 1 / (h2 * double(builder.model.inverse_mass[std::size_t(slot)])));
+    builder.add_element({&slot, 1}, [&](int, int) { return k; });
+  }
+}
+
+CoarseFactor factored(const Eigen::SparseMatrix<double>& matrix) {
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> exact(matrix);
+  TURGOR_ASSERT(exact.info() == Eigen::Success, "a sum of squares and masses can be factored");
+  TURGOR_ASSERT(matrix.rows() <= 1 << 16, "a coarse space has few unknowns");
+  const Eigen::SparseMatrix<double>& lower = exact.matrixL().nestedExpression();
+  CoarseFactor out;
+  out.order.reserve(std::size_t(matrix.cols())), out.mobility.reserve(std::size_t(matrix.cols()));
+  out.column.reserve(std::size_t(matrix.cols()) + 1);
+  out.column.push_back(0);
+  out.row.reserve(std::size_t(lower.nonZeros())), out.value.reserve(std::size_t(lower.nonZeros()));
+  for (int c = 0; c < int(matrix.cols()); c++) {
+    out.order.push_back(exact.permutationP().indices()[c]);
+    out.mobility.push_back(float(1 / exact.vectorD()[c]));
+    for (Eigen::SparseMatrix<double>::InnerIterator at(lower, c); at; ++at)
+      if (at.row() > c) out.row.push_back(std::uint16_t(at.row())), out.value.push_back(float(at.value()));
+    out.column.push_back(std::uint32_t(out.row.size()));
+  }
+  return out;
+}
+
+}  // namespace
+
+void factor_coarse_space(const Model& model, const State& state, std::span<const CoarseLevel> levels,
+                         const FineCells& cells, CoarseSpace& space) {
+  StiffnessBuilder builder(model, state, levels, cells, space);
+  builder.find_blocks();
+  add_cells(builder);
+  add_skin(builder);
+  add_loose_edges(builder);
+  add_inertia(builder);
+  builder.add_blocks();
+  const int count = 3 * space.unknowns;
+  // Corners of blocks with few nodes may be more than these nodes tell apart.
+  constexpr double kLeast = 1e-9;
+  double largest = 0;
+  for (const auto& entry : builder.entries)
+    if (entry.row() == entry.col()) largest = std::max(largest, entry.value());
+  for (int i = 0; i < count; i++) builder.entries.emplace_back(i, i, kLeast * largest);
+  Eigen::SparseMatrix<double> matrix(count, count);
+  matrix.setFromTriplets(builder.entries.begin(), builder.entries.end());
+  space.stiffness = factored(matrix);
+}
+
+std::vector<double> CoarseFactor::solve(std::span<const double> forces) const {
+  std::vector<double> x(forces.size()), out(forces.size());
+  for (std::size_t n = 0; n < x.size(); n++) x[std::size_t(order[n])] = forces[n];
+  for (std::size_t c = 0; c < x.size(); c++)
+    for (std::uint32_t p = column[c]; p < column[c + 1]; p++) x[row[p]] -= double(value[p]) * x[c];
+  for (std::size_t n = 0; n < x.size(); n++) x[n] *= double(mobility[n]);
+  for (std::size_t c = x.size(); c-- > 0;)
+    for (std::uint32_t p = column[c]; p < column[c + 1]; p++) x[c] -= double(value[p]) * x[row[p]];
+  for (std::size_t n = 0; n < x.size(); n++) out[n] = x[std::size_t(order[n])];
+  return out;
+}
+
+}  // namespace turgor::lattice

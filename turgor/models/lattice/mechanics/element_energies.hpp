@@ -1,0 +1,221 @@
+// The mathematics of one element: a spring, a tetrahedron's volume, a triangle of skin. Everything is a pure
+// function of a few numbers, for CPU lanes and GPU threads alike. Derivations, and what differs from the
+// paper: docs/models/lattice.md.
+#pragma once
+
+#include <cmath>
+
+#include "turgor/models/lattice/lattice.hpp"
+
+namespace turgor::lattice {
+
+TURGOR_HD inline Real positive(Real a) { return a > 0 ? a : 0; }
+/// A divisor that may be zero only where the quotient does not matter. Branches would keep loops from being
+/// SIMD.
+TURGOR_HD inline Real nonzero(Real a) { return a > Real(1e-30) ? a : Real(1e-30); }
+TURGOR_HD inline Real square_root(Real a) { return __builtin_sqrtf(a); }
+
+/// What a tetrahedron takes from its corners' root stiffness: the product over the cell's diagonal, nothing
+/// when a corner is no body.
+TURGOR_HD inline Real tet_stiffness(Real diagonal_a, Real diagonal_b, Real corner_a, Real corner_b,
+                                    Real corner_c) {
+  const bool whole = (corner_a > 0) & (corner_b > 0) & (corner_c > 0);
+  return whole ? diagonal_a * diagonal_b : 0;
+}
+
+// ---------------------------------------------------------------- pbd: projections
+// -------------------------------
+
+/// How far the ends of a spring move along d = b − a: a by +wa·s·d, b by −wb·s·d. [Müller 2007, eq. 10]
+TURGOR_HD inline Real project_spring(Vec3 d, Real rest, Real stiffness, Real wa, Real wb) {
+  const Real length = square_root(dot(d, d));
+  return stiffness * (length - rest) / nonzero((wa + wb) * length);
+}
+
+/// Gradients of the volume of (0, e1, e2, e3) by its last three corners, in sixths; the first has minus their
+/// sum.
+struct VolumeGradients {
+  Vec3 g1, g2, g3;
+};
+TURGOR_HD inline VolumeGradients volume_gradients(Vec3 e1, Vec3 e2, Vec3 e3) {
+  return {cross(e2, e3), cross(e3, e1), cross(e1, e2)};
+}
+
+/// Corner i moves by w_i · s · gradient_i (gradients in sixths). [Müller 2007, eq. 8]
+TURGOR_HD inline Real project_volume(Vec3 e1, const VolumeGradients& g, Real rest_volume, Real stiffness,
+                                     Real w0, Real w1, Real w2, Real w3) {
+  const Vec3 g0 = g.g1 + g.g2 + g.g3;
+  const Real sum = w0 * dot(g0, g0) + w1 * dot(g.g1, g.g1) + w2 * dot(g.g2, g.g2) + w3 * dot(g.g3, g.g3);
+  const Real change = dot(e1, g.g1) - 6 * rest_volume;
+  return -stiffness * change / nonzero(sum);
+}
+
+/// How far the three corners of a triangle move.
+struct SkinShift {
+  Vec3 a, b, c;
+};
+
+/// The skin tension constraint C = A − A_rest, k·F_amp at most 1; w are the inverse masses. [STC Algorithm 1,
+/// corrected] A gradient is the opposite side times the normal, half; so |∇i|² is a quarter of that side
+/// squared.
+TURGOR_HD inline SkinShift project_skin(Vec3 a, Vec3 b, Vec3 c, Vec3 w, Real rest_area, Real stiffness,
+                                        Real amplification) {
+  const Vec3 side_a = b - c, side_b = c - a, side_c = a - b;
+  const Vec3 n = cross(side_b, side_c);  // (b − a) × (c − a)
+  const Real twice_area = square_root(dot(n, n)), change = Real(0.5) * twice_area - rest_area;
+  const Real sum = w.x * dot(side_a, side_a) + w.y * dot(side_b, side_b) + w.z * dot(side_c, side_c);
+  const Real amplified = stiffness * (1 + amplification * positive(change) / nonzero(rest_area));
+  const bool degenerate = !(twice_area > Real(1e-6) * rest_area);
+  const Real k = degenerate ? 0 : amplified < 1 ? amplified : 1;
+  const Real s = -2 * k * change / nonzero(sum * twice_area);
+  return {cross(side_a, n) * (s * w.x), cross(side_b, n) * (s * w.y), cross(side_c, n) * (s * w.z)};
+}
+
+// ---------------------------------------------------------------- descent: force and stiffness at one node
+// --------
+
+/// Minus the gradient of the energy by one node's place [N], and its second derivative kept positive definite
+/// [N/m].
+struct NodeSystem {
+  Vec3 f;
+  Real xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
+};
+
+TURGOR_HD inline void add(NodeSystem& s, const NodeSystem& more) {
+  s.f += more.f;
+  s.xx += more.xx, s.yy += more.yy, s.zz += more.zz, s.xy += more.xy, s.xz += more.xz, s.yz += more.yz;
+}
+TURGOR_HD inline void add_outer(NodeSystem& s, Vec3 g, Real k) {
+  const Vec3 kg = g * k;
+  s.xx += kg.x * g.x, s.yy += kg.y * g.y, s.zz += kg.z * g.z;
+  s.xy += kg.x * g.y, s.xz += kg.x * g.z, s.yz += kg.y * g.z;
+}
+TURGOR_HD inline void add_isotropic(NodeSystem& s, Real k) { s.xx += k, s.yy += k, s.zz += k; }
+
+/// ½ k (|d| − rest)² with d from this node to the other.
+TURGOR_HD inline void add_spring(NodeSystem& s, Vec3 d, Real rest, Real k) {
+  const Real inverse_length = 1 / square_root(dot(d, d)), stretch = 1 - rest * inverse_length;
+  const Real lateral = k * positive(stretch);
+  s.f += d * (k * stretch);
+  add_outer(s, d, (k - lateral) * inverse_length * inverse_length);
+  add_isotropic(s, lateral);
+}
+
+/// ½ κ V₀ (V/V₀ − 1)², g = gradient of V at this node; `stiffness` = κ/V₀, `change` = V − V₀.
+TURGOR_HD inline void add_volume(NodeSystem& s, Vec3 g, Real stiffness, Real change) {
+  s.f -= g * (stiffness * change);
+  add_outer(s, g, stiffness);
+}
+
+/// A membrane that resists area, ½ K (A − A_rest)²/A_rest, seen from corner a. `stiffness` = K/A_rest. [STC
+/// eq. 3]
+TURGOR_HD inline void add_skin_area(NodeSystem& s, Vec3 a, Vec3 b, Vec3 c, Real rest_area, Real stiffness,
+                                    Real amplification) {
+  const Vec3 n = cross(b - a, c - a);
+  const Real twice_area = square_root(dot(n, n)), change = Real(0.5) * twice_area - rest_area;
+  const bool degenerate = !(twice_area > Real(1e-6) * rest_area);
+  const Real inverse = 1 / nonzero(twice_area), growth = positive(change / nonzero(rest_area));
+  const Vec3 u = n * inverse, opposite = b - c, g = cross(opposite, u) * Real(0.5);
+  const Real k = degenerate ? 0 : stiffness * (1 + amplification * growth);
+  s.f -= g * (k * change);
+  add_outer(s, g, k);
+  // A taut membrane resists sideways: without this term the sweeps diverge.
+  add_outer(s, u, k * positive(change) * dot(opposite, opposite) * (Real(0.5) * inverse));
+}
+
+/// What the fibre law needs besides the triangle; `rest` is the stretch at which the skin would rest.
+struct FiberLaw {
+  Real rest_along, rest_across, stiffness, shear, amplification;  // [1] [1] [N/m] [N/m] [1]
+};
+
+/// ½ K A₀ (|g| − rest)² with g = F d, seen from a corner whose coefficient in g is c.
+TURGOR_HD inline void add_fiber(NodeSystem& s, Vec3 g, Real c, Real rest, Real stiffness,
+                                Real amplification) {
+  const Real length = square_root(dot(g, g)), strain = length - rest, steeper = amplification / rest;
+  const Real inverse_length = length > 0 ? 1 / nonzero(length) : 0;
+  const Real kc = stiffness * c * (1 + steeper * positive(strain)), k = kc * c;
+  const Real lateral = k * positive(strain) * inverse_length;
+  s.f -= g * (kc * strain * inverse_length);
+  add_outer(s, g, (k - lateral) * inverse_length * inverse_length);
+  add_isotropic(s, lateral);
+}
+
+/// Skin with fibres along Langer's lines, seen from its first corner; `edge1` and `edge2` lead from there to
+/// the others, `along` and `across` are coefficients in that order. [docs/models/lattice.md, fibre law]
+TURGOR_HD inline void add_skin_fiber(NodeSystem& s, Vec3 edge1, Vec3 edge2, Vec3 along, Vec3 across,
+                                     Real area, const FiberLaw& law) {
+  const Vec3 f = edge1 * along.y + edge2 * along.z, g = edge1 * across.y + edge2 * across.z;
+  add_fiber(s, f, along.x, law.rest_along, law.stiffness * area, law.amplification);
+  add_fiber(s, g, across.x, law.rest_across, law.stiffness * area, law.amplification);
+  const Vec3 sheared = f * across.x + g * along.x;
+  s.f -= sheared * (law.shear * area * dot(f, g));
+  add_outer(s, sheared, law.shear * area);
+}
+
+/// Forces on the three corners of a triangle [N].
+struct CornerForces {
+  Vec3 on[3];
+};
+/// What fibres bear for being stretched, g = F d [N/m] by the area.
+TURGOR_HD inline Vec3 fiber_stress(Vec3 g, Real rest, Real stiffness, Real amplification) {
+  const Real length = square_root(dot(g, g)), strain = length - rest, steeper = amplification / rest;
+  const Real inverse_length = length > 0 ? 1 / nonzero(length) : 0;
+  return g * (stiffness * (1 + steeper * positive(strain)) * strain * inverse_length);
+}
+/// The forces of add_skin_fibre, at all three corners at once.
+TURGOR_HD inline CornerForces skin_fiber_forces(Vec3 edge1, Vec3 edge2, Vec3 along, Vec3 across, Real area,
+                                                const FiberLaw& law) {
+  const Vec3 f = edge1 * along.y + edge2 * along.z, g = edge1 * across.y + edge2 * across.z;
+  const Real sheared = law.shear * area * dot(f, g);
+  const Vec3 p = fiber_stress(f, law.rest_along, law.stiffness * area, law.amplification) + g * sheared;
+  const Vec3 q = fiber_stress(g, law.rest_across, law.stiffness * area, law.amplification) + f * sheared;
+  return {{p * -along.x - q * across.x, p * -along.y - q * across.y, p * -along.z - q * across.z}};
+}
+/// And those of add_skin_area.
+TURGOR_HD inline CornerForces skin_area_forces(Vec3 edge1, Vec3 edge2, Real rest_area, Real stiffness,
+                                               Real amplification) {
+  const Vec3 n = cross(edge1, edge2);
+  const Real twice_area = square_root(dot(n, n)), change = Real(0.5) * twice_area - rest_area;
+  const bool degenerate = !(twice_area > Real(1e-6) * rest_area);
+  const Real growth = positive(change / nonzero(rest_area));
+  const Real k = degenerate ? 0 : stiffness * (1 + amplification * growth);
+  const Vec3 u = n * (Real(-0.5) * k * change / nonzero(twice_area));
+  return {{cross(edge1 - edge2, u), cross(edge2, u), cross(-edge1, u)}};
+}
+
+/// Newton's step of one node: (1 + c H) x = y-part + c f with c = h²·w, so that a fixed node (c = 0) stays.
+TURGOR_HD inline Vec3 newton_step(const NodeSystem& s, Vec3 to_inertial, Real c) {
+  const Real a = 1 + c * s.xx, d = 1 + c * s.yy, f = 1 + c * s.zz, b = c * s.xy, e = c * s.xz, g = c * s.yz;
+  const Vec3 r = to_inertial + s.f * c;
+  const Real m00 = d * f - g * g, m01 = e * g - b * f, m02 = b * g - e * d;
+  const Real m11 = a * f - e * e, m12 = e * b - a * g, m22 = a * d - b * b;
+  const Real inverse_determinant = 1 / (a * m00 + b * m01 + e * m02);
+  return Vec3{m00 * r.x + m01 * r.y + m02 * r.z, m01 * r.x + m11 * r.y + m12 * r.z,
+              m02 * r.x + m12 * r.y + m22 * r.z} *
+         inverse_determinant;
+}
+
+// ---------------------------------------------------------------- what skin weighs in both solvers
+// -------------
+
+/// Stretch of fibres at rest, 1 in the CT, such that they bear the tension T there: the root r of
+/// K (1 − r)(1 + β (1 − r)/r) = T.
+inline Real fiber_rest(double tension, const SkinParams& skin) {
+  const double t = tension / skin.stiffness, half = 1 + t;
+  return Real(1 - 2 * t / (half + std::sqrt(half * half + 4 * (skin.amplification - 1) * t)));
+}
+/// Rest area relative to that in the CT, likewise: with s = (1 − r)/r the root of K s (1 + β s) = T, the mean
+/// of both tensions.
+inline Real rest_area_ratio(const SkinParams& skin) {
+  const double t = 0.5 * (skin.tension_along + skin.tension_across) / skin.stiffness;
+  return Real(1 / (1 + 2 * t / (1 + std::sqrt(1 + 4 * skin.amplification * t))));
+}
+inline FiberLaw fiber_law(const SkinParams& skin) {
+  return {.rest_along = fiber_rest(skin.tension_along, skin),
+          .rest_across = fiber_rest(skin.tension_across, skin),
+          .stiffness = Real(skin.stiffness),
+          .shear = Real(skin.shear),
+          .amplification = Real(skin.amplification)};
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,138 @@
+#include "turgor/models/lattice/resample/deformed_body.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Of the tissue.
+int finest_bits_of(const DeformedBody& body) {
+  const VecField& u = body.state.u;
+  Vec3 low, high;
+  for (std::size_t s = 0; s < body.solid.size(); s++)
+    if (body.solid[s]) low = min(low, u[s]), high = max(high, u[s]);
+  return finest_bits(body.voxel_coordinates, low, high);
+}
+
+/// One layer of nodes: their places, which cells above them hold tissue, and the bounds of each row.
+struct PlaceLayer {
+  DeformedBody& body;
+  std::vector<DeformedBody::Bounds>& node_rows;
+
+  void operator()(std::size_t layer) const {
+    const Lattice& l = body.model.lattice;
+    const auto& solid = body.solid;
+    const auto& tissue = body.model.tissue;
+    for (int j = 0; j < l.size.y; j++) {
+      DeformedBody::Bounds& bounds = node_rows[layer * std::size_t(l.size.y) + std::size_t(j)];
+      for (int i = 0; i < l.size.x; i++) {
+        const Int3 node{i, j, int(layer)};
+        const int slot = node_slot(l, node), parity = i & 1;
+        int cell = 0;
+        for (int c = 0; c < 8; c++)
+          cell |= int(tissue[std::size_t(slot + slot_offset(l, cell_corner(c), parity))]);
+        const bool inside = i + 1 < l.size.x && j + 1 < l.size.y && int(layer) + 1 < l.size.z;
+        body.cells[std::size_t(slot)] = cell != 0 && inside ? Cell::kPlain : Cell::kEmpty;
+
+        if (!solid[std::size_t(slot)] && !is_beside_tissue(slot, parity)) continue;
+        const Vec3 u = corner_displacement(body.model, body.state, body.pieces, slot);
+        const Int3 place = body.voxel_coordinates(node, u);
+        body.place[std::size_t(slot)] = place;
+        bounds.low = std::min(bounds.low, place.z), bounds.high = std::max(bounds.high, place.z);
+      }
+    }
+  }
+
+  bool is_beside_tissue(int slot, int parity) const {
+    const Lattice& l = body.model.lattice;
+    bool found = false;
+    for (const Int3 offset : kFamilies)
+      for (const Int3 way : {offset, -offset})
+        found |= body.solid[std::size_t(slot + slot_offset(l, way, parity))] != 0;
+    return found;
+  }
+};
+
+/// Copies and corners of guests may lie beyond the nodes of their row.
+void bound_copies(DeformedBody& body) {
+  const int slots = slot_count(body.model.lattice);
+  for (const Fragment& piece : body.pieces.pieces) {
+    const Int3 cell = slot_node(body.model.lattice, body.pieces.cells[std::size_t(piece.cell)].slot);
+    DeformedBody::Bounds& row =
+        body.rows[std::size_t(cell.z) * std::size_t(body.model.lattice.size.y - 1) + std::size_t(cell.y)];
+    for (const int corner : piece.corner)
+      if (const int z = body.place[std::size_t(corner)].z; corner >= slots)
+        row.low = std::min(row.low, z), row.high = std::max(row.high, z);
+  }
+  for (std::size_t g = 0; g < body.pieces.ghosts.size(); g++) {
+    const Int3 cell = slot_node(body.model.lattice, body.pieces.ghosts[g].slot);
+    DeformedBody::Bounds& row =
+        body.rows[std::size_t(cell.z) * std::size_t(body.model.lattice.size.y - 1) + std::size_t(cell.y)];
+    for (std::size_t c = 0; c < 8; c++) {
+      const int z = body.place[std::size_t(slots) + body.pieces.virtual_nodes.size() + 8 * g + c].z;
+      row.low = std::min(row.low, z), row.high = std::max(row.high, z);
+    }
+  }
+}
+
+/// Rows of cells from rows of nodes.
+void bound_rows(DeformedBody& body, const std::vector<DeformedBody::Bounds>& node_rows) {
+  const Lattice& l = body.model.lattice;
+  for (int k = 0; k + 1 < l.size.z; k++)
+    for (int j = 0; j + 1 < l.size.y; j++) {
+      DeformedBody::Bounds bounds;
+      for (int nk = k; nk <= k + 1; nk++)
+        for (int nj = j; nj <= j + 1; nj++) {
+          const DeformedBody::Bounds& row =
+              node_rows[std::size_t(nk) * std::size_t(l.size.y) + std::size_t(nj)];
+          bounds.low = std::min(bounds.low, row.low), bounds.high = std::max(bounds.high, row.high);
+        }
+      body.rows[std::size_t(k) * std::size_t(l.size.y - 1) + std::size_t(j)] = bounds;
+    }
+}
+
+}  // namespace
+
+DeformedBody deform_body(const Exec& exec, const Model& model, const State& state, const Grid& out) {
+  DeformedBody body{.model = model,
+                    .state = state,
+                    .pieces = make_fragments(model, state),
+                    .solid = {},
+                    .out = out,
+                    .window = {.low = {0, 0, 0}, .high = out.size},
+                    .voxel_coordinates = voxel_coordinates(model, out),
+                    .place = {},
+                    .cells = {},
+                    .rows = {}};
+  body.solid.resize(model.tissue.size());
+  for (std::size_t s = 0; s < body.solid.size(); s++) body.solid[s] = is_solid(model, state, int(s));
+  body.window.handed = handed(body.voxel_coordinates);
+  body.window.bits = body.voxel_coordinates.bits = finest_bits_of(body);
+
+  const Lattice& l = model.lattice;
+  const std::size_t slots = model.tissue.size();
+  const std::size_t ghosts = body.pieces.ghosts.size();
+  body.place.resize(std::size_t(slot_count(l)) + body.pieces.virtual_nodes.size() + 8 * ghosts);
+  body.cells.resize(slots);
+  std::vector<DeformedBody::Bounds> node_rows(std::size_t(l.size.y) * std::size_t(l.size.z));
+  parallel_for(exec, std::size_t(l.size.z), PlaceLayer{body, node_rows});
+  for (std::size_t c = 0; c < body.pieces.virtual_nodes.size(); c++) {
+    const int corner = slot_count(l) + int(c);
+    body.place[std::size_t(corner)] =
+        body.voxel_coordinates(slot_node(l, body.pieces.virtual_nodes[c].slot),
+                               corner_displacement(model, state, body.pieces, corner));
+  }
+  Int3* ghost_place = body.place.data() + slot_count(l) + body.pieces.virtual_nodes.size();
+  for (std::size_t n = 0; n < 8 * ghosts; n++) {
+    const int c = int(n % 8);
+    ghost_place[n] = body.voxel_coordinates(slot_node(l, body.pieces.ghosts[n / 8].slot) + cell_corner(c),
+                                            ghost_displacement(model, state, body.pieces, int(n / 8), c));
+  }
+  for (const SpecialCell& special : special_cells(model, state, body.pieces))
+    if (Cell& cell = body.cells[std::size_t(special.slot)]; cell == Cell::kPlain) cell = Cell::kSpecial;
+  body.rows.resize(std::size_t(l.size.y - 1) * std::size_t(l.size.z - 1));
+  bound_rows(body, node_rows);
+  bound_copies(body);
+  return body;
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,159 @@
+#include "turgor/models/lattice/resample/resample.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "turgor/core/timing.hpp"
+#include "turgor/models/lattice/resample/ct_sampler.hpp"
+#include "turgor/models/lattice/resample/deformed_body.hpp"
+#include "turgor/models/lattice/resample/deformed_fields.hpp"
+#include "turgor/models/lattice/resample/partial_volume.hpp"
+#include "turgor/models/lattice/resample/rest_mass.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+struct CtWriter {
+  Sampler sample;
+  CtVolume& out;
+  ResampleOptions options;
+  const RestBody& rest;
+  PlaceInCt place;
+  std::int64_t mass = 0;           // Σ HU + 1000 over the voxels of the body
+  std::vector<RimVoxel> rim = {};  // that fringe may go with
+
+  void tissue(Int3 cell, std::size_t voxel, Int3 p, Vec3 at, float ratio) {
+    float value = sample(at);
+    if (options.conserve_mass) value = (value - kAirHu) / ratio + kAirHu;
+    out.samples[voxel] = to_hu(value);
+    mass += out.samples[voxel] - kAirHu;
+    if (options.keep_surroundings && rest.is_near_air(cell)) rim.push_back({p, rim_shift(place, p, at)});
+  }
+};
+
+/// `Of`: of deformed_fields.hpp.
+template <class Of, class Sample>
+struct FieldWriter {
+  Of of;
+  std::vector<Sample>& out;
+
+  void tissue(Int3, std::size_t voxel, Int3 p, Vec3 at, float ratio) { out[voxel] = of(p, at, ratio); }
+};
+
+struct Counts {
+  long folds = 0, overlaps = 0;
+};
+
+/// One slab of output layers; `writer` is the slab's own. Marks what it covers.
+template <class Writer>
+Counts resample_slab(const DeformedBody& body, int slab, const RestFrame& rest, Writer& writer,
+                     std::vector<std::uint8_t>& covered) {
+  Counts counts;
+  counts.folds = walk_slab(body, slab, rest, [&](Int3 cell, Int3 p, Vec3 at, float ratio) {
+    const std::size_t voxel = sample_index(body.out, p.x, p.y, p.z);
+    counts.overlaps += covered[voxel];
+    if (covered[voxel]) return;
+    covered[voxel] = 1;
+    writer.tissue(cell, voxel, p, at, ratio);
+  });
+  return counts;
+}
+
+/// All slabs, each with its own copy of `writer`, and the voxels that they cover.
+template <class Writer>
+struct Resampled {
+  std::vector<Writer> slabs;
+  std::vector<std::uint8_t> covered;  // by voxel
+  Counts counts;
+};
+template <class Writer>
+Resampled<Writer> resample_with(const Exec& exec, const DeformedBody& body, const RestFrame& rest,
+                                const Writer& writer) {
+  const auto slabs = std::size_t(slab_count(body));
+  Resampled<Writer> all{
+      std::vector<Writer>(slabs, writer), std::vector<std::uint8_t>(sample_count(body.out)), {}};
+  std::vector<Counts> counts(slabs);
+  parallel_for(exec, slabs, [&](std::size_t s) {
+    counts[s] = resample_slab(body, int(s), rest, all.slabs[s], all.covered);
+  });
+  for (const Counts& c : counts) all.counts.folds += c.folds, all.counts.overlaps += c.overlaps;
+  return all;
+}
+
+/// What no tissue covers: as it was but for the fringe, or air.
+void fill_rest(const Exec& exec, const Model& model, const CtVolume& ct, const RestBody& rest,
+               Resampled<CtWriter>& tissue, CtVolume& out) {
+  if (tissue.slabs.empty()) return;
+  if (!tissue.slabs[0].options.keep_surroundings) {
+    for (std::size_t v = 0; v < out.samples.size(); v++)
+      if (!tissue.covered[v]) out.samples[v] = kAirHu;
+    return;
+  }
+  std::vector<std::vector<RimVoxel>> rim;
+  for (CtWriter& slab : tissue.slabs) rim.push_back(std::move(slab.rim));
+  parallel_for(exec, rim.size(), [&](std::size_t s) { keep_rim(out.grid, tissue.covered, rim[s]); });
+  const Surroundings beside = find_beside_body(exec, ct, model.params.tissue.air_max);
+  const PartialVolumeInputs inputs{
+      .model = model, .ct = ct, .rest = rest, .beside = beside, .covered = tissue.covered, .rim = rim};
+  parallel_for(exec, rim.size(), [&](std::size_t s) { fill_beside_body(inputs, int(s), out); });
+}
+
+template <class Sample, class Of>
+std::vector<Sample> resample_field(const Exec& exec, const Model& model, const State& state, const Grid& out,
+                                   const Of& of) {
+  std::vector<Sample> samples(sample_count(out), Of::outside());
+  resample_with(exec, deform_body(exec, model, state, out), kInNodes, FieldWriter<Of, Sample>{of, samples});
+  return samples;
+}
+
+}  // namespace
+
+Grid resized(const Grid& grid, Int3 size) {
+  Grid result = grid;
+  result.size = size;
+  for (int axis = 0; axis < 3; axis++) result.spacing[axis] *= double(grid.size[axis]) / double(size[axis]);
+  const auto first = [&](int axis) { return 0.5 * (double(grid.size[axis]) / double(size[axis]) - 1); };
+  result.origin = point_at(grid, {first(0), first(1), first(2)});
+  return result;
+}
+
+ResampledCt resample_ct(const Exec& exec, const Model& model, const State& state, const CtVolume& ct,
+                        const Grid& out, const ResampleOptions& options) {
+  const Timer timer;
+  const RestFrame rest = rest_frame(model, ct.grid);
+  ResampledCt result;
+  result.ct.grid = out;
+  result.ct.samples.resize(sample_count(out));
+  const DeformedBody body = deform_body(exec, model, state, out);
+  const RestBody at_rest(exec, model, rest.first_node, rest.cell_size);
+  Resampled<CtWriter> tissue = resample_with(exec, body, rest,
+                                             CtWriter{.sample = Sampler(ct),
+                                                      .out = result.ct,
+                                                      .options = options,
+                                                      .rest = at_rest,
+                                                      .place = PlaceInCt(out, ct.grid)});
+  fill_rest(exec, model, ct, at_rest, tissue, result.ct);
+  double mass = 0;
+  for (const CtWriter& slab : tissue.slabs) mass += double(slab.mass);
+  mass *= sample_volume(out);
+  const double before = rest_mass(exec, model, state, ct);
+  result.report = {.seconds = timer.seconds(),
+                   .mass_error = before > 0 ? (mass - before) / before : 0,
+                   .folds = tissue.counts.folds,
+                   .overlaps = tissue.counts.overlaps};
+  return result;
+}
+
+VectorVolume resample_displacement(const Exec& exec, const Model& model, const State& state,
+                                   const Grid& out) {
+  const DisplacementOfVoxel of{model.grid, out};
+  return {.grid = out, .samples = resample_field<Vec3>(exec, model, state, out, of)};
+}
+
+ScalarVolume resample_jacobian(const Exec& exec, const Model& model, const State& state, const Grid& out) {
+  return {.grid = out, .samples = resample_field<float>(exec, model, state, out, JacobianOfVoxel{})};
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,77 @@
+// What can move in a step: where in memory it is, and where its inertia leads.
+#pragma once
+
+#include <algorithm>
+
+#include "turgor/models/lattice/mechanics/node_systems.hpp"
+#include "turgor/models/lattice/solver/sleep.hpp"
+#include "turgor/models/lattice/solver/step_kernels.hpp"
+#include "turgor/models/lattice/solver/sweeps.hpp"
+
+namespace turgor::lattice {
+
+/// Where inertia and gravity lead: y = u_before + h v + h² g.
+struct Inertia {
+  const Real *bx, *by, *bz, *vx, *vy, *vz, *w;
+  const std::uint8_t* removed;
+  Vec3 fall;  // h² g [m]
+  Real dt;
+
+  Inertia(const Model& model, const State& s, const Inputs& inputs, double step)
+      : bx(s.u_before.x.data()),
+        by(s.u_before.y.data()),
+        bz(s.u_before.z.data()),
+        vx(s.v.x.data()),
+        vy(s.v.y.data()),
+        vz(s.v.z.data()),
+        w(model.inverse_mass.data()),
+        removed(s.removed.data()),
+        fall(lattice_gravity(model, inputs) * Real(step * step)),
+        dt(Real(step)) {}
+  /// On either side of the bus.
+  Inertia(const MovingNodes& n, Vec3 falls, Real step)
+      : bx(n.bx),
+        by(n.by),
+        bz(n.bz),
+        vx(n.vx),
+        vy(n.vy),
+        vz(n.vz),
+        w(n.nodes.w),
+        removed(n.removed),
+        fall(falls),
+        dt(step) {}
+
+  /// 1 where there is a node that can move, or 0.
+  TURGOR_HD Real moves(int s) const { return ((w[s] > 0) & (removed[s] == 0)) ? Real(1) : Real(0); }
+  TURGOR_HD Vec3 operator()(int s) const { return at(s, moves(s)); }
+  TURGOR_HD Vec3 at(int s, Real moves) const {
+    return {bx[s] + moves * (dt * vx[s] + fall.x), by[s] + moves * (dt * vy[s] + fall.y),
+            bz[s] + moves * (dt * vz[s] + fall.z)};
+  }
+};
+
+/// Calls body(parity, slot, count) on pieces of half a row that can move.
+template <class Body>
+void for_each_piece_of(const Model& model, int parity, int j, int k, const Body& body) {
+  const Lattice& l = model.lattice;
+  for (const Run run : model.moving.of_half_row(row_slot(l, j, k) / l.half + parity))
+    for (int begin = 0; begin < run.count; begin += kLanes)
+      body(parity, run.begin + begin, std::min(kLanes, run.count - begin));
+}
+
+/// Calls body(parity, slot, count) on pieces of all half rows of a layer that can move and are awake, in
+/// order or against it.
+template <class Body>
+void for_each_piece(const Model& model, const std::uint8_t* awake, int k, const Body& body,
+                    Order order = Order::kForward) {
+  const Lattice& l = model.lattice;
+  const bool backward = order == Order::kBackward;
+  for (int row = 0; row < l.size.y; row++)
+    for (int turn = 0; turn < 2; turn++) {
+      const int j = backward ? l.size.y - 1 - row : row, parity = backward ? 1 - turn : turn;
+      if (awake != nullptr && !awake[row_of(model, row_slot(l, j, k))]) continue;
+      for_each_piece_of(model, parity, j, k, body);
+    }
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,221 @@
+// Position-based dynamics on the lattice, as in the paper: springs, then volumes if asked for, then skin. A
+// layer of cells is done row by row; both ends of an edge family are contiguous runs of nodes without a node
+// in common, so lanes never meet.
+#include "turgor/models/lattice/model/colors.hpp"
+#include "turgor/models/lattice/solver/projections.hpp"
+#include "turgor/models/lattice/solver/sweeps.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Calls body.template lanes<width>(begin) on [0, count): whole vectors, as compilers make them of loops of
+/// constant length, then half a one, then what is left at the end of a row.
+template <class Body>
+void in_vectors(int count, const Body& body) {
+  int i = 0;
+  for (; i + 16 <= count; i += 16) body.template lanes<16>(i);
+  if (i + kGroup <= count) body.template lanes<kGroup>(i), i += kGroup;
+  for (; i < count; i++) body.template lanes<1>(i);
+}
+
+template <bool kWithCuts>
+struct EdgeRun {
+  const NodeArrays& n;
+  int a, b;
+  Vec3 edge;
+  Real rest;
+  int family;
+
+  template <int kWidth>
+  void lanes(int i) const {
+    project_edges<kWithCuts, kWidth>(n, a + i, b + i, edge, rest, family);
+  }
+};
+
+/// Where something is to be projected in the halves of a row. No run goes beyond a half's last node: the slot
+/// behind it may be the first of the other half.
+struct RowRuns {
+  int j, k;
+  std::span<const Run> of[2];
+  int end[2];
+
+  RowRuns(const Model& model, int at_j, int at_k) : j(at_j), k(at_k) {
+    const Lattice& l = model.lattice;
+    const int row = row_slot(l, j, k);
+    for (int parity = 0; parity < 2; parity++) {
+      of[parity] = model.joining.of_half_row(row / l.half + parity);
+      end[parity] = row + parity * l.half + half_count(l, parity);
+    }
+  }
+  /// Calls body(first slot, count).
+  template <class Body>
+  void for_each(int parity, const Body& body) const {
+    for (const Run run : of[parity]) body(run.begin, std::min(run.count, end[parity] - run.begin));
+  }
+};
+
+/// All edges whose lower end is in a row, or in half of it, then the tetrahedra of the row of cells there.
+struct SweepRow {
+  const Model& model;
+  NodeArrays nodes;
+  const std::uint8_t* row_cut;
+  std::array<Vec3, kFamilyCount> edges;
+
+  SweepRow(const Model& m, State& s)
+      : model(m), nodes(node_arrays(m, s)), row_cut(s.row_cut.data()), edges(rest_edges(m.lattice)) {}
+
+  /// In so many halves, from the first parity on.
+  template <bool kWithCuts, int kHalves>
+  void project_family(int f, const RowRuns& row, int first) const {
+    const Lattice& l = model.lattice;
+    const Int3 offset = kFamilies[std::size_t(f)];
+    if (row.j + offset.y >= l.size.y || row.k + offset.z >= l.size.z) return;
+    const Vec3 edge = edges[std::size_t(f)];
+    const Real rest = model.rest_length[std::size_t(f)];
+    for (int parity = first; parity < first + kHalves; parity++)
+      row.for_each(parity, [&](int a, int count) {
+        in_vectors(count, EdgeRun<kWithCuts>{nodes, a, a + slot_offset(l, offset, parity), edge, rest, f});
+      });
+  }
+
+  template <bool kWithCuts, int kHalves>
+  void sweep(const RowRuns& row, int first) const {
+    for (int f = 0; f < kFamilyCount; f++) project_family<kWithCuts, kHalves>(f, row, first);
+    const Lattice& l = model.lattice;
+    if (model.volume_scale <= 0 || row.j + 1 >= l.size.y || row.k + 1 >= l.size.z) return;
+    for (const auto& tet : kKuhnTets)
+      for (int parity = first; parity < first + kHalves; parity++)
+        row.for_each(parity, [&](int cell, int count) {
+          project_volumes<kWithCuts>(nodes, cell_tet(l, parity, tet), cell, count, model.rest_volume);
+        });
+  }
+
+  void operator()(int j, int k) const {
+    const RowRuns row(model, j, k);
+    if (row.of[0].empty() && row.of[1].empty()) return;
+    is_cut(j, k) ? sweep<true, 2>(row, 0) : sweep<false, 2>(row, 0);
+  }
+  /// Cells of one colour share no node: one after the other, or one kind of edge after the other, is the
+  /// same.
+  void operator()(HalfRow half) const {
+    const RowRuns row(model, half.j, half.k);
+    if (row.of[half.parity].empty()) return;
+    is_cut(half.j, half.k) ? sweep<true, 1>(row, half.parity) : sweep<false, 1>(row, half.parity);
+  }
+  bool is_cut(int j, int k) const {
+    return row_cut[row_slot(model.lattice, j, k) / row_stride(model.lattice)];
+  }
+};
+
+/// A batch of skin triangles on its way through the projection: one lane each.
+struct SkinLanes {
+  alignas(64) Real x[9][kSkinLanes];  // of corner c along axis a, x[3 c + a]: displacement, then shift
+  alignas(64) Real w[3][kSkinLanes];
+
+  void fetch(const SkinBatch& batch, const NodeArrays& n) {
+    for (int q = 0; q < 3; q++)
+      for (int i = 0; i < kSkinLanes; i++) {
+        const int slot = batch.vertex[q][i];
+        x[3 * q][i] = n.ux[slot], x[3 * q + 1][i] = n.uy[slot], x[3 * q + 2][i] = n.uz[slot];
+        w[q][i] = n.w[slot];
+      }
+  }
+
+  void project(const SkinBatch& batch, Real ratio, Real amplification) {
+    TURGOR_LANES
+    for (int i = 0; i < kSkinLanes; i++) {
+      const auto edge = [&](int q) {
+        const auto& rest = batch.edge[q - 1];
+        return Vec3{rest[0][i] + (x[3 * q][i] - x[0][i]), rest[1][i] + (x[3 * q + 1][i] - x[1][i]),
+                    rest[2][i] + (x[3 * q + 2][i] - x[2][i])};
+      };
+      const SkinShift shift = project_skin({0, 0, 0}, edge(1), edge(2), {w[0][i], w[1][i], w[2][i]},
+                                           ratio * batch.area[i], batch.stiffness[i], amplification);
+      x[0][i] = shift.a.x, x[1][i] = shift.a.y, x[2][i] = shift.a.z;
+      x[3][i] = shift.b.x, x[4][i] = shift.b.y, x[5][i] = shift.b.z;
+      x[6][i] = shift.c.x, x[7][i] = shift.c.y, x[8][i] = shift.c.z;
+    }
+  }
+};
+
+/// Projects batch after batch of a group of skin: corners into lanes, all lanes at once, shifts back to the
+/// corners.
+struct ProjectSkin {
+  const Skin& skin;
+  const std::uint8_t* skin_cut;
+  NodeArrays n;
+  Real ratio, amplification;
+
+  ProjectSkin(const Model& model, State& state)
+      : skin(model.skin),
+        skin_cut(state.skin_cut.data()),
+        n(node_arrays(model, state)),
+        ratio(rest_area_ratio(model.params.skin)),
+        amplification(Real(model.params.skin.amplification)) {}
+
+  void operator()(int group) const {
+    SkinLanes lanes;
+    const auto at = std::size_t(group);
+    for (auto b = std::size_t(skin.layer_begin[at]); b < std::size_t(skin.layer_begin[at + 1]); b++) {
+      const SkinBatch& batch = skin.batches[b];
+      lanes.fetch(batch, n);
+      lanes.project(batch, ratio, amplification);
+      add(lanes, batch, skin.batch_begin[b], skin.batch_begin[b + 1] - skin.batch_begin[b]);
+    }
+  }
+
+  void add(const SkinLanes& lanes, const SkinBatch& batch, int begin, int count) const {
+    for (int i = 0; i < count; i++) {
+      if (skin_cut[begin + i]) continue;
+      for (int q = 0; q < 3; q++) {
+        const int slot = batch.vertex[q][i];
+        n.ux[slot] += lanes.x[3 * q][i], n.uy[slot] += lanes.x[3 * q + 1][i],
+            n.uz[slot] += lanes.x[3 * q + 2][i];
+      }
+    }
+  }
+};
+
+/// The skin of one colour, by the layer.
+struct ProjectSkinOfColor {
+  const ProjectSkin& skin;
+  int color;
+
+  void operator()(std::size_t n) const { skin(4 * (2 * int(n) + (color >> 2)) + (color & 3)); }
+};
+
+void sweep_pbd_by_slabs(const Exec& exec, const Model& model, State& state, const HaloExchange* halo) {
+  const SweepRow sweep_row(model, state);
+  const ProjectSkin skin(model, state);
+  const bool with_skin = !model.skin.triangles.empty();
+  const auto sweep_layer = [&](int k) {
+    for (int j = 0; j < model.lattice.size.y; j++) sweep_row(j, k);
+    if (with_skin && k + 1 < model.lattice.size.z) skin(k);
+  };
+  sweep_slabs(exec, model.owned, sweep_layer, Order::kForward, halo);
+}
+
+}  // namespace
+
+template <class Run>
+void sweep_pbd_by_colors(const Run& run, const Model& model, State& state) {
+  const SweepRow sweep_row(model, state);
+  const ProjectSkin skin(model, state);
+  const Int3 size = model.lattice.size;
+  for (int color = 0; color < kColorCount; color++) {
+    run_half_rows(run, size, color, sweep_row);
+    if (!model.skin.triangles.empty())
+      run(std::size_t(size.z - (color >> 2)) / 2, ProjectSkinOfColor{skin, color});
+  }
+}
+template void sweep_pbd_by_colors(const CpuRun&, const Model&, State&);
+template void sweep_pbd_by_colors(const ShuffledRun&, const Model&, State&);
+
+void sweep_pbd(const Exec& exec, const Model& model, State& state, const HaloExchange* halo) {
+  if (model.params.solver.ordering == Ordering::kColors)
+    return sweep_pbd_by_colors(CpuRun{exec}, model, state);
+  sweep_pbd_by_slabs(exec, model, state, halo);
+}
+
+}  // namespace turgor::lattice

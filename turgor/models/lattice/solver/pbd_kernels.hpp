@@ -1,0 +1,192 @@
+// A step of position-based dynamics by colours, as loops over plain pointers: a thread a cell, a thread a
+// node. The same source runs on a CPU (CpuRun, ShuffledRun) and on a GPU; on a CPU step() is faster and means
+// the same.
+#pragma once
+
+#include <utility>
+
+#include "turgor/models/lattice/model/colors.hpp"
+#include "turgor/models/lattice/solver/projections.hpp"
+#include "turgor/models/lattice/solver/step_kernels.hpp"
+
+namespace turgor::lattice {
+
+/// Everything that does not change, by value.
+struct PbdRules {
+  int corner_offset[2][kCellCorners];   // by the parity of i, from the cell's lowest node [slots]
+  Vec3 edge[kFamilyCount];              // rest vectors [m]
+  Real rest[kFamilyCount];              // [m]
+  Vec3 tet_edge[6][3];                  // from a tetrahedron's first corner to its others, at rest [m]
+  Real rest_volume;                     // [m³]; 0: volumes are not projected
+  Real skin_ratio, skin_amplification;  // rest area by that in the CT [1]; β [1]
+};
+
+/// What a node weighs and how stiff it is: of a CT's millions of nodes all are of a few thousand kinds, and
+/// eight passes a sweep read two bytes of each instead of eight.
+struct alignas(8) NodeKind {
+  Real w, root;  // inverse mass [1/kg], root of its stiffness in [0, 1]
+
+  friend bool operator==(NodeKind, NodeKind) = default;
+};
+
+struct PbdOrdering {
+  std::vector<NodeKind> kinds;
+  std::vector<std::uint16_t> kind;  // by slot
+  std::vector<int> joining;  // first slots of groups whose cells hold something that can move, by colours
+  std::vector<int> heads;    // the first triangle of each cell with skin, by colours
+  std::vector<int> next;     // by triangle: another one of its cell, or -1
+  ColorBegin joining_of, heads_of;
+};
+
+/// A body on one side of the bus, for pbd.
+struct PbdView {
+  PbdRules rules;
+  MovingNodes body;
+  const NodeKind* kinds;  // PbdSchedule
+  const std::uint16_t* kind;
+  const int* joining;
+  ColorBegin joining_of;
+  const SkinTriangle* triangles;
+  const std::uint8_t* skin_cut;  // by triangle
+  const int *next, *heads;
+  ColorBegin heads_of;
+};
+
+PbdRules pbd_rules(const Model& model);
+PbdOrdering pbd_schedule(const Model& model);
+
+/// A cell's corners, x + 2 y + 4 z, while its elements are projected one after the other: fetched once and
+/// put back once. What an element is, is a constant, so that for nvcc all of it stays in registers.
+struct CornersOfCell {
+  const PbdRules& rules;
+  const std::uint8_t* cut;  // of the corners' slots, by `at`
+  int at[kCellCorners];
+  Vec3 u[kCellCorners];
+  NodeKind is[kCellCorners];
+
+  TURGOR_HD CornersOfCell(const PbdView& v, int s) : rules(v.rules), cut(v.body.nodes.cut) {
+    const int parity = s / v.body.half & 1;
+    TURGOR_UNROLL
+    for (int c = 0; c < kCellCorners; c++) {
+      at[c] = s + rules.corner_offset[parity][c];
+      u[c] = v.body.nodes.u(at[c]), is[c] = v.kinds[v.kind[at[c]]];
+    }
+  }
+  TURGOR_HD void put_back(const NodeArrays& n) const {
+    TURGOR_UNROLL
+    for (int c = 0; c < kCellCorners; c++) n.ux[at[c]] = u[c].x, n.uy[at[c]] = u[c].y, n.uz[at[c]] = u[c].z;
+  }
+
+  template <std::size_t kFamily>
+  TURGOR_HD void project_edge() {
+    constexpr int b = corner_of(kFamilies[kFamily]);
+    const Vec3 d = rules.edge[kFamily] + (u[b] - u[0]);
+    const Real stiffness = cut[at[0]] >> kFamily & 1 ? 0 : is[0].root * is[b].root;
+    const Real s = project_spring(d, rules.rest[kFamily], stiffness, is[0].w, is[b].w);
+    u[0] += d * (s * is[0].w), u[b] -= d * (s * is[b].w);
+  }
+  template <std::size_t... kFamily>
+  TURGOR_HD void project_edges(std::index_sequence<kFamily...>) {
+    (project_edge<kFamily>(), ...);
+  }
+
+  template <std::size_t kTet>
+  TURGOR_HD bool is_cut() const {
+    constexpr std::array<Int3, 4> tet = kKuhnTets[kTet];
+    const auto parted = [&]<std::size_t kP, std::size_t kQ>() {
+      constexpr Int3 way = tet[kQ] - tet[kP];
+      constexpr bool forward = family_of(way) >= 0;
+      constexpr int lower = corner_of(tet[forward ? kP : kQ]), family = family_of(forward ? way : -way);
+      return cut[at[lower]] >> family & 1;
+    };
+    return parted.template operator()<0, 1>() | parted.template operator()<0, 2>() |
+           parted.template operator()<0, 3>() | parted.template operator()<1, 2>() |
+           parted.template operator()<1, 3>() | parted.template operator()<2, 3>();
+  }
+  template <std::size_t kTet>
+  TURGOR_HD void project_tet() {
+    constexpr std::array<Int3, 4> tet = kKuhnTets[kTet];
+    constexpr int a = corner_of(tet[0]), b = corner_of(tet[1]), c = corner_of(tet[2]), d = corner_of(tet[3]);
+    const Vec3 e1 = rules.tet_edge[kTet][0] + (u[b] - u[a]), e2 = rules.tet_edge[kTet][1] + (u[c] - u[a]),
+               e3 = rules.tet_edge[kTet][2] + (u[d] - u[a]);
+    const Real whole = tet_stiffness(is[a].root, is[d].root, is[b].root, is[c].root, is[d].root);
+    const VolumeGradients g = volume_gradients(e1, e2, e3);
+    const Real s = project_volume(e1, g, rules.rest_volume, is_cut<kTet>() ? 0 : whole, is[a].w, is[b].w,
+                                  is[c].w, is[d].w);
+    u[a] -= (g.g1 + g.g2 + g.g3) * (s * is[a].w);
+    u[b] += g.g1 * (s * is[b].w), u[c] += g.g2 * (s * is[c].w), u[d] += g.g3 * (s * is[d].w);
+  }
+  template <std::size_t... kTet>
+  TURGOR_HD void project_tets(std::index_sequence<kTet...>) {
+    (project_tet<kTet>(), ...);
+  }
+};
+
+/// The edges of a cell, and its tetrahedra.
+template <bool kWithVolumes>
+struct ProjectCell {
+  PbdView v;
+  int begin;
+
+  TURGOR_HD void operator()(std::size_t n) const {
+    const int s = v.joining[std::size_t(begin) + n / kGroup] + int(n % kGroup);
+    if (!(v.kinds[v.kind[s]].root > 0))
+      return;  // behind the end of a row, too: there is somebody else's node
+    CornersOfCell cell(v, s);
+    cell.project_edges(std::make_index_sequence<kFamilyCount>{});
+    if constexpr (kWithVolumes) cell.project_tets(std::make_index_sequence<kKuhnTets.size()>{});
+    cell.put_back(v.body.nodes);
+  }
+};
+
+/// The skin of a cell, one triangle after the other.
+struct ProjectSkinCell {
+  PbdView v;
+  int begin;
+
+  TURGOR_HD void operator()(std::size_t n) const {
+    for (int t = v.heads[std::size_t(begin) + n]; t >= 0; t = v.next[t])
+      if (!v.skin_cut[t]) project(v.triangles[t]);
+  }
+  TURGOR_HD void project(const SkinTriangle& t) const {
+    const auto [a, b, c] = t.vertex;
+    const Vec3 here = v.body.nodes.u(a);
+    const SkinShift shift =
+        project_skin({0, 0, 0}, t.edge1 + (v.body.nodes.u(b) - here), t.edge2 + (v.body.nodes.u(c) - here),
+                     {v.body.nodes.w[a], v.body.nodes.w[b], v.body.nodes.w[c]}, v.rules.skin_ratio * t.area,
+                     t.stiffness, v.rules.skin_amplification);
+    move(a, shift.a), move(b, shift.b), move(c, shift.c);
+  }
+  TURGOR_HD void move(int s, Vec3 by) const {
+    v.body.nodes.ux[s] += by.x, v.body.nodes.uy[s] += by.y, v.body.nodes.uz[s] += by.z;
+  }
+};
+
+/// One sweep.
+template <class Run>
+void sweep_pbd_with(const Run& run, const PbdView& v) {
+  for (int c = 0; c < kColorCount; c++) {
+    const int *cells = v.joining_of.begin + c, *skin = v.heads_of.begin + c;
+    const std::size_t slots = std::size_t(cells[1] - cells[0]) * kGroup;
+    if (v.rules.rest_volume > 0)
+      run(slots, ProjectCell<true>{v, cells[0]});
+    else
+      run(slots, ProjectCell<false>{v, cells[0]});
+    run(std::size_t(skin[1] - skin[0]), ProjectSkinCell{v, skin[0]});
+  }
+}
+
+/// What a step does to the view's arrays; the marks must be fresh. `loads` are on the same side, their slots
+/// ascend.
+template <class Run>
+void step_pbd_with(const Run& run, const PbdView& v, std::span<const NodeLoad> loads, Vec3 gravity,
+                   const SolverParams& solver, double step) {
+  const Real dt = Real(step);
+  run(loads.size(), AddLoad{v.body, loads.data(), int(loads.size()), dt});
+  run(v.body.count(),
+      PredictNode{v.body, {dt * dt * gravity.x, dt * dt * gravity.y, dt * dt * gravity.z}, dt});
+  for (int sweep = 0; sweep < solver.sweeps; sweep++) sweep_pbd_with(run, v);
+  run(v.body.count(), FinishNode{v.body, speed_scale(solver, step)});
+}
+
+}  // namespace turgor::lattice

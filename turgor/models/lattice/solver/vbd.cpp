@@ -1,0 +1,284 @@
+// Vertex block descent on the lattice (Chen et al. 2024): each node in turn moves to the minimum of the
+// quadratic that its springs, volumes and skin, and its own inertia, make of the step's energy. Nodes of a
+// half row have no edge in common, so a half row is done at once: forces and stiffnesses into a buffer as
+// SIMD, skin node by node, one Newton step as SIMD.
+#include <algorithm>
+#include <bit>
+#include <vector>
+
+#include "turgor/core/assert.hpp"
+#include "turgor/models/lattice/mechanics/cells.hpp"
+#include "turgor/models/lattice/mechanics/cut_elements.hpp"
+#include "turgor/models/lattice/mechanics/element_energies.hpp"
+#include "turgor/models/lattice/mechanics/node_contact.hpp"
+#include "turgor/models/lattice/mechanics/node_forces.hpp"
+#include "turgor/models/lattice/mechanics/skin_forces.hpp"
+#include "turgor/models/lattice/model/colors.hpp"
+#include "turgor/models/lattice/model/neighbors.hpp"
+#include "turgor/models/lattice/model/rows.hpp"
+#include "turgor/models/lattice/solver/inertia.hpp"
+#include "turgor/models/lattice/solver/sleep.hpp"
+#include "turgor/models/lattice/solver/sweeps.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// Which springs and tetrahedra around sixteen nodes no blade went through: 1 or 0. Numbers of one size, or
+/// loops over them become vectors of four.
+struct Uncut {
+  Real spring[kNeighborCount][kSpareSlots], tet[24][kSpareSlots];
+};
+void find_uncut(const NodeArrays& n, const Neighbors& around, int slot, bool with_volumes, Uncut& out) {
+  for (int e = 0; e < kNeighborCount; e++) {
+    const std::uint8_t* cut = n.cut + slot + (e % 2 == 0 ? 0 : around.offset[e]);
+    for (int i = 0; i < kSpareSlots; i++) out.spring[e][i] = cut[i] >> e / 2 & 1 ? 0 : 1;
+  }
+  for (std::size_t t = 0; t < 24 && with_volumes; t++) {
+    int any[kSpareSlots] = {};
+    for (const EdgeAround edge : kTetsAround[t].edge) {
+      const std::uint8_t* cut = n.cut + slot + (edge.lower < 0 ? 0 : around.offset[edge.lower]);
+      for (int i = 0; i < kSpareSlots; i++) any[i] |= cut[i] >> edge.family & 1;
+    }
+    for (int i = 0; i < kSpareSlots; i++) out.tet[t][i] = any[i] ? 0 : 1;
+  }
+}
+
+/// Springs and volumes around the nodes of [slot, slot + kSpareSlots).
+template <bool kWithCuts, bool kWithVolumes>
+void gather_elements(const NodeArrays& n, const Neighbors& around, Real rest_volume, Real volume_scale,
+                     int slot, int begin, SystemBuffer& __restrict out) {
+  Uncut uncut;
+  if constexpr (kWithCuts) find_uncut(n, around, slot, kWithVolumes, uncut);
+  TURGOR_LANES
+  for (int i = 0; i < kSpareSlots; i++) {
+    const auto spring = [&](int e) { return kWithCuts ? uncut.spring[e][i] : Real(1); };
+    const auto tet = [&](std::size_t t) { return kWithCuts ? uncut.tet[t][i] : Real(1); };
+    out.set(begin + i,
+            springs_around<kWithVolumes>(n, around, rest_volume, volume_scale, slot + i, spring, tet));
+  }
+}
+
+/// Everything a half row is asked for, without inertia.
+struct GatherRow {
+  const Model& model;
+  const State& state;
+  NodeArrays nodes;
+  Neighbors neighbors[2];
+  SolidRow solid;
+  SkinForces skin;
+  CutElementForces parts;
+
+  GatherRow(const Model& m, State& s)
+      : model(m),
+        state(s),
+        nodes(node_arrays(m, s)),
+        neighbors{neighbors_of(m, 0), neighbors_of(m, 1)},
+        solid(m, s),
+        skin(m),
+        parts(m, s) {}
+
+  template <bool kWithCuts>
+  void springs(int parity, int slot, int count, SystemBuffer& out) const {
+    const auto elements =
+        model.volume_scale > 0 ? gather_elements<kWithCuts, true> : gather_elements<kWithCuts, false>;
+    for (int begin = 0; begin < count; begin += kSpareSlots)
+      elements(nodes, neighbors[parity], model.rest_volume, model.volume_scale, slot + begin, begin, out);
+  }
+
+  void add_skin(int slot, int count, SystemBuffer& out) const {
+    for_skin_nodes(
+        model, state, nodes, skin, slot, count, [&](int at) { return out.get(at - slot); },
+        [&](int at, const NodeSystem& s) { out.set(at - slot, s); });
+  }
+
+  void operator()(int parity, int slot, int count, SystemBuffer& out) const {
+    if (model.params.tissue.law == TissueLaw::kSolid)
+      solid.gather(parity, slot, count, out);
+    else if (state.row_cut[std::size_t(slot / row_stride(model.lattice))])
+      springs<true>(parity, slot, count, out);
+    else
+      springs<false>(parity, slot, count, out);
+    if (!model.skin.triangles.empty()) add_skin(slot, count, out);
+    for (const ElementNode& node : parts.nodes_of(slot, count)) {
+      NodeSystem s = out.get(node.slot - slot);
+      add(s, parts.gather(node));
+      out.set(node.slot - slot, s);
+    }
+  }
+};
+
+/// Moves the nodes of a layer, or of half a row, and their copies.
+struct Descend {
+  const GatherRow& gather;
+  const Inertia& inertia;
+  std::span<NodeContact> contacts;
+  Order order;
+  Sleep& sleep;
+  Real way2;  // square of how far a node goes in a step without waking others [m²]; negative: none sleeps
+
+  bool sleeps() const { return way2 >= 0; }
+
+  void operator()(int k) const {
+    SystemBuffer buffer;
+    const std::span<const ElementNode> virtual_nodes = gather.parts.virtual_nodes_of(k);
+    if (order == Order::kBackward) solve_copies(virtual_nodes);
+    for_each_piece(
+        gather.model, sleeps() ? sleep.awake.data() : nullptr, k,
+        [&](int parity, int slot, int count) { move_nodes(parity, slot, count, buffer); }, order);
+    if (order == Order::kForward) solve_copies(virtual_nodes);
+  }
+
+  void operator()(HalfRow row) const {
+    const Lattice& l = gather.model.lattice;
+    const int first = row_slot(l, row.j, row.k) + row.parity * l.half;
+    if (sleeps() && !sleep.awake[std::size_t(row_of(gather.model, first))]) return;
+    SystemBuffer buffer;
+    for_each_piece_of(gather.model, row.parity, row.j, row.k,
+                      [&](int parity, int slot, int count) { move_nodes(parity, slot, count, buffer); });
+    solve_copies(gather.parts.virtual_nodes_of(first, l.half));
+  }
+
+  void move_nodes(int parity, int slot, int count, SystemBuffer& buffer) const {
+    gather(parity, slot, count, buffer);
+    const std::span<NodeContact> touched = contacts_of(contacts, slot, count);
+    if (!touched.empty()) press(touched, slot, buffer);
+    solve(slot, count, buffer);
+    for (NodeContact& c : touched) c.force = contact_force(c, contact_displacement(c, gather.nodes)).force;
+    if (sleeps() && has_moved(slot, count)) sleep.moved[std::size_t(row_of(gather.model, slot))] = 1;
+  }
+
+  /// After the nodes of their layer, or before them backward: those of other slabs stand still then.
+  void solve_copies(std::span<const ElementNode> virtual_nodes) const {
+    for (std::size_t n = 0; n < virtual_nodes.size(); n++) {
+      const ElementNode& copy = virtual_nodes[order == Order::kForward ? n : virtual_nodes.size() - 1 - n];
+      if (!sleeps() || sleep.awake[std::size_t(row_of(gather.model, copy.slot))]) gather.parts.solve(copy);
+    }
+  }
+
+  /// Adds contacts to the systems of their nodes.
+  void press(std::span<NodeContact> touched, int slot, SystemBuffer& buffer) const {
+    for (std::size_t begin = 0, end = 0; begin < touched.size(); begin = end) {
+      while (end < touched.size() && touched[end].slot == touched[begin].slot) end++;
+      const int at = touched[begin].slot - slot;
+      NodeSystem system = buffer.get(at);
+      const int node = touched[begin].slot;
+      press_node(touched.subspan(begin, end - begin), gather.nodes, inertia(node) - gather.nodes.u(node),
+                 inertia.dt * inertia.dt * gather.nodes.w[node], system);
+      buffer.set(at, system);
+    }
+  }
+
+  void solve(int slot, int count, const SystemBuffer& buffer) const {
+    int begin = 0;
+    for (; begin + 2 * kGroup <= count; begin += 2 * kGroup) solve_lanes<2 * kGroup>(slot, begin, buffer);
+    if (begin < count) solve_lanes<kGroup>(slot, begin, buffer);
+  }
+
+  template <int kWidth>
+  void solve_lanes(int first, int begin, const SystemBuffer& buffer) const {
+    const NodeArrays& n = gather.nodes;
+    const int slot = first + begin;
+    Real* __restrict ux = n.ux + slot, * __restrict uy = n.uy + slot, * __restrict uz = n.uz + slot;
+    const Inertia y = inertia;  // a copy that the stores below cannot reach
+    Real moves[kWidth];
+    for (int i = 0; i < kWidth; i++) moves[i] = y.moves(slot + i);
+    TURGOR_LANES
+    for (int i = 0; i < kWidth; i++) {
+      const Vec3 to_inertial = y.at(slot + i, moves[i]) - Vec3{ux[i], uy[i], uz[i]};
+      const Vec3 change = newton_step(buffer.get(begin + i), to_inertial, y.dt * y.dt * y.w[slot + i]);
+      ux[i] += change.x, uy[i] += change.y, uz[i] += change.z;
+    }
+  }
+
+  /// Bit patterns of positive numbers are in order, and those of not-a-number come last.
+  bool has_moved(int slot, int count) const {
+    const NodeArrays& n = gather.nodes;
+    std::uint32_t found = 0;
+    for (int s = slot; s < slot + count; s++) {
+      const Real x = n.ux[s] - inertia.bx[s], y = n.uy[s] - inertia.by[s], z = n.uz[s] - inertia.bz[s];
+      const std::uint32_t bits = std::bit_cast<std::uint32_t>(x * x + y * y + z * z) & 0x7fffffffu;
+      found = bits > found ? bits : found;
+    }
+    return found > std::bit_cast<std::uint32_t>(way2);
+  }
+};
+
+/// Calls sweep(descend).
+template <class Sweep>
+void prepare_descent(const Model& model, State& state, const Inputs& inputs, double dt, Order order,
+                     const Sweep& sweep) {
+  const GatherRow gather(model, state);
+  const Inertia inertia(model, state, inputs, dt);
+  // Tests and benches sweep outside of steps, where nobody has been woken.
+  const bool sleeps = can_sleep(model) && !state.sleep.awake.empty();
+  const Real way = Real(model.params.solver.sleep * dt);
+  if (sleeps) std::fill(state.sleep.moved.begin(), state.sleep.moved.end(), std::uint8_t(0));
+  sweep(Descend{gather, inertia, inputs.contacts, order, state.sleep, sleeps ? way * way : Real(-1)});
+  if (sleeps) spread_motion(model, state);
+}
+
+}  // namespace
+
+template <class Run>
+void sweep_vbd_by_colors(const Run& run, const Model& model, State& state, const Inputs& inputs, double dt,
+                         Order order) {
+  prepare_descent(model, state, inputs, dt, order, [&](const Descend& descend) {
+    for (int turn = 0; turn < kColorCount; turn++)
+      run_half_rows(run, model.lattice.size, order == Order::kBackward ? kColorCount - 1 - turn : turn,
+                    descend);
+  });
+}
+template void sweep_vbd_by_colors(const CpuRun&, const Model&, State&, const Inputs&, double, Order);
+template void sweep_vbd_by_colors(const ShuffledRun&, const Model&, State&, const Inputs&, double, Order);
+
+void sweep_vbd(const Exec& exec, const Model& model, State& state, const Inputs& inputs, double dt,
+               Order order) {
+  if (model.params.solver.ordering == Ordering::kColors)
+    return sweep_vbd_by_colors(CpuRun{exec}, model, state, inputs, dt, order);
+  prepare_descent(model, state, inputs, dt, order, [&](const Descend& descend) {
+    sweep_slabs(exec, model.owned, descend, order, inputs.halo);
+  });
+}
+
+Residual measure_residual(const Exec& exec, const Model& model, const State& state, const Inputs& inputs,
+                          double dt) {
+  TURGOR_ASSERT(model.params.solver.method == Method::kVbd, "stiffness must be in pascals to measure forces");
+  const GatherRow gather(model,
+                         const_cast<State&>(state));  // node_arrays has one type for readers and writers
+  const Inertia inertia(model, state, inputs, dt);
+  std::vector<double> layers(2 *
+                             std::size_t(model.owned.end - model.owned.begin));  // largest and sum of squares
+  for_layers(exec, model.owned, [&](std::size_t k) {
+    SystemBuffer buffer;
+    double* layer = &layers[2 * (k - std::size_t(model.owned.begin))];
+    const auto add_force = [layer](Vec3d force) {
+      layer[0] = std::max(layer[0], dot(force, force));
+      layer[1] += dot(force, force);
+    };
+    for (const ElementNode& copy : gather.parts.virtual_nodes_of(int(k)))
+      if (gather.nodes.w[copy.slot] > 0) add_force(Vec3d(gather.parts.gather(copy).f));
+    for_each_piece(model, nullptr, int(k), [&](int parity, int slot, int count) {
+      gather(parity, slot, count, buffer);
+      for (const NodeContact& c : contacts_of(inputs.contacts, slot, count)) {
+        NodeSystem s = buffer.get(c.slot - slot);
+        s.f += c.force;
+        buffer.set(c.slot - slot, s);
+      }
+      TURGOR_LANES
+      for (int i = 0; i < count; i++) {
+        const Real w = gather.nodes.w[slot + i];
+        if (w == 0 || state.removed[std::size_t(slot + i)]) continue;
+        const Vec3d lack(inertia(slot + i) - gather.nodes.u(slot + i));
+        add_force(Vec3d(buffer.get(i).f) + lack / (double(w) * dt * dt));
+      }
+    });
+  });
+  if (inputs.halo) inputs.halo->join_numbers(layers);
+  double largest2 = 0, sum2 = 0;
+  for (std::size_t n = 0; n < layers.size(); n += 2)
+    largest2 = std::max(largest2, layers[n]), sum2 += layers[n + 1];
+  return {.largest = std::sqrt(largest2), .rms = std::sqrt(sum2 / std::max(1, model.free_nodes))};
+}
+
+}  // namespace turgor::lattice

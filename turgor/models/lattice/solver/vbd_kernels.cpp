@@ -1,0 +1,33 @@
+#include "turgor/models/lattice/solver/vbd_kernels.hpp"
+
+#include <algorithm>
+
+namespace turgor::lattice {
+
+VbdRules descent_rules(const Model& model) {
+  const Lattice& l = model.lattice;
+  VbdRules rules{.neighbors = {neighbors_of(model, 0), neighbors_of(model, 1)},
+                 .block = {node_block(l, 0), node_block(l, 1)},
+                 .solid = solid_law(l.step, model.params.tissue.poisson),
+                 .rest_volume = model.rest_volume,
+                 .volume_scale = model.volume_scale};
+  for (int n = 0; n < kCellCorners; n++) {
+    rules.edges_from[n] = edges_from_corner(n);
+    for (int e = 0; e < kNeighborCount; e++)
+      if (cell_holds(n, neighbor_offset(e))) rules.holders[e] |= std::uint8_t(1u << n);
+  }
+  return rules;
+}
+
+VirtualNodeOrdering copy_schedule(const Model& model, const State& state) {
+  VirtualNodeOrdering ordering;
+  for (int color = 0; color < kColorCount; color++) {
+    ordering.virtual_nodes_of.begin[color] = int(ordering.virtual_nodes.size());
+    for (const ElementNode& copy : state.parts.virtual_nodes)
+      if (color_of(slot_node(model.lattice, copy.slot)) == color) ordering.virtual_nodes.push_back(copy);
+  }
+  ordering.virtual_nodes_of.begin[kColorCount] = int(ordering.virtual_nodes.size());
+  return ordering;
+}
+
+}  // namespace turgor::lattice

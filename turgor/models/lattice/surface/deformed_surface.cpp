@@ -1,0 +1,135 @@
+// Where the drawn surface is now: every vertex goes with its piece.
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/core/sort_unique.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// see(vertex, corner, weight), for the corners that a vertex goes with.
+template <class See>
+void for_corners(const Model& model, const BodySurface& surface, const See& see) {
+  const Vec3 h = model.lattice.step;
+  for (std::size_t v = 0; v < surface.rest.size(); v++) {
+    const Carrier& carrier = surface.carrier[v];
+    const auto corners = corners_of(model, surface.pieces, carrier.cell, carrier.piece);
+    const Vec3 at = surface.rest[v];
+    const auto weight =
+        trilinear(Vec3{at.x / h.x, at.y / h.y, at.z / h.z} - Vec3(slot_node(model.lattice, carrier.cell)));
+    for (std::size_t c = 0; c < 8; c++)
+      if (weight[c] != 0) see(v, corners[c], weight[c]);
+  }
+}
+/// None of them is known yet.
+std::vector<int> corner_table(const Model& model, const BodySurface& surface) {
+  return std::vector<int>(std::size_t(slot_count(model.lattice)) + surface.pieces.virtual_nodes.size(), -1);
+}
+
+/// Displacement of every vertex, lattice frame [m]. Corners are asked for once each.
+std::vector<Vec3> displacements(const Model& model, const State& state, const BodySurface& surface) {
+  std::vector<int> known = corner_table(model, surface);
+  std::vector<Vec3> corner_u;
+  std::vector<Vec3> result(surface.rest.size());
+  for_corners(model, surface, [&](std::size_t v, int corner, Real weight) {
+    int& index = known[std::size_t(corner)];
+    if (index < 0) {
+      index = int(corner_u.size());
+      corner_u.push_back(corner_displacement(model, state, surface.pieces, corner));
+    }
+    result[v] += corner_u[std::size_t(index)] * weight;
+  });
+  return result;
+}
+
+Vec3 area_vector(const std::vector<Vec3>& x, Int3 t) {
+  const Vec3 a = x[std::size_t(t.x)];
+  return cross(x[std::size_t(t.y)] - a, x[std::size_t(t.z)] - a);
+}
+
+/// Sums of the area vectors around each vertex. Slivers beside a lip may lie turned over by a hair: a vertex
+/// that has hardly any other triangles takes those around its neighbours as well.
+std::vector<Vec3> area_around(const BodySurface& surface, const std::vector<Vec3>& x, Real step) {
+  const Real sliver = Real(0.04) * step * step;
+  std::vector<Vec3> own(x.size());
+  for (const Int3 t : surface.triangles)
+    for (int corner = 0; corner < 3; corner++) own[std::size_t(t[corner])] += area_vector(x, t);
+  std::vector<Vec3> sums = own;
+  for (const Int3 t : surface.triangles)
+    for (int corner = 0; corner < 3; corner++)
+      if (const auto v = std::size_t(t[corner]); norm(own[v]) < sliver)
+        sums[v] += own[std::size_t(t[(corner + 1) % 3])] + own[std::size_t(t[(corner + 2) % 3])];
+  return sums;
+}
+
+/// Area-weighted; the two lips of a cut that is hardly open share theirs, so that it does not show.
+std::vector<Vec3> smooth_normals(const BodySurface& surface, const std::vector<Vec3>& x, Real step) {
+  const std::vector<Vec3> sums = area_around(surface, x, step);
+  std::vector<Vec3> normals = sums;
+  for (std::size_t v = 0; v < x.size(); v++) {
+    if (surface.twin[v] >= 0) {
+      const auto twin = std::size_t(surface.twin[v]);
+      normals[v] += sums[twin] * std::max(Real(0), 1 - norm(x[twin] - x[v]) / step);
+    }
+    normals[v] = normalized(normals[v]);
+  }
+  return normals;
+}
+
+/// Area now over area in the CT, less one, of the skin around each vertex. Triangles that a cut has torn open
+/// had no area.
+std::vector<float> stretches(const BodySurface& surface, const std::vector<Vec3>& x, Real step) {
+  std::vector<float> now(x.size()), rest(x.size());
+  for (int n = 0; n < surface.skin_triangles; n++) {
+    const Int3 t = surface.triangles[std::size_t(n)];
+    const float area_rest = norm(area_vector(surface.rest, t)), area_now = norm(area_vector(x, t));
+    if (area_rest < 1e-5f * step * step) continue;
+    for (int corner = 0; corner < 3; corner++) {
+      rest[std::size_t(t[corner])] += area_rest;
+      now[std::size_t(t[corner])] += area_now;
+    }
+  }
+  for (std::size_t v = 0; v < x.size(); v++) now[v] = rest[v] > 0 ? now[v] / rest[v] - 1 : 0;
+  return now;
+}
+
+}  // namespace
+
+std::vector<int> nodes_behind(const Model& model, const State& state, const BodySurface& surface) {
+  std::vector<int> known = corner_table(model, surface), nodes;
+  for_corners(model, surface, [&](std::size_t, int corner, Real) {
+    if (int& seen = known[std::size_t(corner)]; seen < 0) {
+      seen = 1;
+      add_nodes_behind(model, state, surface.pieces, corner, nodes);
+    }
+  });
+  sort_unique(nodes);
+  return nodes;
+}
+
+TriMesh deformed_surface(const Model& model, const State& state, const BodySurface& surface, Shown shown) {
+  const std::vector<Vec3> u = displacements(model, state, surface);
+  std::vector<Vec3> x(u.size());
+  for (std::size_t v = 0; v < x.size(); v++) x[v] = surface.rest[v] + u[v];
+
+  const Real step = std::min({model.lattice.step.x, model.lattice.step.y, model.lattice.step.z});
+  TriMesh mesh{.vertices = {},
+               .triangles = surface.triangles,
+               .normals = smooth_normals(surface, x, step),
+               .scalars = {}};
+  if (shown == Shown::kStretch) mesh.scalars = stretches(surface, x, step);
+  if (shown == Shown::kDisplacement)
+    for (const Vec3 d : u) mesh.scalars.push_back(norm(d));
+
+  const Mat3d& axes = model.grid.axes;
+  mesh.vertices.reserve(x.size());
+  for (const Vec3 p : x) mesh.vertices.push_back(Vec3(model.grid.origin + axes * Vec3d(p)));
+  for (Vec3& n : mesh.normals) n = Vec3(axes * Vec3d(n));
+  if (determinant(axes) < 0)  // mirrored: what was counter-clockwise is not
+    for (Int3& t : mesh.triangles) std::swap(t.y, t.z);
+  return mesh;
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,150 @@
+// Measures of a wound: how far the two lips of a cut have gone apart.
+#include <algorithm>
+#include <cmath>
+
+#include "turgor/core/sort_unique.hpp"
+#include "turgor/models/lattice/cutting/incision.hpp"
+#include "turgor/models/lattice/surface/surface.hpp"
+
+namespace turgor::lattice {
+
+namespace {
+
+/// A place where both lips lay on each other.
+struct LipPair {
+  double along;  // where on the cut [m]
+  double gape;   // opening across the cut since the CT [m]
+  double moved;  // the larger displacement of the two [m]
+};
+
+Vec3d across_along(const BladePath& path, double along) {
+  const PathPlace at = place_along(path, along);
+  const std::size_t next = std::min(at.n + 1, path.skin.size() - 1);
+  return normalized(across_at(path, at.n) * (1 - at.rest) + across_at(path, next) * at.rest);
+}
+
+std::vector<LipPair> drawn_lips(const Model& model, const State& state, const BodySurface& surface,
+                                const BladePath& path, int incision) {
+  std::vector<LipPair> pairs;
+  for (const Lip& lip : surface.lips) {
+    if (lip.incision != incision) continue;
+    const Vec3d left(vertex_displacement(model, state, surface, lip.left)),
+        right(vertex_displacement(model, state, surface, lip.right));
+    pairs.push_back({.along = double(lip.along),
+                     .gape = dot(right - left, across_along(path, double(lip.along))),
+                     .moved = std::max(norm(left), norm(right))});
+  }
+  return pairs;
+}
+
+/// A node of skin beside a removed region, as the region's path sees it.
+struct Beside {
+  double along, across;
+  int slot;
+};
+std::vector<Beside> skin_beside(const Model& model, const State& state, const BladePath& path) {
+  const Vec3d line = normalized(path.skin.back() - path.skin.front()), across = across_at(path, 0);
+  const double length = norm(path.skin.back() - path.skin.front()),
+               step = double(std::max({model.lattice.step.x, model.lattice.step.y, model.lattice.step.z}));
+  std::vector<Beside> found;
+  for (const int slot : model.skin.nodes) {
+    if (state.removed[std::size_t(slot)]) continue;
+    const Int3 node = slot_node(model.lattice, slot);
+    bool beside = false;
+    for (const Int3 f : kFamilies)
+      for (const Int3 way : {f, -f})
+        beside |= contains(model.lattice, node + way) &&
+                  state.removed[std::size_t(node_slot(model.lattice, node + way))] != 0;
+    if (!beside) continue;
+    const Vec3d away = Vec3d(rest_position(model.lattice, node)) - path.skin.front();
+    const Beside lip{dot(away, line), dot(away, across), slot};
+    if (lip.along > -2 * step && lip.along < length + 2 * step &&
+        std::abs(lip.across) < path.width / 2 + 2 * step)
+      found.push_back(lip);
+  }
+  return found;
+}
+
+/// Lips of a removed region: skin nodes beside it, each paired with the nearest one along the cut on the
+/// other side.
+std::vector<LipPair> region_lips(const Model& model, const State& state, const BladePath& path) {
+  std::vector<Beside> sides[2];
+  for (const Beside& lip : skin_beside(model, state, path)) sides[lip.across >= 0].push_back(lip);
+  std::vector<LipPair> pairs;
+  const auto u = [&](const Beside& lip) { return Vec3d(state.u[std::size_t(lip.slot)]); };
+  for (const Beside& lip : sides[1]) {
+    const auto nearest =
+        std::min_element(sides[0].begin(), sides[0].end(), [&](const Beside& a, const Beside& b) {
+          return std::abs(a.along - lip.along) < std::abs(b.along - lip.along);
+        });
+    if (nearest == sides[0].end()) continue;
+    pairs.push_back({.along = lip.along,
+                     .gape = dot(u(lip) - u(*nearest), across_at(path, 0)),
+                     .moved = std::max(norm(u(lip)), norm(u(*nearest)))});
+  }
+  return pairs;
+}
+
+/// Means over bins of about a step of the lattice along the cut.
+void add_profile(const Model& model, const std::vector<LipPair>& pairs, Wound& wound) {
+  const double begin = pairs.front().along, end = pairs.back().along;
+  const double span = end > begin ? end - begin : 1;  // a single pair has none
+  const double step = double(std::max({model.lattice.step.x, model.lattice.step.y, model.lattice.step.z}));
+  const int bins = std::max(1, int((end - begin) / step));
+  std::vector<GapePoint> sums(static_cast<std::size_t>(bins));
+  std::vector<int> counts(static_cast<std::size_t>(bins), 0);
+  for (const LipPair& pair : pairs) {
+    const auto bin = std::size_t(std::clamp(int(bins * (pair.along - begin) / span), 0, bins - 1));
+    sums[bin].along += pair.along;
+    sums[bin].gape += pair.gape;
+    counts[bin]++;
+    wound.edge_displacement = std::max(wound.edge_displacement, pair.moved);
+  }
+  for (std::size_t b = 0; b < sums.size(); b++)
+    if (counts[b] > 0) wound.profile.push_back({sums[b].along / counts[b], sums[b].gape / counts[b]});
+  wound.length = end - begin;
+}
+
+Wound wound_of(const Model& model, std::vector<LipPair> pairs) {
+  Wound wound;
+  if (pairs.empty()) return wound;
+  std::sort(pairs.begin(), pairs.end(), [](const LipPair& a, const LipPair& b) { return a.along < b.along; });
+  add_profile(model, pairs, wound);
+  for (std::size_t n = 0; n < wound.profile.size(); n++) {
+    const GapePoint& point = wound.profile[n];
+    wound.gape_max = n == 0 ? point.gape : std::max(wound.gape_max, point.gape);
+    if (n == 0) continue;
+    const GapePoint& before = wound.profile[n - 1];
+    wound.opening_area +=
+        0.5 * (std::max(0.0, point.gape) + std::max(0.0, before.gape)) * (point.along - before.along);
+  }
+  if (wound.length > 0) wound.gape_mean = wound.opening_area / wound.length;
+  return wound;
+}
+
+}  // namespace
+
+Wound measure_wound(const Model& model, const State& state, const BodySurface& surface, const BladePath& path,
+                    int incision) {
+  return wound_of(model, path.width > 0 ? region_lips(model, state, path)
+                                        : drawn_lips(model, state, surface, path, incision));
+}
+
+std::vector<int> nodes_beside(const Model& model, const State& state, const BodySurface& surface,
+                              const BladePath& path, int incision) {
+  std::vector<int> nodes;
+  if (path.width > 0)
+    for (const Beside& lip : skin_beside(model, state, path)) nodes.push_back(lip.slot);
+  else
+    for (const Lip& lip : surface.lips)
+      if (lip.incision == incision)
+        for (const int v : {lip.left, lip.right}) add_nodes_behind(model, state, surface, v, nodes);
+  sort_unique(nodes);
+  return nodes;
+}
+
+Wound measure_wound(const Model& model, const State& state, const BladePath& path, int incision) {
+  return measure_wound(model, state, build_surface(model, state, nullptr, Extent::kCuts), path, incision);
+}
+
+}  // namespace turgor::lattice

@@ -1,0 +1,39 @@
+#include "turgor/sim/live/requests.hpp"
+
+#include "turgor/sim/live/change_world.hpp"
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+Status apply_request(const Exec&, const CutRequest& request, std::shared_ptr<const Scene>&, World& world) {
+  if (request.body < 0 || std::size_t(request.body) >= world.lattice_bodies.size())
+    return Error{"no cut: there is no such lattice"};
+  Cut cut{.blade = request.blade, .body = request.body, .path = {}, .done = 0, .edges = 0};
+  cut.blade.start = time_of(world);
+  const LatticeBody& body = world.lattice_bodies[std::size_t(request.body)];
+  const Result<lattice::BladePath> trial = lattice::lay_blade(body.model, body.state, cut.blade);
+  constexpr std::size_t kMostCuts = 255;  // a cut edge remembers its incision in a byte
+  if (!trial) return Error{"no cut: " + trial.error().message};
+  if (world.cuts.size() == kMostCuts) return Error{"no cut: a world holds at most 255"};
+  world.cuts.push_back(std::move(cut));
+  return Done{};
+}
+
+Status apply_request(const Exec&, const WindRequest& request, std::shared_ptr<const Scene>&, World& world) {
+  if (request.body < 0 || std::size_t(request.body) >= world.cloth_bodies.size())
+    return Error{"no wind: there is no such cloth"};
+  ClothBody& body = world.cloth_bodies[std::size_t(request.body)];
+  body.turns.clear(), body.air.velocity = request.velocity;
+  return Done{};
+}
+
+Status apply_request(const Exec& exec, const ChangeRequest& request, std::shared_ptr<const Scene>& scene,
+                     World& world) {
+  Result<Scene> changed = with_change(*scene, request.key, request.value);
+  if (!changed) return changed.error();
+  change_world(exec, *scene, *changed, world);
+  scene = std::make_shared<const Scene>(std::move(*changed));
+  return Done{};
+}
+
+}  // namespace turgor

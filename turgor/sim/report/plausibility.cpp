@@ -1,0 +1,100 @@
+#include "turgor/sim/report/plausibility.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "turgor/sim/world.hpp"
+
+namespace turgor {
+
+namespace {
+
+constexpr double kLargestBody = 2, kSmallestBody = 1e-3;  // across [m]
+constexpr double kMostStretch = 1.5;                      // woven fabric tears long before
+
+std::string meters(double length) {
+  return length >= 1 ? fmt::format("{:.3g} m", length) : fmt::format("{:.3g} mm", 1e3 * length);
+}
+
+double across(const Box& box) {
+  const Vec3d size = box.high - box.low;
+  return std::max({size.x, size.y, size.z});
+}
+
+}  // namespace
+
+std::vector<std::string> odd_sizes(const WorldSnapshot& snapshot) {
+  std::vector<std::string> sentences;
+  double largest = 0;
+  for (const BodySnapshot& body : snapshot.bodies) {
+    if (body.rest.empty()) continue;
+    const double size = across(body.box);
+    largest = std::max(largest, size);
+    if (size > kLargestBody)
+      sentences.push_back(
+          fmt::format("{}: it is {} across, and bodies here are at most {}: if its file is in "
+                      "millimetres, scale = 0.001 makes metres of them",
+                      body.name, meters(size), meters(kLargestBody)));
+    if (size < kSmallestBody)
+      sentences.push_back(
+          fmt::format("{}: it is {} across, and bodies here are at least {}: if its file is in metres "
+                      "already, it needs no scale",
+                      body.name, meters(size), meters(kSmallestBody)));
+  }
+  for (const ToolSnapshot& tool : snapshot.tools)
+    if (tool.size > largest)
+      sentences.push_back(
+          fmt::format("{}: the part that touches is {} across, larger than the largest body ({}): are "
+                      "its lengths millimetres? Scenes take metres",
+                      tool.name, meters(tool.size), meters(largest)));
+  return sentences;
+}
+
+void note_stretch(const WorldSnapshot& snapshot, std::vector<ClothStretch>& seen) {
+  for (const BodySnapshot& body : snapshot.bodies) {
+    if (body.look != Look::kCloth) continue;
+    auto at =
+        std::find_if(seen.begin(), seen.end(), [&](const ClothStretch& s) { return s.body == body.name; });
+    if (at == seen.end()) at = seen.insert(seen.end(), {body.name, 1, 0});
+    for (const Int3 t : body.triangles)
+      for (int corner = 0; corner < 3; corner++) {
+        const auto a = std::size_t(t[corner]), b = std::size_t(t[(corner + 1) % 3]);
+        const double stretch =
+            double(norm(body.x[b] - body.x[a])) / double(norm(body.rest[b] - body.rest[a]));
+        if (stretch > at->most) at->most = stretch, at->time = snapshot.time;
+      }
+  }
+}
+
+std::vector<std::string> overstretched(const std::vector<ClothStretch>& seen) {
+  std::vector<std::string> sentences;
+  for (const ClothStretch& s : seen)
+    if (s.most > kMostStretch)
+      sentences.push_back(
+          fmt::format("{}: its longest edge was {:.3g} times its length at rest (at {:.2f} s); fabric "
+                      "does not stretch beyond {}: a larger stiffness, more sweeps or a higher frame "
+                      "rate hold it",
+                      s.body, s.most, s.time, kMostStretch));
+  return sentences;
+}
+
+std::vector<std::string> overpressed(const World& world, const std::vector<Pressed>& pressed) {
+  std::vector<std::string> sentences;
+  for (const Pressed& one : pressed) {
+    if (one.body.id.kind != BodyKind::kSfem || one.body.pressure.empty()) continue;
+    const SfemBody& body = world.sfem_bodies[std::size_t(one.body.id.index)];
+    double young = 0;
+    for (const sfem::Material& material : body.model.body.materials) young = std::max(young, material.young);
+    const double most = double(*std::max_element(one.body.pressure.begin(), one.body.pressure.end()));
+    if (most > young)
+      sentences.push_back(
+          fmt::format("{}: the contact pressed with {:.3g} kPa at {:.2f} s, more than Young's modulus "
+                      "({:.3g} kPa): the elements know no tissue that stiffens, and this force is too "
+                      "small; a smaller depth stays within the law",
+                      one.body.name, 1e-3 * most, one.time, 1e-3 * young));
+  }
+  return sentences;
+}
+
+}  // namespace turgor
